@@ -1,0 +1,51 @@
+// A .tess file -> texels. The public face of the decoder.
+#pragma once
+
+#include "codec/encoder.h" // ProgressFunction
+#include "format/byte_source.h"
+#include "format/container_reader.h"
+#include "format/texture.h"
+
+#include <memory>
+#include <span>
+
+namespace tessera {
+
+// How much of the file is checked while texels are read.
+enum class Integrity {
+    page, // the page that holds each tile is read whole and its CRC32C checked (default)
+    tile, // only the tile's own bytes are read; damage is found by the stream's end state, which
+          // misses some flips
+};
+
+// An open file. All const members are thread-safe.
+class Decoder {
+public:
+    // Reads header, tables and index root: at most 2 reads. `source` must outlive the decoder.
+    static Result<Decoder> open(ByteSource& source);
+    Decoder(Decoder&&) noexcept;
+    ~Decoder();
+
+    const ContainerReader& container() const;
+    const TextureDesc& desc() const; // of level 0
+
+    // Decodes the texels of `box` into `out` (desc().box_bytes(box) bytes, order as in texture.h),
+    // reading only the tiles that the box touches. threads 0: all cores.
+    Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 1,
+                      Integrity integrity = Integrity::page) const;
+
+    // Streams `box` into `sink` slab by slab in bounded memory; calls sink.finish().
+    Status decode(const Box4& box, TexelSink& sink, unsigned threads = 0,
+                  const ProgressFunction& progress = {}) const;
+
+private:
+    struct State;
+    explicit Decoder(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+// A file as a source of texels, so that files can be compared and transcoded like any other input.
+// `decoder` must outlive it.
+std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder);
+
+} // namespace tessera

@@ -1,0 +1,45 @@
+// What a file says about its texels besides the texels: key/values and the description.
+#pragma once
+
+#include "format/status.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+// UTF-8 keys (1..255 bytes, no NUL) to UTF-8 values (up to 1 MiB), sorted by key bytes.
+using Metadata = std::map<std::string, std::string>;
+
+// Meaning of the coordinates and the samples. Numbers are those of FORMAT.md.
+enum class Proxy : std::uint8_t { none = 0, sphere = 1, mesh = 2 };
+enum class SurfaceMap : std::uint8_t { none = 0, sphere_longitude_latitude = 1, mesh_uv = 2 };
+enum class AngularMap : std::uint8_t { none = 0, hemisphere_alpha_beta = 1, planar_views = 2 };
+enum class Transfer : std::uint8_t { unspecified = 0, srgb = 1, linear = 2 };
+enum class Primaries : std::uint8_t { unspecified = 0, bt709 = 1 };
+enum class AlphaMode : std::uint8_t { none = 0, straight = 1, premultiplied = 2 };
+
+struct Description {
+    Proxy proxy = Proxy::none;
+    SurfaceMap surface_map = SurfaceMap::none;
+    AngularMap angular_map = AngularMap::none;
+    Transfer transfer = Transfer::unspecified;
+    Primaries primaries = Primaries::unspecified;
+    AlphaMode alpha = AlphaMode::none;
+    float sphere_centre[3] = {0, 0, 0}; // world units
+    float sphere_radius = 0;            // world units, above 0 when proxy is sphere
+    float viewing_radius[2] = {0, 0};   // viewing volume: nearest and farthest observer distance
+                                        // from the centre; {0, 0} is "anywhere outside"
+    bool operator==(const Description&) const = default;
+};
+
+const char* name_of(Proxy);
+const char* name_of(SurfaceMap);
+const char* name_of(AngularMap);
+const char* name_of(Transfer);
+const char* name_of(Primaries);
+const char* name_of(AlphaMode);
+
+} // namespace tessera

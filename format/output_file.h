@@ -1,0 +1,41 @@
+// A file that appears under its final name only when it is whole.
+#pragma once
+
+#include "format/status.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace tessera {
+
+// Writes to "<path>.<pid>.tmp" beside the target; commit() syncs and renames it over `path`.
+// Destroyed without commit(), it removes the temporary file; an existing file at `path` is
+// untouched until the rename. Errors: io, with the path and the system's reason. Not thread-safe,
+// except write_at.
+class OutputFile {
+public:
+    OutputFile() = default;
+    OutputFile(OutputFile&& other) noexcept;
+    OutputFile& operator=(OutputFile&& other) noexcept;
+    ~OutputFile();
+
+    static Result<OutputFile> create(const std::string& path);
+
+    Status append(std::span<const std::byte> bytes);
+    // Thread-safe for disjoint ranges. Does not move the append position.
+    Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+    Status commit();
+    std::uint64_t appended() const { return appended_; }
+    const std::string& path() const { return path_; }
+    const std::string& temporary_path() const { return temporary_; }
+
+private:
+    void discard();
+    std::string path_, temporary_;
+    int descriptor_ = -1;
+    std::uint64_t appended_ = 0;
+};
+
+} // namespace tessera
