@@ -2,21 +2,59 @@
 #pragma once
 
 #include "format/byte_source.h"
+#include "format/index.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/syntax.h"
 #include "format/texture.h"
+#include "format/tile_grid.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tessera {
 
 // Where a tile's bytes are. length 0: every texel of the tile is the file's background.
 struct TileLocation {
-    std::uint64_t offset = 0;
-    std::uint32_t length = 0;
+    std::uint64_t offset = 0; // bytes, absolute
+    std::uint32_t length = 0; // bytes
+};
+
+// A tile's bytes, and what keeps them alive. Empty: the tile is all background.
+struct TileBytes {
+    std::shared_ptr<const std::vector<std::byte>> owner;
+    std::span<const std::byte> bytes;
+};
+
+// Stable numbers of the container's rules, listed in FORMAT.md part 6.
+enum class ContainerRule : int {
+    readable = 1, // the operating system delivers the bytes
+    length = 2,   // header and section table are there
+    identifier = 3,
+    version = 4,
+    header_crc = 5,
+    features = 6,       // no unknown required feature
+    header_field = 7,   // every field within its range
+    file_size = 8,      // as the header says
+    section_table = 10, // types, order, offsets, each needed section once
+    section_known = 11, // no unknown required section
+    section_crc = 12,
+    metadata = 13,
+    levels = 14,
+    root = 15,
+    index_crc = 20,
+    index_record = 21, // lengths, pages and size of the record fit the root
+    page_crc = 30,
+    // Not fatal: the texels decode without these.
+    proxy_section = 40,    // a mesh proxy and its section come together
+    unknown_value = 41,    // of proxy, surface_map, angular_map, transfer, primaries
+    unknown_optional = 42, // features and sections that were skipped
+    more = 99,             // the list of findings was cut
 };
 
 // One numbered finding of validate().
@@ -24,12 +62,122 @@ struct Finding {
     int number = 0; // stable id of the rule, listed in FORMAT.md
     bool fatal = true;
     std::string text;
+    std::uint64_t first_tile = 0, tile_count = 0; // the tiles it makes unusable; 0: not about tiles
 };
 
 struct SectionInfo {
-    std::string type; // four characters
+    std::string type; // four letters
     std::uint64_t offset = 0, length = 0;
     bool required = false, known = false;
 };
+
+struct LevelInfo {
+    Extent4 size{0, 0, 0, 0};
+    std::uint8_t spatial_lod = 0, angular_lod = 0, quality_layer = 0;
+    std::uint64_t first_tile = 0;
+    TileGrid grid;
+};
+
+// An open container. All const members are thread-safe; they share small caches (at most about
+// 16 MiB of pages and 1024 index records), and a page or record that several threads want at once
+// is read once.
+class ContainerReader {
+public:
+    // One read of min(16 KiB, size) bytes, and a second of the rest of the head if it is longer.
+    // `source` must outlive the reader. Errors: io; invalid_file (truncated, damaged, fields out of
+    // range); unsupported (another version, unknown required feature or section).
+    static Result<ContainerReader> open(ByteSource& source);
+    ContainerReader(ContainerReader&&) noexcept;
+    ContainerReader& operator=(ContainerReader&&) noexcept;
+    ~ContainerReader();
+
+    const FileHeader& header() const { return header_; }
+    const TextureDesc& desc() const { return header_.desc; }
+    const Description& description() const { return header_.description; }
+    const Metadata& metadata() const { return metadata_; }
+    std::span<const LevelInfo> levels() const { return levels_; }
+    const TileGrid& grid(std::size_t level = 0) const { return levels_[level].grid; }
+    std::uint64_t tile_count() const { return tile_count_; }
+    std::uint32_t group_count() const { return group_count_; }
+    std::span<const SectionInfo> sections() const { return sections_; }
+    std::string name() const { return source_->name(); }
+
+    // Bytes of section CODE, opaque here.
+    std::span<const std::byte> codec_parameters() const { return section_bytes("CODE"); }
+    // Bytes of the first section of that type before INDX, e.g. "prxy"; empty when there is none.
+    std::span<const std::byte> section_bytes(const std::string& type) const;
+
+    // Index of group `group` (tiles 256 * group ..), one read when it is not cached.
+    Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
+
+    // Errors of the four below: bad_argument (no such tile), io, invalid_file.
+    Result<TileLocation> locate(std::uint64_t tile) const;
+    // Reads exactly the tile's bytes; no checksum is checked.
+    Status read_tile(std::uint64_t tile, std::vector<std::byte>& out) const;
+    // Reads the page(s) of the tile whole, checks their CRC32C and hands out the tile's part of
+    // them, without a copy unless the tile spans pages. Pages are cached, so tiles that are wanted
+    // near each other in time share one read.
+    Result<TileBytes> load_tile(std::uint64_t tile) const;
+    // The same, copied.
+    Status read_tile_checked(std::uint64_t tile, std::vector<std::byte>& out) const;
+
+    using Progress = std::function<void(double done, double total)>; // bytes of DATA
+    // Checks everything that open() could not: all index records and pages. Reads DATA once, holds
+    // one page. At most 1000 findings are listed. Empty: the container is sound.
+    std::vector<Finding> validate(const Progress& progress = {}) const;
+
+private:
+    struct Caches;
+    friend std::vector<Finding> validate_container(ByteSource&, const Progress&);
+
+    ContainerReader();
+    // Does the work of open(); `rule` is the rule being checked when an error is returned.
+    Status load(ByteSource& source, ContainerRule& rule);
+    Status load_header(ContainerRule& rule);
+    Status load_sections(ContainerRule& rule);
+    Status load_levels();
+    Status load_root();
+    // Precondition: the section exists.
+    const SectionInfo& section(const std::string& type) const;
+    Status invalid(const std::string& text) const;
+
+    struct RootEntry {
+        std::uint64_t data, index; // bytes, absolute
+    };
+    RootEntry root(std::uint32_t group) const;
+    GroupKey group_key(std::uint32_t group) const;
+    Result<GroupIndex> read_group(std::uint32_t group, ContainerRule& rule) const;
+
+    // A tile's bytes [begin, end) and the index that says so.
+    struct Place {
+        std::shared_ptr<const GroupIndex> index;
+        std::uint32_t group = 0;
+        std::uint64_t begin = 0, end = 0;
+    };
+    Result<Place> place_of(std::uint64_t tile) const;
+    Status check_page(std::uint32_t group, std::size_t number, const Page& page,
+                      std::span<const std::byte> bytes) const;
+    Result<std::vector<std::byte>> read_page(std::uint32_t group, std::size_t number,
+                                             const Page& page) const;
+    Result<TileBytes> load_large_tile(const Place& place, std::size_t page) const;
+
+    void note_curiosities(std::vector<Finding>& out) const;
+    void validate_group(std::uint32_t group, std::vector<Finding>& out) const;
+
+    ByteSource* source_ = nullptr;
+    FileHeader header_;
+    std::vector<std::byte> head_; // the file up to INDX
+    std::vector<SectionInfo> sections_;
+    Metadata metadata_;
+    std::vector<LevelInfo> levels_;
+    std::span<const std::byte> root_; // into head_
+    std::uint64_t tile_count_ = 0;
+    std::uint32_t group_count_ = 0;
+    std::unique_ptr<Caches> caches_;
+};
+
+// validate() for bytes that may not even open: then why they do not is the first finding.
+std::vector<Finding> validate_container(ByteSource& source,
+                                        const ContainerReader::Progress& progress = {});
 
 } // namespace tessera

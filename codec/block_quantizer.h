@@ -1,0 +1,48 @@
+// Rate-distortion optimised quantisation of one block (levels and coded length).
+#pragma once
+
+#include "codec/bit_costs.h"
+#include "codec/context_grid.h"
+#include "codec/tile_coding.h"
+#include "codec/tile_levels.h"
+
+#include <array>
+#include <vector>
+
+namespace tessera {
+
+// Coefficients of one block, each plane dense in block order (t, s, v, u), in sample units
+// (orthonormal).
+struct BlockCoefficients {
+    BlockShape shape;
+    std::array<std::vector<float>, max_planes> plane;
+};
+
+// Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
+struct QuantizerOptions {
+    float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
+    bool optimise = true; // false: plain dead zone
+};
+
+class BlockQuantizer {
+public:
+    BlockQuantizer(const TileCoding& coding, const BitCosts& costs, const QuantizerOptions& options);
+
+    // Appends the block's planes and levels to `out` (not the block itself). Returns the cost.
+    float quantize(const BlockCoefficients& block, TileLevels& out);
+
+private:
+    float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
+                         std::size_t first_plane, TileLevels& out);
+
+    const TileCoding& coding_;
+    const BitCosts& costs_;
+    const QuantizerOptions options_;
+    std::array<float, max_planes> inverse_step_{};
+    std::array<std::array<float, 2>, plane_classes> offset_{};
+    ContextGrid grid_;
+    std::vector<float> amplitude_;
+    std::vector<NonZero> levels_;
+};
+
+} // namespace tessera

@@ -1,0 +1,59 @@
+// Chooses how a tile is cut into blocks, by estimated rate-distortion cost.
+#pragma once
+
+#include "codec/bit_costs.h"
+#include "codec/block_quantizer.h"
+#include "codec/forward_dct.h"
+#include "codec/tile_coding.h"
+#include "codec/tile_planes.h"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace tessera {
+
+// Which block grids are tried: bit s * 8 + a stands for s spatial and a angular halvings.
+struct SearchOptions {
+    std::uint64_t grids = ~std::uint64_t{0};
+    int smallest_spatial = 4; // a side is not cut below this by the search
+    float lambda = 0.11f;     // squared steps per bit
+};
+
+class BlockSearch {
+public:
+    BlockSearch(const TileCoding& coding, const BitCosts& costs, const SearchOptions& options);
+
+    // Fills shape, splits and blocks of `out`.
+    void choose_blocks(const TilePlanes& planes, TileLevels& out);
+
+    // Coefficients of one block of the tile given to the last choose_blocks.
+    void transform_block(const Block& block, BlockCoefficients& out);
+
+private:
+    struct Grid; // costs and choices of all nodes at one pair of depths
+
+    void estimate_costs();
+    void estimate_grid(Grid& grid, int spatial, int angular);
+    void combine();
+    void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
+              TileLevels& out) const;
+    bool is_flat() const;
+    const std::vector<float>& base_costs(const BlockShape& shape, int plane);
+
+    const TileCoding& coding_;
+    const BitCosts& costs_;
+    const SearchOptions options_;
+    BlockShape shape_;
+    int spatial_depths_ = 0, angular_depths_ = 0;
+    std::array<float, max_planes> inverse_step_{};
+    std::array<std::vector<float>, max_planes> source_, angular_;
+    std::vector<float> scratch_a_, scratch_b_;
+    std::vector<Grid> grids_;
+    std::map<BlockShape, std::array<std::vector<float>, plane_classes>> base_;
+
+public:
+    ~BlockSearch();
+};
+
+} // namespace tessera

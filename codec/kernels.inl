@@ -1,0 +1,198 @@
+// Included by kernels_scalar.cpp and kernels_avx2.cpp, each built with its own flags. No standard
+// library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
+#include "codec/kernels.h"
+
+#include "format/dct_basis.h"
+
+namespace tessera {
+namespace {
+
+// x = high * 2^11 + low keeps both partial sums of a pass inside 32 bits (FORMAT.md 4.3).
+constexpr int low_bits = 11;
+constexpr std::int32_t low_mask = (1 << low_bits) - 1;
+constexpr std::int32_t limit = 1 << 26;
+
+inline std::int32_t clamped(std::int32_t x) {
+    return x < -limit ? -limit : x > limit - 1 ? limit - 1 : x;
+}
+
+// Wrapping sums: signed overflow would be undefined, and a hostile tile may cause it.
+inline std::int32_t combine(std::uint32_t high, std::uint32_t low) {
+    constexpr std::uint32_t half = 1u << (basis_bits - 1);
+    const auto carry = static_cast<std::uint32_t>(static_cast<std::int32_t>(low + half) >> low_bits);
+    return static_cast<std::int32_t>(high + carry) >> (basis_bits - low_bits);
+}
+
+inline std::uint32_t wide(std::int32_t x) {
+    return static_cast<std::uint32_t>(x);
+}
+
+constexpr int lanes = 8;
+
+// One vector of `lanes` outputs of a row.
+inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, const std::int32_t* b,
+                      int n, int width) {
+    std::uint32_t high[lanes] = {}, low[lanes] = {};
+    for (int k = 0; k < support; ++k) {
+        const std::int32_t x = clamped(in[k]);
+        const std::uint32_t h = wide(x >> low_bits), l = wide(x & low_mask);
+        const std::int32_t* row = b + k * n;
+        if (width == lanes) {
+            for (int i = 0; i < lanes; ++i) {
+                high[i] += h * wide(row[i]);
+                low[i] += l * wide(row[i]);
+            }
+        } else {
+            for (int i = 0; i < width; ++i) {
+                high[i] += h * wide(row[i]);
+                low[i] += l * wide(row[i]);
+            }
+        }
+    }
+    for (int i = 0; i < width; ++i)
+        out[i] = combine(high[i], low[i]);
+}
+
+void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    const std::int32_t* b = basis(n);
+    for (int r = 0; r < rows; ++r)
+        for (int x = 0; x < n; x += lanes)
+            row_chunk(in + r * support, out + r * n + x, support, b + x, n,
+                      n - x < lanes ? n - x : lanes);
+}
+
+// Outputs x and n - 1 - x share their products: basis rows are even or odd about the middle.
+template <int width>
+inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
+                        const std::int32_t* b, int count) {
+    const int w = width > 0 ? width : count;
+    for (int x = 0; x <= n - 1 - x; ++x) {
+        std::uint32_t even_high[lanes] = {}, even_low[lanes] = {};
+        std::uint32_t odd_high[lanes] = {}, odd_low[lanes] = {};
+        for (int k = 0; k < support; k += 2) {
+            const std::int32_t* row = in + k * inner;
+            const std::uint32_t c = wide(b[k * n + x]);
+            for (int i = 0; i < w; ++i) {
+                const std::int32_t value = clamped(row[i]);
+                even_high[i] += wide(value >> low_bits) * c;
+                even_low[i] += wide(value & low_mask) * c;
+            }
+        }
+        for (int k = 1; k < support; k += 2) {
+            const std::int32_t* row = in + k * inner;
+            const std::uint32_t c = wide(b[k * n + x]);
+            for (int i = 0; i < w; ++i) {
+                const std::int32_t value = clamped(row[i]);
+                odd_high[i] += wide(value >> low_bits) * c;
+                odd_low[i] += wide(value & low_mask) * c;
+            }
+        }
+        std::int32_t* head = out + x * inner;
+        std::int32_t* tail = out + (n - 1 - x) * inner;
+        for (int i = 0; i < w; ++i) {
+            head[i] = combine(even_high[i] + odd_high[i], even_low[i] + odd_low[i]);
+            tail[i] = combine(even_high[i] - odd_high[i], even_low[i] - odd_low[i]);
+        }
+    }
+}
+
+void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const std::int32_t* b = basis(n);
+    int i = 0;
+    for (; i + lanes <= inner; i += lanes)
+        plane_chunk<lanes>(in + i, out + i, support, n, inner, b, lanes);
+    if (i < inner)
+        plane_chunk<0>(in + i, out + i, support, n, inner, b, inner - i);
+}
+
+template <int width>
+inline void forward_row_chunk(const float* in, float* out, int n, const float* basis_t, int count) {
+    const int w = width > 0 ? width : count;
+    float sum[lanes] = {};
+    for (int x = 0; x < n; ++x)
+        for (int i = 0; i < w; ++i)
+            sum[i] += in[x] * basis_t[x * n + i];
+    for (int i = 0; i < w; ++i)
+        out[i] = sum[i];
+}
+
+void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
+    for (int r = 0; r < rows; ++r) {
+        int k = 0;
+        for (; k + lanes <= n; k += lanes)
+            forward_row_chunk<lanes>(in + r * stride, out + r * stride + k, n, basis_t + k, lanes);
+        if (n - k == 4)
+            forward_row_chunk<4>(in + r * stride, out + r * stride + k, n, basis_t + k, 4);
+        else if (k < n)
+            forward_row_chunk<0>(in + r * stride, out + r * stride + k, n, basis_t + k, n - k);
+    }
+}
+
+template <int width>
+inline void forward_plane_chunk(const float* in, float* out, int n, int inner, const float* basis_t,
+                                int count) {
+    const int w = width > 0 ? width : count;
+    for (int k = 0; k < n; ++k) {
+        float sum[lanes] = {};
+        for (int x = 0; x < n; ++x)
+            for (int i = 0; i < w; ++i)
+                sum[i] += in[x * inner + i] * basis_t[x * n + k];
+        for (int i = 0; i < w; ++i)
+            out[k * inner + i] = sum[i];
+    }
+}
+
+void forward_planes(const float* in, float* out, int n, int inner, const float* basis_t) {
+    int i = 0;
+    for (; i + lanes <= inner; i += lanes)
+        forward_plane_chunk<lanes>(in + i, out + i, n, inner, basis_t, lanes);
+    if (i < inner)
+        forward_plane_chunk<0>(in + i, out + i, n, inner, basis_t, inner - i);
+}
+
+// Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
+inline float one_cost(float x, float base, float inverse_step, float slope) {
+    const float a = x * inverse_step;
+    const float a2 = a * a;
+    const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
+    const float log2 = bits > 0.0f ? bits * 0x1p-23f : 0.0f;
+    const float coded = base + slope * log2;
+    return a2 < coded ? a2 : coded;
+}
+
+template <int width>
+inline void cost_rows(const float* x, const float*& base, int rows, int stride, int n,
+                      float inverse_step, float slope, float* sum) {
+    for (int r = 0; r < rows; ++r) {
+        int i = 0;
+        for (; i + width <= n; i += width)
+            for (int j = 0; j < width; ++j)
+                sum[j] += one_cost(x[r * stride + i + j], base[i + j], inverse_step, slope);
+        for (; i < n; ++i)
+            sum[0] += one_cost(x[r * stride + i], base[i], inverse_step, slope);
+        base += n;
+    }
+}
+
+float coding_cost(const float* x, const BlockView& block, const float* base, float inverse_step,
+                  float slope) {
+    float sum[lanes] = {};
+    for (int t = 0; t < block.n[3]; ++t)
+        for (int s = 0; s < block.n[2]; ++s) {
+            const float* at = x + t * block.stride[2] + s * block.stride[1];
+            if (block.n[0] < lanes)
+                cost_rows<4>(at, base, block.n[1], block.stride[0], block.n[0], inverse_step, slope,
+                             sum);
+            else
+                cost_rows<lanes>(at, base, block.n[1], block.stride[0], block.n[0], inverse_step,
+                                 slope, sum);
+        }
+    return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+}
+
+constexpr Kernels make_kernels(const char* name) {
+    return {name, inverse_rows, inverse_planes, forward_rows, forward_planes, coding_cost};
+}
+
+} // namespace
+} // namespace tessera

@@ -1,0 +1,21 @@
+// Levels -> planes: dequantisation and the inverse transform (FORMAT.md part 4), integers only.
+#pragma once
+
+#include "codec/tile_coding.h"
+#include "codec/tile_levels.h"
+#include "codec/tile_planes.h"
+
+#include <vector>
+
+namespace tessera {
+
+// Scratch memory of one thread.
+struct ReconstructScratch {
+    std::vector<std::int32_t> a, b;
+};
+
+// Fills all planes of the tile. Every value is defined for any levels that decode_levels can give.
+void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
+                 TilePlanes& planes);
+
+} // namespace tessera

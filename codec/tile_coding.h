@@ -1,0 +1,39 @@
+// A file's coding parameters made ready for use, with per-shape tables that are built on first use.
+#pragma once
+
+#include "format/coding_parameters.h"
+#include "format/texture.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <shared_mutex>
+
+namespace tessera {
+
+// What coding a block of one shape needs.
+struct ShapeCoding {
+    ScanOrder order;
+    std::array<ScaleSet, max_planes> scales;
+};
+
+// Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.
+class TileCoding {
+public:
+    TileCoding(const CodingParameters& parameters, SampleType type, int planes);
+
+    const ShapeCoding& shape(const BlockShape& shape) const;
+
+    const CodingParameters parameters;
+    const CodeTables tables;
+    const SampleType type;
+    const int planes; // one a channel
+
+private:
+    mutable std::shared_mutex mutex_;
+    mutable std::map<BlockShape, std::unique_ptr<ShapeCoding>> shapes_;
+};
+
+constexpr int plane_class(int plane) { return plane == 0 ? 0 : 1; }
+
+} // namespace tessera

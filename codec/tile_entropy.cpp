@@ -1,0 +1,152 @@
+#include "codec/tile_entropy.h"
+
+#include "codec/tile_syntax.h"
+
+namespace tessera {
+namespace {
+
+struct StatisticsVisitor {
+    Statistics& statistics;
+
+    void decide(int parameter, bool go) {
+        auto& counts = go ? statistics.goes : statistics.stops;
+        ++counts[static_cast<std::size_t>(parameter)];
+    }
+    void chain(int offset, int length, int symbols, int symbol) {
+        for (int i = 0; i < symbol; ++i)
+            decide(offset + std::min(i, length - 1), true);
+        if (symbol + 1 < symbols)
+            decide(offset + std::min(symbol, length - 1), false);
+    }
+    void split(int spatial, int angular, int kind) {
+        chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
+              split_kinds - 1, split_kinds, kind);
+    }
+    void first_length(int size, int token) {
+        chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1, length_tokens,
+              token);
+    }
+    void other_length(int previous, int token) {
+        chain(other_length_offset + previous * (length_tokens - 1), length_tokens - 1,
+              length_tokens, token);
+    }
+    void zero(int parameter, bool is_zero) { decide(parameter, !is_zero); }
+    void magnitude(int p_class, int context, int token) {
+        chain(magnitude_offset + (p_class * magnitude_contexts + context) * magnitude_chain,
+              magnitude_chain, magnitude_tokens, token);
+    }
+    void raw(std::uint32_t, int) {}
+};
+
+struct CodingVisitor {
+    const CodeTables& tables;
+    RansEncoder coder;
+
+    void split(int spatial, int angular, int kind) {
+        tables.split[static_cast<std::size_t>(spatial)][static_cast<std::size_t>(angular)].encode(
+            coder, kind);
+    }
+    void first_length(int size, int token) {
+        tables.first_length[static_cast<std::size_t>(size)].encode(coder, token);
+    }
+    void other_length(int previous, int token) {
+        tables.other_length[static_cast<std::size_t>(previous)].encode(coder, token);
+    }
+    void zero(int parameter, bool is_zero) {
+        coder.bit(!is_zero, tables.zero[static_cast<std::size_t>(parameter)]);
+    }
+    void magnitude(int p_class, int context, int token) {
+        tables.magnitude[static_cast<std::size_t>(p_class)][static_cast<std::size_t>(context)]
+            .encode(coder, token);
+    }
+    void raw(std::uint32_t value, int bits) { coder.raw(value, bits); }
+};
+
+void put_u16(std::vector<std::byte>& out, std::size_t value) {
+    out.push_back(static_cast<std::byte>(value & 255));
+    out.push_back(static_cast<std::byte>(value >> 8));
+}
+
+int block_work(const TileLevels& tile, std::size_t block, int planes) {
+    int work = planes;
+    for (int plane = 0; plane < planes; ++plane)
+        work += tile.planes[block * static_cast<std::size_t>(planes) +
+                            static_cast<std::size_t>(plane)]
+                    .coded_length;
+    return work;
+}
+
+// First block of each segment; filled greedily.
+std::vector<std::size_t> cut_segments(const TileLevels& tile, int planes) {
+    std::vector<std::size_t> first{0};
+    int work = static_cast<int>(tile.splits.size());
+    for (std::size_t block = 0; block < tile.blocks.size(); ++block) {
+        const int more = block_work(tile, block, planes);
+        if (work + more > max_segment_work) {
+            first.push_back(block);
+            work = 0;
+        }
+        work += more;
+    }
+    return first;
+}
+
+} // namespace
+
+int round_up_coded_length(int length, int limit) {
+    const int shift = std::max(0, length_token(length) - 3);
+    return std::min((((length - 1) >> shift) + 1) << shift, limit);
+}
+
+void Statistics::add(const Statistics& other) {
+    for (std::size_t i = 0; i < parameter_count; ++i) {
+        stops[i] += other.stops[i];
+        goes[i] += other.goes[i];
+    }
+}
+
+void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics& statistics) {
+    StatisticsVisitor visitor{statistics};
+    TileWalker walker(coding, visitor);
+    walker.walk_tree(tile);
+    for (std::size_t block = 0; block < tile.blocks.size(); ++block)
+        walker.walk_block(tile, block);
+}
+
+void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
+                   const TileCoding& coding, std::vector<std::byte>& out) {
+    CodingVisitor visitor{coding.tables, {}};
+    TileWalker walker(coding, visitor);
+    std::vector<std::size_t> first = cut_segments(tile, coding.planes);
+    std::vector<std::vector<std::byte>> segments(first.size());
+    first.push_back(tile.blocks.size());
+    walker.walk_tree(tile);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        for (std::size_t block = first[i]; block < first[i + 1]; ++block)
+            walker.walk_block(tile, block);
+        visitor.coder.finish(segments[i]);
+    }
+
+    if (segments.size() > 1 || !corrections.empty()) {
+        out.push_back(static_cast<std::byte>((segments.size() - 1) |
+                                             (corrections.empty() ? 0u : 128u)));
+        for (std::size_t i = 1; i < segments.size(); ++i) {
+            put_u16(out, first[i]);
+            put_u16(out, segments[i].size() / 2);
+        }
+        std::size_t mask = 0;
+        for (std::size_t chunk = 0; chunk < corrections.size(); ++chunk)
+            mask |= std::size_t{!corrections[chunk].empty()} << chunk;
+        if (!corrections.empty())
+            put_u16(out, mask);
+        for (const auto& stream : corrections)
+            if (!stream.empty())
+                put_u16(out, stream.size() / 2);
+    }
+    for (const auto& stream : segments)
+        out.insert(out.end(), stream.begin(), stream.end());
+    for (const auto& stream : corrections)
+        out.insert(out.end(), stream.begin(), stream.end());
+}
+
+} // namespace tessera

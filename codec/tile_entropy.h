@@ -1,0 +1,49 @@
+// Levels of a tile <-> its payload bytes (FORMAT.md part 3).
+#pragma once
+
+#include "codec/tile_coding.h"
+#include "codec/tile_levels.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+// The smallest codable length that is at least `length`; lengths have three significant bits, and
+// `limit` (that of the scan order) cuts the last one.
+int round_up_coded_length(int length, int limit);
+
+// How often each outcome of each parameter's decision occurred; adds up across tiles.
+struct Statistics {
+    std::array<std::uint64_t, parameter_count> stops{}, goes{};
+
+    void add(const Statistics& other);
+};
+void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics& statistics);
+
+// Appends the payload. `corrections` holds one stream per chunk of correction_chunk texels, empty
+// ones allowed, or nothing at all.
+void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
+                   const TileCoding& coding, std::vector<std::byte>& out);
+
+// A payload cut into its streams, checked.
+struct PayloadParts {
+    struct Segment {
+        int first_block = 0;
+        std::span<const std::byte> bytes;
+    };
+    std::vector<Segment> segments; // at least one, the first with the split tree
+    // One per chunk of correction_chunk texels; empty: no corrections there.
+    std::vector<std::span<const std::byte>> corrections;
+};
+Status split_payload(std::span<const std::byte> payload, int tile_texels, PayloadParts& parts);
+
+// Decodes all levels of a tile. Errors: invalid_file, with the segment. On any bytes it ends and
+// stays in bounds. Replaces `out`.
+Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
+                     TileLevels& out);
+
+} // namespace tessera

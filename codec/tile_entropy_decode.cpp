@@ -1,0 +1,161 @@
+#include "codec/context_grid.h"
+#include "codec/tile_entropy.h"
+#include "codec/tile_syntax.h"
+
+#include <string>
+
+namespace tessera {
+namespace {
+
+// Decodes one tile. Every loop is bounded by the format's limits, whatever the bytes say.
+class LevelDecoder {
+public:
+    LevelDecoder(const TileCoding& coding, TileLevels& out) : coding_(coding), out_(out) {}
+
+    Status decode(const PayloadParts& parts, const BlockShape& shape) {
+        out_.clear();
+        out_.shape = shape;
+        for (std::size_t i = 0; i < parts.segments.size(); ++i) {
+            rans_ = RansDecoder(parts.segments[i].bytes);
+            work_ = 0;
+            if (i == 0 && !node(Block{{0, 0, 0, 0}, shape, 0, 0}))
+                return damaged(i, "more than 4096 blocks");
+            const std::size_t end = i + 1 < parts.segments.size()
+                                        ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
+                                        : out_.blocks.size();
+            if (end > out_.blocks.size() ||
+                (i > 0 && end <= static_cast<std::size_t>(parts.segments[i].first_block)))
+                return damaged(i, "segment begins past the last block");
+            for (std::size_t block = static_cast<std::size_t>(parts.segments[i].first_block);
+                 block < end; ++block)
+                if (!decode_block(out_.blocks[block]))
+                    return damaged(i, "level or work out of range");
+            if (!rans_.ended_well())
+                return damaged(i, "stream does not end where it should");
+        }
+        return {};
+    }
+
+private:
+    static Status damaged(std::size_t segment, const char* what) {
+        return {ErrorCode::invalid_file, "segment " + std::to_string(segment) + ": " + what};
+    }
+
+    bool node(const Block& block) {
+        ++work_;
+        const auto& table = coding_.tables.split[block.spatial_depth][block.angular_depth];
+        auto split = static_cast<Split>(table.decode(rans_));
+        if (split != Split::none && !can_split(block.shape, split))
+            return false;
+        out_.splits.push_back(static_cast<std::uint8_t>(split));
+        if (split == Split::none) {
+            out_.blocks.push_back(block);
+            return out_.blocks.size() <= max_leaves;
+        }
+        const Children children = children_of(block, split);
+        for (int i = 0; i < children.count; ++i)
+            if (!node(children.block[static_cast<std::size_t>(i)]))
+                return false;
+        return true;
+    }
+
+    bool decode_block(const Block& block) {
+        const ShapeCoding& shape = shape_of(block.shape);
+        const std::size_t first_plane = out_.planes.size();
+        int previous = 0;
+        for (int plane = 0; plane < coding_.planes; ++plane) {
+            const int token =
+                plane == 0
+                    ? coding_.tables.first_length[static_cast<std::size_t>(size_class(block.shape))]
+                          .decode(rans_)
+                    : coding_.tables.other_length[static_cast<std::size_t>(previous)].decode(rans_);
+            if (plane == 0)
+                previous = token;
+            const int bits = length_raw_bits(token);
+            int length = token == 0 ? 0 : 1 << (token - 1);
+            length += static_cast<int>(rans_.raw(bits)) << std::max(0, token - 1 - bits);
+            length = std::min(length, shape.order.length());
+            work_ += 1 + length;
+            if (work_ > max_segment_work)
+                return false;
+            PlaneLevels levels;
+            levels.first = static_cast<std::uint32_t>(out_.nonzeros.size());
+            levels.coded_length = static_cast<std::uint16_t>(length);
+            out_.planes.push_back(levels);
+            if (length > 0 && !decode_plane(first_plane, plane, shape.order))
+                return false;
+        }
+        return true;
+    }
+
+    bool decode_plane(std::size_t first_plane, int plane, const ScanOrder& order) {
+        PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
+        const int length = levels.coded_length;
+        const int p_class = plane_class(plane);
+        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        for (int earlier = 0; earlier < plane; ++earlier)
+            for (const NonZero& nz :
+                 out_.levels(out_.planes[first_plane + static_cast<std::size_t>(earlier)]))
+                if (nz.index < length)
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]), std::abs(nz.level));
+        const std::uint16_t* zero_row = coding_.tables.zero.data();
+        for (int i = 0; i < length; ++i) {
+            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
+            const int neighbours = grid_.neighbours(place);
+            const int parameter =
+                zero_parameter(p_class, order.position_class[static_cast<std::size_t>(i)],
+                               neighbours, grid_.cross(place));
+            if (!rans_.bit(zero_row[parameter]))
+                continue;
+            const std::int32_t magnitude = decode_magnitude(p_class, i, neighbours);
+            if (magnitude > max_level)
+                return false;
+            const bool negative = rans_.raw(1) != 0;
+            out_.nonzeros.push_back(
+                {static_cast<std::uint16_t>(i), negative ? -magnitude : magnitude});
+            grid_.mark(place, magnitude);
+        }
+        levels.count = static_cast<std::uint16_t>(out_.nonzeros.size() - levels.first);
+        return true;
+    }
+
+    std::int32_t decode_magnitude(int p_class, int index, int neighbours) {
+        const std::size_t context =
+            static_cast<std::size_t>(index == 0 ? neighbour_classes : neighbours);
+        const int token =
+            coding_.tables.magnitude[static_cast<std::size_t>(p_class)][context].decode(rans_);
+        if (token < 4)
+            return token + 1;
+        const int group = token - 3;
+        std::uint32_t raw = 0;
+        if (group > 16)
+            raw = rans_.raw(group - 16) << 16;
+        raw |= rans_.raw(std::min(group, 16));
+        return static_cast<std::int32_t>((1u << group) + raw + 3);
+    }
+
+    // Blocks of a tile have few shapes; the shared cache's lock is taken once for each.
+    const ShapeCoding& shape_of(const BlockShape& shape) {
+        for (const auto& [known, coding] : known_)
+            if (known == shape)
+                return *coding;
+        known_.emplace_back(shape, &coding_.shape(shape));
+        return *known_.back().second;
+    }
+
+    const TileCoding& coding_;
+    TileLevels& out_;
+    RansDecoder rans_;
+    ContextGrid grid_;
+    std::vector<std::pair<BlockShape, const ShapeCoding*>> known_;
+    int work_ = 0;
+};
+
+} // namespace
+
+Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
+                     TileLevels& out) {
+    return LevelDecoder(coding, out).decode(parts, shape);
+}
+
+} // namespace tessera

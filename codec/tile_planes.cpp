@@ -1,0 +1,159 @@
+#include "codec/tile_planes.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+constexpr std::int32_t largest_half = 0x7BFF;
+
+using Texel = std::array<std::int32_t, 4>;
+
+// YCoCg-R (Malvar and Sullivan, JVT-I014): lossless in integers. Planes are Y, Co, Cg.
+void forward_ycocg(Texel& c) {
+    const std::int32_t co = c[0] - c[2];
+    const std::int32_t t = c[2] + (co >> 1);
+    const std::int32_t cg = c[1] - t;
+    c = {t + (cg >> 1), co, cg, c[3]};
+}
+
+void inverse_ycocg(Texel& c) {
+    const std::int32_t t = c[0] - (c[2] >> 1);
+    const std::int32_t g = c[2] + t;
+    const std::int32_t b = t - (c[1] >> 1);
+    c = {b + c[1], g, b, c[3]};
+}
+
+std::uint16_t load(const std::byte* at, SampleType type) {
+    const auto low = std::to_integer<std::uint16_t>(at[0]);
+    return type == SampleType::unorm8
+               ? low
+               : static_cast<std::uint16_t>(low | (std::to_integer<unsigned>(at[1]) << 8));
+}
+
+void store(std::byte* at, std::uint16_t sample, SampleType type) {
+    at[0] = static_cast<std::byte>(sample & 255);
+    if (type == SampleType::half16)
+        at[1] = static_cast<std::byte>(sample >> 8);
+}
+
+Texel background_planes(const ColourCoding& colour) {
+    Texel texel{};
+    for (int c = 0; c < colour.desc.channels; ++c)
+        texel[c] = sample_code(colour.background[c], colour.desc.type);
+    if (colour.transform == ColourTransform::ycocg_r)
+        forward_ycocg(texel);
+    return texel;
+}
+
+// Calls visit(index in planes, texel address) for every texel of the box order.
+template <class Byte, class Visit>
+void for_each_texel(const BlockShape& shape, Byte* texels, std::size_t texel_bytes, Visit visit) {
+    const auto [nu, nv, ns, nt] = shape.n;
+    const int s_step = nu * nv, t_step = s_step * ns;
+    for (int v = 0; v < nv; ++v)
+        for (int u = 0; u < nu; ++u)
+            for (int t = 0; t < nt; ++t)
+                for (int s = 0; s < ns; ++s, texels += texel_bytes)
+                    visit(static_cast<std::size_t>(t * t_step + s * s_step + v * nu + u), texels);
+}
+
+template <SampleType type, int channels, bool ycocg>
+void to_planes(std::span<const std::byte> texels, const Texel& background, const BlockShape& shape,
+               TilePlanes& planes) {
+    for_each_texel(shape, texels.data(), channels * sample_bytes(type),
+                   [&](std::size_t i, const std::byte* at) {
+                       Texel c{};
+                       for (int k = 0; k < channels; ++k)
+                           c[k] = sample_code(load(at + k * sample_bytes(type), type), type);
+                       if constexpr (ycocg)
+                           forward_ycocg(c);
+                       for (int k = 0; k < channels; ++k)
+                           planes.plane[k][i] = c[k] - background[k];
+                   });
+}
+
+template <SampleType type, int channels, bool ycocg>
+void to_texels(const TilePlanes& planes, const Texel& background, std::span<std::byte> texels) {
+    for_each_texel(planes.shape, texels.data(), channels * sample_bytes(type),
+                   [&](std::size_t i, std::byte* at) {
+                       Texel c{};
+                       for (int k = 0; k < channels; ++k)
+                           c[k] = planes.plane[k][i] + background[k];
+                       if constexpr (ycocg)
+                           inverse_ycocg(c);
+                       for (int k = 0; k < channels; ++k)
+                           store(at + k * sample_bytes(type), code_sample(c[k], type), type);
+                   });
+}
+
+// Picks the instance of `Body<type, channels, ycocg>` for a description.
+template <template <SampleType, int, bool> class Body, class... Args>
+void dispatch(const ColourCoding& colour, Args&&... args) {
+    const auto with = [&]<SampleType type>() {
+        const bool ycocg = colour.transform == ColourTransform::ycocg_r;
+        switch (colour.desc.channels) {
+        case 1:
+            return Body<type, 1, false>::run(args...);
+        case 2:
+            return Body<type, 2, false>::run(args...);
+        case 3:
+            return ycocg ? Body<type, 3, true>::run(args...) : Body<type, 3, false>::run(args...);
+        default:
+            return ycocg ? Body<type, 4, true>::run(args...) : Body<type, 4, false>::run(args...);
+        }
+    };
+    if (colour.desc.type == SampleType::unorm8)
+        with.template operator()<SampleType::unorm8>();
+    else
+        with.template operator()<SampleType::half16>();
+}
+
+template <SampleType type, int channels, bool ycocg> struct ToPlanes {
+    static void run(std::span<const std::byte> texels, const Texel& background,
+                    const BlockShape& shape, TilePlanes& planes) {
+        to_planes<type, channels, ycocg>(texels, background, shape, planes);
+    }
+};
+
+template <SampleType type, int channels, bool ycocg> struct ToTexels {
+    static void run(const TilePlanes& planes, const Texel& background,
+                    std::span<std::byte> texels) {
+        to_texels<type, channels, ycocg>(planes, background, texels);
+    }
+};
+
+} // namespace
+
+void TilePlanes::resize(const BlockShape& new_shape, int planes) {
+    shape = new_shape;
+    for (int i = 0; i < planes; ++i)
+        plane[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(shape.texels()));
+}
+
+std::int32_t sample_code(std::uint16_t sample, SampleType type) {
+    if (type == SampleType::unorm8 || sample < 0x8000)
+        return sample;
+    return -static_cast<std::int32_t>(sample & 0x7FFF);
+}
+
+std::uint16_t code_sample(std::int32_t code, SampleType type) {
+    if (type == SampleType::unorm8)
+        return static_cast<std::uint16_t>(std::clamp(code, 0, 255));
+    code = std::clamp(code, -largest_half, largest_half);
+    return static_cast<std::uint16_t>(code < 0 ? 0x8000 | -code : code);
+}
+
+void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                        const BlockShape& shape, TilePlanes& planes) {
+    planes.resize(shape, colour.desc.channels);
+    dispatch<ToPlanes>(colour, texels, background_planes(colour), shape, planes);
+}
+
+void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
+                        std::span<std::byte> texels) {
+    dispatch<ToTexels>(colour, planes, background_planes(colour), texels);
+}
+
+} // namespace tessera

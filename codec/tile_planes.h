@@ -1,0 +1,44 @@
+// A tile's texels as integer planes, relative to the file's background (FORMAT.md 4.5).
+#pragma once
+
+#include "format/block.h"
+#include "format/texture.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+enum class ColourTransform : std::uint8_t { none = 0, ycocg_r = 1 };
+
+// What turns samples into planes and back.
+struct ColourCoding {
+    TextureDesc desc;
+    ColourTransform transform = ColourTransform::none;
+    std::array<std::uint16_t, 4> background{};
+};
+
+// One array a plane, tile order t, s, v, u with u fastest.
+struct TilePlanes {
+    BlockShape shape;
+    std::array<std::vector<std::int32_t>, max_planes> plane;
+
+    void resize(const BlockShape& new_shape, int planes);
+};
+
+// The integer that a sample is coded as: unorm8 as it is, half16 on the monotone scale where
+// +x is its 15 bits and -x their negation (both zeros are 0). Precondition: finite.
+std::int32_t sample_code(std::uint16_t sample, SampleType type);
+// Inverse; clamps to 0..255 or to the finite halves.
+std::uint16_t code_sample(std::int32_t code, SampleType type);
+
+// texels: dense box order (v, u, t, s, channel).
+void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                        const BlockShape& shape, TilePlanes& planes);
+void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
+                        std::span<std::byte> texels);
+
+} // namespace tessera

@@ -1,0 +1,123 @@
+// The order of a tile's symbols, written once for everything that walks it on the encoder's side:
+// counting, coding, estimating. A Visitor gets
+//   split(depth classes, kind), first_length(size class, token), other_length(previous, token),
+//   zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
+#pragma once
+
+#include "codec/context_grid.h"
+#include "codec/tile_coding.h"
+#include "codec/tile_levels.h"
+
+#include <bit>
+#include <cstdlib>
+
+namespace tessera {
+
+constexpr int length_token(int coded_length) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(coded_length)));
+}
+constexpr int length_raw_bits(int token) { return token <= 1 ? 0 : token == 2 ? 1 : 2; }
+
+constexpr int size_class(const BlockShape& shape) {
+    const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
+    return std::min(bits / 2, size_classes - 1);
+}
+
+// Magnitudes 1..4 are tokens 0..3; token 3 + g covers 2^g magnitudes from 2^g + 3.
+struct MagnitudeToken {
+    int token = 0;
+    int raw_bits = 0;
+    std::uint32_t raw = 0;
+};
+inline MagnitudeToken magnitude_token(std::int32_t magnitude) {
+    if (magnitude <= 4)
+        return {magnitude - 1, 0, 0};
+    const auto offset = static_cast<std::uint32_t>(magnitude - 3);
+    const int group = static_cast<int>(std::bit_width(offset)) - 1;
+    return {3 + group, group, offset - (1u << group)};
+}
+
+template <class Visitor> class TileWalker {
+public:
+    TileWalker(const TileCoding& coding, Visitor& visitor) : coding_(coding), visitor_(visitor) {}
+
+    void walk_tree(const TileLevels& tile) {
+        std::size_t next = 0;
+        walk_node(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0}, next);
+    }
+
+    void walk_block(const TileLevels& tile, std::size_t block) {
+        const BlockShape& shape = tile.blocks[block].shape;
+        const ShapeCoding& shape_coding = coding_.shape(shape);
+        int previous = 0;
+        for (int plane = 0; plane < coding_.planes; ++plane) {
+            const PlaneLevels* levels =
+                &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
+            const int length = levels[plane].coded_length;
+            const int token = length_token(length);
+            if (plane == 0)
+                visitor_.first_length(size_class(shape), token);
+            else
+                visitor_.other_length(previous, token);
+            if (const int bits = length_raw_bits(token); bits > 0)
+                visitor_.raw(static_cast<std::uint32_t>(length >> (token - 1 - bits)) &
+                                 ((1u << bits) - 1),
+                             bits);
+            if (plane == 0)
+                previous = token;
+            if (length > 0)
+                walk_plane(tile, {levels, static_cast<std::size_t>(plane) + 1}, shape_coding.order);
+        }
+    }
+
+private:
+    void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {
+        const auto split = static_cast<Split>(tile.splits[next++]);
+        visitor_.split(node.spatial_depth, node.angular_depth, static_cast<int>(split));
+        if (split == Split::none)
+            return;
+        const Children children = children_of(node, split);
+        for (int i = 0; i < children.count; ++i)
+            walk_node(tile, children.block[static_cast<std::size_t>(i)], next);
+    }
+
+    // Codes the last plane of `planes`; the earlier ones give the cross contexts.
+    void walk_plane(const TileLevels& tile, std::span<const PlaneLevels> planes,
+                    const ScanOrder& order) {
+        const int length = planes.back().coded_length;
+        const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
+        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
+            for (const NonZero& nz : tile.levels(earlier))
+                if (nz.index < length)
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]), std::abs(nz.level));
+        const std::span<const NonZero> levels = tile.levels(planes.back());
+        std::size_t next = 0;
+        for (int i = 0; i < length; ++i) {
+            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
+            const int neighbours = grid_.neighbours(place);
+            const bool zero = next == levels.size() || levels[next].index != i;
+            visitor_.zero(zero_parameter(p_class, order.position_class[static_cast<std::size_t>(i)],
+                                         neighbours, grid_.cross(place)),
+                          zero);
+            if (zero)
+                continue;
+            const std::int32_t level = levels[next++].level;
+            const MagnitudeToken token = magnitude_token(std::abs(level));
+            visitor_.magnitude(p_class, i == 0 ? neighbour_classes : neighbours, token.token);
+            // At most 16 bits fit one step of the coder.
+            if (token.raw_bits > 16)
+                visitor_.raw(token.raw >> 16, token.raw_bits - 16);
+            if (token.raw_bits > 0)
+                visitor_.raw(token.raw & 0xFFFFu, std::min(token.raw_bits, 16));
+            visitor_.raw(level < 0, 1);
+            grid_.mark(place, std::abs(level));
+        }
+    }
+
+    const TileCoding& coding_;
+    Visitor& visitor_;
+    ContextGrid grid_;
+};
+
+} // namespace tessera

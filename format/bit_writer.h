@@ -1,0 +1,49 @@
+// Bits into bytes: the first bit is the lowest of the first byte (FORMAT.md 1.4).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+// Not thread-safe.
+class BitWriter {
+public:
+    // The `count` (0..32) lowest bits of `value`, lowest first. Higher bits are ignored.
+    void bits(std::uint32_t value, unsigned count) {
+        pending_ |= (value & ((std::uint64_t{1} << count) - 1)) << pending_count_;
+        pending_count_ += count;
+        bits_ += count;
+        while (pending_count_ >= 8)
+            flush_byte();
+    }
+
+    // `count` (0..32) 1 bits.
+    void ones(unsigned count) { bits(0xFFFFFFFFu, count); }
+
+    std::uint64_t position() const { return bits_; } // bits written
+
+    // The bytes, the last one filled with zeros. The writer is empty afterwards.
+    std::vector<std::byte> take() {
+        if (pending_count_ > 0)
+            flush_byte();
+        pending_ = bits_ = 0;
+        pending_count_ = 0;
+        return std::exchange(bytes_, {});
+    }
+
+private:
+    void flush_byte() {
+        bytes_.push_back(static_cast<std::byte>(pending_ & 0xFF));
+        pending_ >>= 8;
+        pending_count_ -= pending_count_ < 8 ? pending_count_ : 8;
+    }
+
+    std::vector<std::byte> bytes_;
+    std::uint64_t pending_ = 0, bits_ = 0;
+    unsigned pending_count_ = 0;
+};
+
+} // namespace tessera

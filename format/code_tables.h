@@ -1,0 +1,91 @@
+// The probabilities of a file: parameters, contexts and the rANS tables made from them, normative
+// (FORMAT.md 3.5).
+//
+// Every probability is one parameter, a quantised log-odds. A binary decision uses one; a symbol of
+// a larger alphabet is a chain of decisions "this one, or a later one". So tables of any size are
+// arrays of small numbers that can be coded as differences to the built-in defaults.
+#pragma once
+
+#include "format/limits.h"
+#include "format/rans.h"
+#include "format/scan_order.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// Frequency out of 4096 of "no / stop" for a parameter: 4096 / (1 + 2^((p - 32) / 3)), rounded,
+// within 1..4095. p = 0 is almost surely no, 63 almost surely yes.
+constexpr int parameter_count_of_odds = 64;
+std::uint32_t stop_frequency(std::uint8_t parameter);
+
+constexpr int plane_classes = 2;     // first plane of a leaf; the others
+constexpr int neighbour_classes = 10;
+constexpr int cross_classes = 3;     // magnitudes at the same place in earlier planes: 0, 1, more
+constexpr int magnitude_contexts = neighbour_classes + 1; // the last one is DC's
+constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
+constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
+constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
+constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
+constexpr int depth_classes = max_split_depth + 1;
+
+// Groups of parameters, in file order.
+enum class Group : std::uint8_t { zero, magnitude, first_length, other_length, split, count };
+
+// Where each group's parameters start, and how many a file holds in all.
+constexpr int zero_parameters =
+    position_classes * neighbour_classes * (1 + (plane_classes - 1) * cross_classes);
+constexpr int magnitude_offset = zero_parameters;
+constexpr int magnitude_parameters = plane_classes * magnitude_contexts * magnitude_chain;
+constexpr int first_length_offset = magnitude_offset + magnitude_parameters;
+constexpr int first_length_parameters = size_classes * (length_tokens - 1);
+constexpr int other_length_offset = first_length_offset + first_length_parameters;
+constexpr int other_length_parameters = length_tokens * (length_tokens - 1);
+constexpr int split_offset = other_length_offset + other_length_parameters;
+constexpr int split_parameters = depth_classes * depth_classes * 2;
+constexpr int parameter_count = split_offset + split_parameters;
+
+using Parameters = std::array<std::uint8_t, parameter_count>;
+
+// Index of the zero-flag parameter. cross is 0 in plane class 0.
+constexpr int zero_parameter(int plane_class, int position, int neighbours, int cross) {
+    const int row = plane_class == 0 ? 0 : 1 + cross;
+    return (row * position_classes + position) * neighbour_classes + neighbours;
+}
+
+// A multi-symbol table: start[i] .. start[i + 1] is symbol i's share of 4096.
+template <int symbols> struct SymbolTable {
+    std::array<std::uint16_t, symbols + 1> start{};
+
+    template <class Coder> void encode(Coder& coder, int symbol) const {
+        coder.put(start[symbol], start[symbol + 1] - start[symbol]);
+    }
+    int decode(RansDecoder& decoder) const {
+        const std::uint32_t slot = decoder.slot();
+        int symbol = 0;
+        while (symbol + 1 < symbols && slot >= start[symbol + 1])
+            ++symbol;
+        decoder.consume(start[symbol], start[symbol + 1] - start[symbol]);
+        return symbol;
+    }
+};
+
+// Tables ready for coding, made from parameters. Immutable, so thread-safe.
+struct CodeTables {
+    explicit CodeTables(const Parameters& parameters);
+
+    std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
+    std::array<std::array<SymbolTable<magnitude_tokens>, magnitude_contexts>, plane_classes>
+        magnitude;
+    std::array<SymbolTable<length_tokens>, size_classes> first_length;
+    std::array<SymbolTable<length_tokens>, length_tokens> other_length;
+    std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
+};
+
+// Built-in defaults: what files start from and what small files use as they are.
+const Parameters& default_parameters();
+
+} // namespace tessera

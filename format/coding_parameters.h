@@ -1,0 +1,30 @@
+// Everything a decoder needs besides a tile's own bytes: the section CODE (FORMAT.md 3.5, 4.1).
+#pragma once
+
+#include "format/code_tables.h"
+#include "format/dequantizer.h"
+#include "format/scan_order.h"
+#include "format/status.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+struct CodingParameters {
+    std::array<StepCode, max_planes> step{};
+    std::array<ReconstructionOffsets, plane_classes> offsets{};
+    ScanWeights scan_weights = default_scan_weights;
+    std::uint8_t correction_error = 0; // E of 3.6; used when the file has corrections
+    Parameters parameters = default_parameters();
+};
+
+// The section's bytes. Parameters are coded as differences to the built-in defaults.
+std::vector<std::byte> write_coding_parameters(const CodingParameters& coding);
+
+// Errors: invalid_file, with the field.
+Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes);
+
+} // namespace tessera
