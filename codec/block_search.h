@@ -31,7 +31,33 @@ public:
     void transform_block(const Block& block, BlockCoefficients& out);
 
 private:
-    struct Grid; // costs and choices of all nodes at one pair of depths
+    // Costs and choices of all nodes at one pair of depths.
+    struct Grid {
+        std::array<std::vector<Segment>, 4> segments;
+        std::array<int, 4> cells{};   // entries of each axis
+        std::vector<float> cost;      // of the best way to code each cell
+        std::vector<std::uint8_t> choice; // Split
+
+        std::size_t index(const std::array<int, 4>& c) const {
+            return static_cast<std::size_t>(((c[3] * cells[2] + c[2]) * cells[1] + c[1]) * cells[0] +
+                                            c[0]);
+        }
+        bool exists(const std::array<int, 4>& c) const {
+            for (int axis = 0; axis < 4; ++axis)
+                if (segments[axis][static_cast<std::size_t>(c[axis])].size == 0)
+                    return false;
+            return true;
+        }
+        template <class Visit> void for_each_cell(Visit visit) const {
+            std::array<int, 4> c;
+            for (c[3] = 0; c[3] < cells[3]; ++c[3])
+                for (c[2] = 0; c[2] < cells[2]; ++c[2])
+                    for (c[1] = 0; c[1] < cells[1]; ++c[1])
+                        for (c[0] = 0; c[0] < cells[0]; ++c[0])
+                            if (exists(c))
+                                visit(c);
+        }
+    };
 
     void estimate_costs();
     void estimate_grid(Grid& grid, int spatial, int angular);
@@ -51,9 +77,6 @@ private:
     std::vector<float> scratch_a_, scratch_b_;
     std::vector<Grid> grids_;
     std::map<BlockShape, std::array<std::vector<float>, plane_classes>> base_;
-
-public:
-    ~BlockSearch();
 };
 
 } // namespace tessera

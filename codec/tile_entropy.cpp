@@ -8,31 +8,21 @@ namespace {
 struct StatisticsVisitor {
     Statistics& statistics;
 
-    void decide(int parameter, bool go) {
-        auto& counts = go ? statistics.goes : statistics.stops;
-        ++counts[static_cast<std::size_t>(parameter)];
-    }
-    void chain(int offset, int length, int symbols, int symbol) {
-        for (int i = 0; i < symbol; ++i)
-            decide(offset + std::min(i, length - 1), true);
-        if (symbol + 1 < symbols)
-            decide(offset + std::min(symbol, length - 1), false);
-    }
     void split(int spatial, int angular, int kind) {
-        chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
+        statistics.chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
               split_kinds - 1, split_kinds, kind);
     }
     void first_length(int size, int token) {
-        chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1, length_tokens,
+        statistics.chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1, length_tokens,
               token);
     }
     void other_length(int previous, int token) {
-        chain(other_length_offset + previous * (length_tokens - 1), length_tokens - 1,
+        statistics.chain(other_length_offset + previous * (length_tokens - 1), length_tokens - 1,
               length_tokens, token);
     }
-    void zero(int parameter, bool is_zero) { decide(parameter, !is_zero); }
+    void zero(int parameter, bool is_zero) { statistics.decide(parameter, !is_zero); }
     void magnitude(int p_class, int context, int token) {
-        chain(magnitude_offset + (p_class * magnitude_contexts + context) * magnitude_chain,
+        statistics.chain(magnitude_offset + (p_class * magnitude_contexts + context) * magnitude_chain,
               magnitude_chain, magnitude_tokens, token);
     }
     void raw(std::uint32_t, int) {}

@@ -4,6 +4,7 @@
 #include "codec/tile_coding.h"
 #include "codec/tile_levels.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -21,6 +22,16 @@ struct Statistics {
     std::array<std::uint64_t, parameter_count> stops{}, goes{};
 
     void add(const Statistics& other);
+    void decide(int parameter, bool go) {
+        ++(go ? goes : stops)[static_cast<std::size_t>(parameter)];
+    }
+    // A symbol of an alphabet whose decisions have `length` parameters from `offset` on.
+    void chain(int offset, int length, int symbols, int symbol) {
+        for (int i = 0; i < symbol; ++i)
+            decide(offset + std::min(i, length - 1), true);
+        if (symbol + 1 < symbols)
+            decide(offset + std::min(symbol, length - 1), false);
+    }
 };
 void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics& statistics);
 

@@ -122,16 +122,9 @@ private:
     std::int32_t decode_magnitude(int p_class, int index, int neighbours) {
         const std::size_t context =
             static_cast<std::size_t>(index == 0 ? neighbour_classes : neighbours);
-        const int token =
-            coding_.tables.magnitude[static_cast<std::size_t>(p_class)][context].decode(rans_);
-        if (token < 4)
-            return token + 1;
-        const int group = token - 3;
-        std::uint32_t raw = 0;
-        if (group > 16)
-            raw = rans_.raw(group - 16) << 16;
-        raw |= rans_.raw(std::min(group, 16));
-        return static_cast<std::int32_t>((1u << group) + raw + 3);
+        return take_magnitude(
+            rans_,
+            coding_.tables.magnitude[static_cast<std::size_t>(p_class)][context].decode(rans_));
     }
 
     // Blocks of a tile have few shapes; the shared cache's lock is taken once for each.

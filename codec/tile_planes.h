@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/block.h"
+#include "format/syntax.h"
 #include "format/texture.h"
 
 #include <array>
@@ -11,8 +12,6 @@
 #include <vector>
 
 namespace tessera {
-
-enum class ColourTransform : std::uint8_t { none = 0, ycocg_r = 1 };
 
 // What turns samples into planes and back.
 struct ColourCoding {

@@ -37,6 +37,24 @@ inline MagnitudeToken magnitude_token(std::int32_t magnitude) {
     return {3 + group, group, offset - (1u << group)};
 }
 
+// The raw bits behind a magnitude token; at most 16 fit one step of the coder.
+template <class Coder> void put_magnitude_raw(Coder& coder, const MagnitudeToken& token) {
+    if (token.raw_bits > 16)
+        coder.raw(token.raw >> 16, token.raw_bits - 16);
+    if (token.raw_bits > 0)
+        coder.raw(token.raw & 0xFFFFu, std::min(token.raw_bits, 16));
+}
+
+// Magnitude of a token, reading its raw bits.
+inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
+    if (token < 4)
+        return token + 1;
+    const int group = token - 3;
+    std::uint32_t raw = group > 16 ? rans.raw(group - 16) << 16 : 0;
+    raw |= rans.raw(std::min(group, 16));
+    return static_cast<std::int32_t>((1u << group) + raw + 3);
+}
+
 template <class Visitor> class TileWalker {
 public:
     TileWalker(const TileCoding& coding, Visitor& visitor) : coding_(coding), visitor_(visitor) {}
@@ -105,11 +123,7 @@ private:
             const std::int32_t level = levels[next++].level;
             const MagnitudeToken token = magnitude_token(std::abs(level));
             visitor_.magnitude(p_class, i == 0 ? neighbour_classes : neighbours, token.token);
-            // At most 16 bits fit one step of the coder.
-            if (token.raw_bits > 16)
-                visitor_.raw(token.raw >> 16, token.raw_bits - 16);
-            if (token.raw_bits > 0)
-                visitor_.raw(token.raw & 0xFFFFu, std::min(token.raw_bits, 16));
+            put_magnitude_raw(visitor_, token);
             visitor_.raw(level < 0, 1);
             grid_.mark(place, std::abs(level));
         }

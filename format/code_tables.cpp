@@ -60,6 +60,10 @@ CodeTables::CodeTables(const Parameters& parameters) {
             build(table, next, split_kinds - 1);
             next += split_kinds - 1;
         }
+    for (auto& table : correction) {
+        build(table, next, correction_chain);
+        next += correction_chain;
+    }
 }
 
 } // namespace tessera

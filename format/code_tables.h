@@ -32,10 +32,11 @@ constexpr int length_tokens = 14;    // 0, then bit length of the coded length (
 constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
 constexpr int depth_classes = max_split_depth + 1;
 
-// Groups of parameters, in file order.
-enum class Group : std::uint8_t { zero, magnitude, first_length, other_length, split, count };
+constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
+constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
+constexpr int correction_chain = magnitude_chain + 1;
 
-// Where each group's parameters start, and how many a file holds in all.
+// Where each group's parameters start, in file order, and how many a file holds in all.
 constexpr int zero_parameters =
     position_classes * neighbour_classes * (1 + (plane_classes - 1) * cross_classes);
 constexpr int magnitude_offset = zero_parameters;
@@ -46,7 +47,9 @@ constexpr int other_length_offset = first_length_offset + first_length_parameter
 constexpr int other_length_parameters = length_tokens * (length_tokens - 1);
 constexpr int split_offset = other_length_offset + other_length_parameters;
 constexpr int split_parameters = depth_classes * depth_classes * 2;
-constexpr int parameter_count = split_offset + split_parameters;
+constexpr int correction_offset = split_offset + split_parameters;
+constexpr int correction_parameters = correction_contexts * correction_chain;
+constexpr int parameter_count = correction_offset + correction_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -83,6 +86,7 @@ struct CodeTables {
     std::array<SymbolTable<length_tokens>, size_classes> first_length;
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
+    std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
 };
 
 // Built-in defaults: what files start from and what small files use as they are.

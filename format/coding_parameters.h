@@ -17,7 +17,7 @@ struct CodingParameters {
     std::array<StepCode, max_planes> step{};
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
-    std::uint8_t correction_error = 0; // E of 3.6; used when the file has corrections
+    std::uint16_t correction_error = 0; // E of 3.6, in sample codes; used with corrections
     Parameters parameters = default_parameters();
 };
 

@@ -380,15 +380,14 @@ Result<std::vector<std::byte>> ContainerReader::read_page(std::uint32_t group, s
 Result<TileBytes> ContainerReader::load_tile(std::uint64_t tile) const {
     const Result<Place> place = place_of(tile);
     TESSERA_TRY(place.status());
-    const std::vector<Page>& pages = place->index->pages;
-    const auto [first, last] = place->index->pages_of(place->begin, place->end);
-    if (first == last)
+    const GroupIndex::PageRange range = place->index->pages_of(place->begin, place->end);
+    if (range.begin == range.end)
         return TileBytes{};
-    if (last - first > 1)
-        return load_large_tile(*place, first);
-    const Page& page = pages[first];
+    if (range.end - range.begin > 1)
+        return load_large_tile(*place, range.begin);
+    const Page& page = place->index->pages[range.begin];
     auto bytes = caches_->pages.get(mix(page.offset), page.offset,
-                                    [&] { return read_page(place->group, first, page); });
+                                    [&] { return read_page(place->group, range.begin, page); });
     TESSERA_TRY(bytes.status());
     const std::span<const std::byte> whole = **bytes;
     return TileBytes{*bytes, whole.subspan(static_cast<std::size_t>(place->begin - page.offset),

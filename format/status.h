@@ -61,11 +61,15 @@ private:
     std::optional<T> value_;
 };
 
-// Leaves the enclosing function with the error of `expression`, if it has one.
-#define TESSERA_TRY(expression)                                                                    \
+// Leaves the enclosing function with the error of `expression`, if it has one. The counter keeps the
+// names of nested uses (a lambda inside the expression) apart.
+#define TESSERA_TRY(expression) TESSERA_TRY_NUMBERED(expression, __COUNTER__)
+#define TESSERA_TRY_NUMBERED(expression, number) TESSERA_TRY_NAMED(expression, number)
+#define TESSERA_TRY_NAMED(expression, number) TESSERA_TRY_STATUS(expression, try_status_##number)
+#define TESSERA_TRY_STATUS(expression, name)                                                       \
     do {                                                                                           \
-        if (auto tessera_status_ = (expression); !tessera_status_.ok())                            \
-            return tessera_status_;                                                                \
+        if (::tessera::Status name = (expression); !name.ok())                                     \
+            return name;                                                                           \
     } while (false)
 
 } // namespace tessera

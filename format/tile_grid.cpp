@@ -4,7 +4,7 @@ namespace tessera {
 
 TileGrid::TileGrid(const Extent4& size, const Extent4& tile_extent)
     : size_(size), tile_extent_(tile_extent) {
-    for (int axis = 0; axis < 4; ++axis)
+    for (std::size_t axis = 0; axis < 4; ++axis)
         count_[axis] = (size[axis] - 1) / tile_extent[axis] + 1;
 }
 
@@ -16,7 +16,7 @@ std::uint64_t TileGrid::number(const Extent4& c) const {
 
 Extent4 TileGrid::coordinates(std::uint64_t number) const {
     Extent4 result;
-    for (int axis = 0; axis < 4; ++axis) {
+    for (std::size_t axis = 0; axis < 4; ++axis) {
         result[axis] = static_cast<std::uint32_t>(number % count_[axis]);
         number /= count_[axis];
     }
@@ -25,7 +25,7 @@ Extent4 TileGrid::coordinates(std::uint64_t number) const {
 
 Box4 TileGrid::box(const Extent4& coordinates) const {
     Box4 result;
-    for (int axis = 0; axis < 4; ++axis) {
+    for (std::size_t axis = 0; axis < 4; ++axis) {
         const std::uint64_t i = coordinates[axis], d = size_[axis], n = count_[axis];
         result.begin[axis] = static_cast<std::uint32_t>(i * d / n);
         result.end[axis] = static_cast<std::uint32_t>((i + 1) * d / n);
@@ -35,7 +35,7 @@ Box4 TileGrid::box(const Extent4& coordinates) const {
 
 Box4 TileGrid::touched(const Box4& texels) const {
     Box4 result;
-    for (int axis = 0; axis < 4; ++axis) {
+    for (std::size_t axis = 0; axis < 4; ++axis) {
         // The tile of texel x is the largest i with floor(i d / n) <= x, that is i d < (x + 1) n.
         const std::uint64_t d = size_[axis], n = count_[axis];
         const auto tile_of = [d, n](std::uint64_t x) {

@@ -1,0 +1,281 @@
+#include "codec/encode_pass.h"
+
+#include "codec/parallel.h"
+#include "codec/slabs.h"
+#include "codec/table_fit.h"
+#include "codec/tile_decoder.h"
+#include "format/crc32c.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+// Everything one thread needs to encode tiles and to see what they decode to.
+struct Worker {
+    TileEncoder encoder;
+    TileDecoder decoder;
+    TileLevels levels;
+    CorrectionMap corrections;
+    std::vector<std::byte> texels, decoded;
+    Statistics statistics;
+};
+
+// Coding state of a pass and its workers.
+struct Crew {
+    Crew(const EncodePlan& encode_plan, const CodingParameters& parameters)
+        : plan(encode_plan),
+          coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
+          costs(coding.tables) {
+        for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
+            workers.push_back({TileEncoder(coding, costs, plan.colour, plan.effort),
+                               TileDecoder(coding, plan.colour),
+                               {},
+                               {},
+                               {},
+                               {},
+                               {}});
+    }
+    void encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
+                CodedTile& tile) const;
+
+    const EncodePlan& plan;
+    const TileCoding coding;
+    const BitCosts costs;
+    std::vector<Worker> workers;
+};
+
+void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
+             CodedTile& tile) {
+    const std::size_t bytes = sample_bytes(type);
+    const auto code = [&](std::span<const std::byte> texels, std::size_t i) {
+        auto sample = std::to_integer<std::uint16_t>(texels[i]);
+        if (type == SampleType::half16)
+            sample = static_cast<std::uint16_t>(sample |
+                                                (std::to_integer<unsigned>(texels[i + 1]) << 8));
+        return sample_code(sample, type);
+    };
+    tile.squared_error = 0;
+    tile.max_error = 0;
+    for (std::size_t i = 0; i < a.size(); i += bytes) {
+        const auto error = static_cast<std::uint32_t>(std::abs(code(a, i) - code(b, i)));
+        tile.squared_error += std::uint64_t{error} * error;
+        tile.max_error = std::max(tile.max_error, error);
+    }
+}
+
+void Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
+                  CodedTile& tile) const {
+    const BlockShape shape = tile_shape(box);
+    worker.encoder.encode(texels, shape, worker.levels);
+    worker.decoded.resize(texels.size());
+    worker.corrections.clear();
+    worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
+    const TextureDesc& desc = plan.colour.desc;
+    const int error = coding.parameters.correction_error;
+    if (plan.guarantee &&
+        find_corrections(texels, worker.decoded, desc, error, worker.corrections)) {
+        apply_corrections(worker.corrections, desc, error, worker.decoded);
+        count_corrections(worker.corrections, shape, coding.planes, worker.statistics);
+    } else {
+        worker.corrections.clear();
+    }
+    measure(texels, worker.decoded, desc.type, tile);
+    tile.texel_crc = crc32c(worker.decoded);
+    count_symbols(worker.levels, coding, worker.statistics);
+    tile.payload.clear();
+    encode_levels(worker.levels,
+                  worker.corrections.empty()
+                      ? std::vector<std::vector<std::byte>>{}
+                      : encode_corrections(worker.corrections, shape, coding.planes, coding.tables),
+                  coding, tile.payload);
+}
+
+PassResult finish(Crew& crew, std::vector<CodedTile> tiles) {
+    PassResult result{crew.coding.parameters, std::move(tiles), {}};
+    for (const Worker& worker : crew.workers)
+        result.statistics.add(worker.statistics);
+    return result;
+}
+
+Status read_tile(const EncodePlan& plan, const Box4& box, std::vector<std::byte>& texels,
+                 CodedTile& tile) {
+    texels.resize(plan.colour.desc.box_bytes(box));
+    TESSERA_TRY(plan.source.read(box, texels));
+    make_finite(texels, plan.colour.desc.type, tile);
+    if (plan.options.strict && tile.nan_count + tile.infinity_count > 0)
+        return {ErrorCode::invalid_file,
+                "the texels " + to_string(box) + " hold " + std::to_string(tile.nan_count) +
+                    " NaN and " + std::to_string(tile.infinity_count) +
+                    " infinite samples (without --strict they are replaced)"};
+    return {};
+}
+
+} // namespace
+
+void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts) {
+    if (type == SampleType::unorm8)
+        return;
+    for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
+        const unsigned high = std::to_integer<unsigned>(texels[i + 1]);
+        if ((high & 0x7C) != 0x7C)
+            continue;
+        const bool infinite = (high & 0x03) == 0 && texels[i] == std::byte{0};
+        ++(infinite ? counts.infinity_count : counts.nan_count);
+        texels[i] = static_cast<std::byte>(infinite ? 0xFF : 0);
+        texels[i + 1] = static_cast<std::byte>(infinite ? (high & 0x80) | 0x7B : 0);
+    }
+}
+
+double PassResult::psnr(const TextureDesc& desc, std::uint64_t texels) const {
+    double sum = 0;
+    for (const CodedTile& tile : tiles)
+        sum += static_cast<double>(tile.squared_error);
+    if (sum == 0)
+        return 999;
+    const double peak = desc.type == SampleType::unorm8 ? 255.0 : 31743.0;
+    const double samples = static_cast<double>(texels) * desc.channels;
+    return 10.0 * std::log10(peak * peak * samples / sum);
+}
+
+std::uint32_t PassResult::max_error() const {
+    std::uint32_t error = 0;
+    for (const CodedTile& tile : tiles)
+        error = std::max(error, tile.max_error);
+    return error;
+}
+
+std::uint64_t PassResult::payload_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const CodedTile& tile : tiles)
+        bytes += tile.payload.size();
+    return bytes;
+}
+
+Result<Sample> read_sample(const EncodePlan& plan) {
+    // Sources that are walked in slabs give the tiles of the middle one.
+    const auto slabs =
+        make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    const bool anywhere = plan.source.locality() == Locality::any;
+    const Slab& middle = slabs[slabs.size() / 2];
+    const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
+    const auto wanted = std::min<std::uint64_t>(
+        available, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
+    TESSERA_TRY(plan.source.begin_slab(anywhere ? Box4::whole(plan.grid.size()) : middle.box));
+    Sample sample;
+    for (std::uint64_t i = 0; i < wanted; ++i) {
+        // The golden ratio spreads any number of picks over all tiles.
+        const double place = 0.6180339887498949 * static_cast<double>(i) + 0.5;
+        const auto pick = std::min(available - 1, static_cast<std::uint64_t>(
+                                                      (place - std::floor(place)) *
+                                                      static_cast<double>(available)));
+        sample.tiles.push_back(anywhere ? pick : middle.tiles[pick]);
+    }
+    std::sort(sample.tiles.begin(), sample.tiles.end());
+    sample.tiles.erase(std::unique(sample.tiles.begin(), sample.tiles.end()), sample.tiles.end());
+    sample.texels.resize(sample.tiles.size());
+    std::vector<int> workers(thread_count(plan.options.threads));
+    TESSERA_TRY(parallel_for(
+        workers, sample.tiles.size(),
+        [&](int, std::size_t i) {
+            CodedTile ignored;
+            return read_tile(plan, plan.grid.box(sample.tiles[i]), sample.texels[i], ignored);
+        },
+        [&](std::size_t i) {
+            if (plan.options.progress)
+                plan.options.progress("sample", static_cast<double>(i),
+                                      static_cast<double>(sample.tiles.size()));
+        }));
+    return sample;
+}
+
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            const char* stage) {
+    Crew crew(plan, parameters);
+    std::vector<CodedTile> tiles(plan.grid.tiles());
+    double done = 0;
+    for (const Slab& slab :
+         make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality())) {
+        TESSERA_TRY(plan.source.begin_slab(slab.box));
+        TESSERA_TRY(parallel_for(
+            crew.workers, slab.tiles.size(),
+            [&](Worker& worker, std::size_t i) -> Status {
+                CodedTile& tile = tiles[slab.tiles[i]];
+                const Box4 box = plan.grid.box(slab.tiles[i]);
+                TESSERA_TRY(read_tile(plan, box, worker.texels, tile));
+                crew.encode(worker, box, worker.texels, tile);
+                return {};
+            },
+            [&](std::size_t i) {
+                if (plan.options.progress)
+                    plan.options.progress(stage, done + static_cast<double>(i),
+                                          static_cast<double>(tiles.size()));
+            }));
+        done += static_cast<double>(slab.tiles.size());
+    }
+    return finish(crew, std::move(tiles));
+}
+
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            const Sample& sample) {
+    Crew crew(plan, parameters);
+    std::vector<CodedTile> tiles(sample.tiles.size());
+    TESSERA_TRY(parallel_for(
+        crew.workers, tiles.size(),
+        [&](Worker& worker, std::size_t i) -> Status {
+            crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i], tiles[i]);
+            return {};
+        },
+        [](std::size_t) {}));
+    return finish(crew, std::move(tiles));
+}
+
+Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
+    CodingParameters fitted = pass.parameters;
+    fitted.parameters = fit_parameters(pass.statistics);
+    const SampleType type = plan.colour.desc.type;
+    const int planes = plan.colour.desc.channels;
+    const TileCoding before(pass.parameters, type, planes), after(fitted, type, planes);
+    struct Recoder {
+        TileDecoder from, check;
+        std::vector<std::byte> payload, texels;
+    };
+    std::vector<Recoder> workers;
+    for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
+        workers.push_back({TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}, {}});
+    TESSERA_TRY(parallel_for(
+        workers, pass.tiles.size(),
+        [&](Recoder& worker, std::size_t i) -> Status {
+            CodedTile& tile = pass.tiles[i];
+            const Box4 box = plan.grid.box(i);
+            const BlockShape shape = tile_shape(box);
+            TESSERA_TRY(worker.from.parse(tile.payload, shape));
+            worker.payload.clear();
+            const CorrectionMap& corrections = worker.from.corrections();
+            encode_levels(worker.from.levels(),
+                          corrections.empty() ? std::vector<std::vector<std::byte>>{}
+                                              : encode_corrections(corrections, shape, planes,
+                                                                   after.tables),
+                          after, worker.payload);
+            tile.payload = worker.payload;
+            if (!plan.options.verify)
+                return {};
+            worker.texels.resize(plan.colour.desc.box_bytes(box));
+            const Status decoded = worker.check.decode(tile.payload, shape, worker.texels);
+            if (!decoded.ok() || crc32c(worker.texels) != tile.texel_crc)
+                return {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
+                                                " does not decode to what was encoded " +
+                                                decoded.message()};
+            return {};
+        },
+        [&](std::size_t i) {
+            if (plan.options.progress)
+                plan.options.progress("write", static_cast<double>(i),
+                                      static_cast<double>(pass.tiles.size()));
+        }));
+    pass.parameters = fitted;
+    return {};
+}
+
+} // namespace tessera

@@ -1,0 +1,66 @@
+// One walk over a texture at fixed parameters: every tile searched, quantised, coded, measured.
+#pragma once
+
+#include "codec/encoder.h"
+#include "codec/tile_encoder.h"
+#include "codec/tile_entropy.h"
+#include "format/coding_parameters.h"
+#include "format/tile_grid.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tessera {
+
+// What stays the same over all passes of one encode.
+struct EncodePlan {
+    TexelSource& source;
+    const EncodeOptions& options;
+    TileGrid grid;
+    ColourCoding colour;
+    EffortSettings effort;
+    bool guarantee = false; // code corrections for parameters.correction_error
+};
+
+struct CodedTile {
+    std::vector<std::byte> payload;
+    std::uint32_t texel_crc = 0;     // of the texels it decodes to
+    std::uint64_t squared_error = 0; // of sample codes
+    std::uint32_t max_error = 0;     // of sample codes
+    std::uint32_t nan_count = 0, infinity_count = 0;
+};
+
+struct PassResult {
+    CodingParameters parameters; // that the payloads are coded with
+    std::vector<CodedTile> tiles;
+    Statistics statistics;
+
+    double psnr(const TextureDesc& desc, std::uint64_t texels) const;
+    std::uint32_t max_error() const;
+    std::uint64_t payload_bytes() const;
+};
+
+// Texels of some tiles, held in memory.
+struct Sample {
+    std::vector<std::uint64_t> tiles;
+    std::vector<std::vector<std::byte>> texels; // finite
+};
+
+// Reads a spread of about an eighth of the tiles, between 4 and 128.
+Result<Sample> read_sample(const EncodePlan& plan);
+
+// Encodes every tile of the texture. Errors: the source's; invalid_file (strict and non-finite).
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            const char* stage);
+// Encodes the sample's tiles only.
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            const Sample& sample);
+
+// Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
+// its texels differ) unless the options say no.
+Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass);
+
+// NaN -> 0, infinities -> +-65504. No effect on unorm8.
+void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts);
+
+} // namespace tessera

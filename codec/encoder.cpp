@@ -1,0 +1,185 @@
+#include "codec/encoder.h"
+
+#include "codec/rate_control.h"
+#include "format/container_writer.h"
+#include "format/version.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+namespace tessera {
+namespace {
+
+Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
+    using Kind = RateTarget::Kind;
+    const auto bad = [](const std::string& what) { return Status(ErrorCode::bad_argument, what); };
+    TESSERA_TRY(check_desc(desc));
+    if (options.effort < 0 || options.effort > 9)
+        return bad("effort must be 0 to 9");
+    std::uint64_t tile = 1;
+    for (const std::uint32_t side : options.tile_extent) {
+        if (side < 1 || side > max_tile_side)
+            return bad("tile sides must be 1 to 32");
+        tile *= side;
+    }
+    if (tile > max_tile_texels)
+        return bad("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
+    const double value = options.rate.value;
+    const double largest_error = desc.type == SampleType::unorm8 ? 255 : 65535;
+    if (!std::isfinite(value))
+        return bad("the rate target is not a number");
+    switch (options.rate.kind) {
+    case Kind::quality:
+        return value >= 1 && value <= 100 ? Status() : bad("quality must be 1 to 100");
+    case Kind::psnr:
+        return value > 0 && value <= 120 ? Status() : bad("target PSNR must be above 0, at most 120 dB");
+    case Kind::max_error:
+        return value >= 0 && value <= largest_error && value == std::floor(value)
+                   ? Status()
+                   : bad("maximum error must be a whole number from 0 to " +
+                         std::to_string(static_cast<int>(largest_error)));
+    default:
+        return value > 0 ? Status() : bad("the size target must be above 0");
+    }
+}
+
+// The most frequent texel of the sample: what empty tiles stand for.
+std::array<std::uint16_t, 4> find_background(const Sample& sample, const TextureDesc& desc) {
+    std::map<std::uint64_t, std::uint64_t> counts;
+    const std::size_t size = desc.texel_bytes();
+    std::uint64_t previous = 0, run = 0;
+    const auto flush = [&] {
+        if (run > 0)
+            counts[previous] += run;
+    };
+    for (const auto& texels : sample.texels)
+        for (std::size_t at = 0; at < texels.size(); at += size) {
+            std::uint64_t texel = 0;
+            for (std::size_t i = 0; i < size; ++i)
+                texel |= std::to_integer<std::uint64_t>(texels[at + i]) << (8 * i);
+            if (texel != previous) {
+                flush();
+                previous = texel;
+                run = 0;
+            }
+            ++run;
+        }
+    flush();
+    const auto most = std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) {
+        return a.second < b.second;
+    });
+    std::array<std::uint16_t, 4> background{};
+    const int bits = 8 * static_cast<int>(sample_bytes(desc.type));
+    for (int c = 0; c < desc.channels && most != counts.end(); ++c)
+        background[static_cast<std::size_t>(c)] =
+            static_cast<std::uint16_t>(most->first >> (bits * c) & ((1u << bits) - 1));
+    return background;
+}
+
+// Assembles a file around coded tiles; spans point into `pass` and `coding`.
+ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
+                              const std::vector<std::byte>& coding) {
+    ContainerContents contents;
+    contents.desc = plan.colour.desc;
+    contents.tile_extent = plan.options.tile_extent;
+    contents.description = plan.options.description;
+    contents.metadata = plan.options.metadata;
+    contents.metadata.try_emplace("Software", std::string("Tessera ") + library_version);
+    contents.colour = plan.colour.transform;
+    contents.background = plan.colour.background;
+    contents.required_features = plan.guarantee ? feature_corrections : 0;
+    contents.codec_parameters = coding;
+    contents.tile = [&pass](std::uint64_t tile) -> std::span<const std::byte> {
+        return pass.tiles[tile].payload;
+    };
+    return contents;
+}
+
+Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
+                            const std::function<Status(const ContainerContents&)>& write) {
+    const auto start = std::chrono::steady_clock::now();
+    const TextureDesc desc = source.desc();
+    TESSERA_TRY(check_options(options, desc));
+    EncodePlan plan{source,
+                    options,
+                    TileGrid(desc.size, options.tile_extent),
+                    {desc,
+                     desc.channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
+                     {}},
+                    EffortSettings::of(options.effort),
+                    options.rate.kind == RateTarget::Kind::max_error};
+    if (plan.grid.tiles() > max_tiles)
+        return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
+    const Result<Sample> sample = read_sample(plan);
+    if (!sample)
+        return sample.status();
+    plan.colour.background = find_background(*sample, desc);
+
+    Result<RateOutcome> outcome =
+        control_rate(plan, *sample, [&plan](const PassResult& pass) {
+            const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
+            return container_bytes(contents_of(plan, pass, coding));
+        });
+    if (!outcome)
+        return outcome.status();
+    const PassResult& pass = outcome->pass;
+    const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
+    const ContainerContents contents = contents_of(plan, pass, coding);
+    const Result<std::uint64_t> bytes = container_bytes(contents);
+    if (!bytes)
+        return bytes.status();
+    TESSERA_TRY(write(contents));
+
+    EncodeReport report;
+    report.file_bytes = *bytes;
+    report.raw_bytes = desc.box_bytes(Box4::whole(desc.size));
+    const auto texels = static_cast<double>(texel_count(desc.size));
+    report.bits_per_texel = static_cast<double>(*bytes) * 8.0 / texels;
+    report.psnr = pass.psnr(desc, texel_count(desc.size));
+    report.max_error = pass.max_error();
+    for (const CodedTile& tile : pass.tiles) {
+        report.nan_count += tile.nan_count;
+        report.infinity_count += tile.infinity_count;
+    }
+    report.passes = outcome->passes;
+    report.note = outcome->note;
+    report.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+}
+
+} // namespace
+
+Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
+                                   const EncodeOptions& options) {
+    try {
+        return encode(source, options, [&out](const ContainerContents& contents) -> Status {
+            out.clear();
+            VectorSink sink(out);
+            return write_container(contents, sink).status();
+        });
+    } catch (const std::exception& e) {
+        return Status(ErrorCode::runtime, e.what());
+    }
+}
+
+Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
+                                 const EncodeOptions& options) {
+    try {
+        // Created first: a folder that cannot be written to should cost no encoding.
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file)
+            return file.status();
+        return encode(source, options, [&file](const ContainerContents& contents) -> Status {
+            FileSink sink(*file);
+            TESSERA_TRY(write_container(contents, sink).status());
+            return file->commit();
+        });
+    } catch (const std::exception& e) {
+        return Status(ErrorCode::runtime, e.what());
+    }
+}
+
+} // namespace tessera

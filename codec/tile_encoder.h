@@ -1,0 +1,44 @@
+// One tile's texels -> its levels, in stages: planes, blocks, transform, quantisation.
+#pragma once
+
+#include "codec/block_quantizer.h"
+#include "codec/block_search.h"
+#include "codec/tile_coding.h"
+#include "codec/tile_planes.h"
+
+#include <cstddef>
+#include <span>
+
+namespace tessera {
+
+// What an effort level switches on; figures in tests/regression/effort.md.
+struct EffortSettings {
+    SearchOptions search;
+    QuantizerOptions quantizer;
+    bool train_on_sample = true; // decide under tables fitted to a sample, not the built-in ones
+    bool second_pass = false;    // decide again under the tables of the first pass
+
+    static EffortSettings of(int effort); // 0..9
+};
+
+// Encodes tiles of one file. Holds scratch memory: one per thread.
+class TileEncoder {
+public:
+    // All outlive the encoder.
+    TileEncoder(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
+                const EffortSettings& settings)
+        : colour_(&colour), search_(coding, costs, settings.search),
+          quantizer_(coding, costs, settings.quantizer) {}
+
+    // texels: dense box order. Replaces `out`.
+    void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
+
+private:
+    const ColourCoding* colour_;
+    BlockSearch search_;
+    BlockQuantizer quantizer_;
+    TilePlanes planes_;
+    BlockCoefficients coefficients_;
+};
+
+} // namespace tessera
