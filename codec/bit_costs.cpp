@@ -45,6 +45,10 @@ BitCosts::BitCosts(const CodeTables& tables) {
         fill<length_tokens>(other_length[i], tables.other_length[i]);
         add_length_raw_bits(other_length[i]);
     }
+    for (std::size_t i = 0; i < colour.size(); ++i) {
+        fill<colour_kinds>(colour[i], tables.colour[i]);
+        colour[i][2] += static_cast<float>(rotation_index_bits);
+    }
     for (std::size_t s = 0; s < split.size(); ++s)
         for (std::size_t a = 0; a < split[s].size(); ++a)
             fill<split_kinds>(split[s][a], tables.split[s][a]);

@@ -16,6 +16,7 @@ struct BitCosts {
     std::array<std::array<float, length_tokens>, size_classes> first_length; // with raw bits
     std::array<std::array<float, length_tokens>, length_tokens> other_length;
     std::array<std::array<std::array<float, split_kinds>, depth_classes>, depth_classes> split;
+    std::array<std::array<float, colour_kinds>, 2> colour; // with raw bits
 };
 
 } // namespace tessera

@@ -28,6 +28,7 @@ BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
     for (int plane = 0; plane < coding.planes; ++plane)
         inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
             1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
+    inverse_rotated_step_ = static_cast<float>(1.0 / coding.parameters.rotated_step.value());
     for (std::size_t c = 0; c < offset_.size(); ++c)
         for (std::size_t i = 0; i < 2; ++i)
             offset_[c][i] = static_cast<float>(coding.parameters.offsets[c][i]) / 64.0f;
@@ -35,6 +36,7 @@ BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
 
 float BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) {
     const std::size_t first_plane = out.planes.size();
+    out.colours.push_back(static_cast<std::uint8_t>(block.colour));
     float cost = 0;
     int first_token = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
@@ -50,7 +52,9 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const ShapeCoding& shape = coding_.shape(block.shape);
     const ScanOrder& order = shape.order;
     const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
-    const float inverse_step = inverse_step_[static_cast<std::size_t>(plane)];
+    const float inverse_step = block.colour != 0 && plane < 3
+                                   ? inverse_rotated_step_
+                                   : inverse_step_[static_cast<std::size_t>(plane)];
     const auto& n = block.shape.n;
     const int p_class = plane_class(plane);
     const auto& offsets = offset_[static_cast<std::size_t>(p_class)];

@@ -16,6 +16,7 @@ namespace tessera {
 struct BlockCoefficients {
     BlockShape shape;
     std::array<std::vector<float>, max_planes> plane;
+    int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
 };
 
 // Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
@@ -28,7 +29,8 @@ class BlockQuantizer {
 public:
     BlockQuantizer(const TileCoding& coding, const BitCosts& costs, const QuantizerOptions& options);
 
-    // Appends the block's planes and levels to `out` (not the block itself). Returns the cost.
+    // Appends the block's colour, planes and levels to `out` (not the block itself). Returns the
+    // cost relative to a block of zeros.
     float quantize(const BlockCoefficients& block, TileLevels& out);
 
 private:
@@ -39,6 +41,7 @@ private:
     const BitCosts& costs_;
     const QuantizerOptions options_;
     std::array<float, max_planes> inverse_step_{};
+    float inverse_rotated_step_ = 1;
     std::array<std::array<float, 2>, plane_classes> offset_{};
     ContextGrid grid_;
     std::vector<float> amplitude_;

@@ -1,17 +1,15 @@
 #include "codec/metrics.h"
 
+#include "codec/parallel.h"
 #include "format/half.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <mutex>
 #include <new>
-#include <thread>
 
 namespace tessera {
 namespace {
@@ -156,7 +154,8 @@ double sum_of_row(const MomentRows& m, float offset, float c1, float c2) {
     double sum = 0;
     for (std::size_t x = 0; x < m.a.size(); ++x) {
         const float a = m.a[x] + offset, b = m.b[x] + offset;
-        const float variances = m.squares[x] - m.a[x] * m.a[x] - m.b[x] * m.b[x];
+        // Rounded alike to the covariance: equal pictures give exactly 1.
+        const float variances = m.squares[x] - (m.a[x] * m.a[x] + m.b[x] * m.b[x]);
         const float covariance = m.products[x] - m.a[x] * m.b[x];
         const float luminance = (2 * a * b + c1) / (a * a + b * b + c1);
         sum += static_cast<double>(luminance * (2 * covariance + c2) / (variances + c2));
@@ -164,41 +163,11 @@ double sum_of_row(const MomentRows& m, float offset, float c1, float c2) {
     return sum;
 }
 
-// Calls body(index) on `threads` threads; the lowest failing index reached wins.
-template <class Body> Status for_each_index(std::uint64_t count, unsigned threads, Body body) {
-    std::atomic<std::uint64_t> next{0};
-    std::mutex mutex;
-    std::uint64_t failed = count;
-    Status failure;
-    const auto work = [&] {
-        for (std::uint64_t i = next++; i < count; i = next++) {
-            Status status = [&] {
-                try {
-                    return body(i);
-                } catch (const std::bad_alloc&) {
-                    return Status(ErrorCode::runtime, "out of memory");
-                }
-            }();
-            if (status.ok())
-                continue;
-            const std::lock_guard lock(mutex);
-            if (i < failed) {
-                failed = i;
-                failure = std::move(status);
-            }
-            next = count;
-            return;
-        }
-    };
-    std::vector<std::jthread> helpers;
-    try {
-        for (std::uint64_t i = 1; i < std::min<std::uint64_t>(count, threads); ++i)
-            helpers.emplace_back(work);
-    } catch (const std::exception&) { // no more threads: those that run do all the work
-    }
-    work();
-    helpers.clear(); // joins
-    return failure;
+template <class Body>
+Status for_each_index(std::size_t count, unsigned threads, const Body& body) {
+    std::vector<int> workers(threads);
+    return parallel_for(
+        workers, count, [&](int, std::size_t i) { return body(i); }, [](std::size_t) {});
 }
 
 // Extents of a slab: a cell of views, of all places. Cells are multiples of 8 where they can be,
@@ -255,8 +224,7 @@ class Comparer {
 public:
     Comparer(TexelSource& a, TexelSource& b, const CompareOptions& options)
         : a_(a), b_(b), desc_(a.desc()), options_(options), result_(desc_) {
-        threads_ = options.threads ? options.threads
-                                   : std::max(1u, std::thread::hardware_concurrency());
+        threads_ = thread_count(options.threads);
         result_.has_ssim = options.with_ssim && view_texels() <= max_view_texels;
     }
 
@@ -494,12 +462,12 @@ double ErrorSums::psnr() const {
     for (unsigned c = 0; c < desc_.channels; ++c)
         sum += squared_[c];
     return psnr_of(sum / (static_cast<double>(texels_) * desc_.channels),
-                   desc_.type == SampleType::unorm8 ? 255 : 65535);
+                   desc_.type == SampleType::unorm8 ? 255 : half_peak);
 }
 
 double ErrorSums::psnr(unsigned channel) const {
     return psnr_of(squared_[channel] / static_cast<double>(texels_),
-                   desc_.type == SampleType::unorm8 ? 255 : 65535);
+                   desc_.type == SampleType::unorm8 ? 255 : half_peak);
 }
 
 double ErrorSums::psnr_luma() const {

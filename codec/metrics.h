@@ -28,10 +28,11 @@ double psnr_of(double mse, double peak);
 // luminance in cd/m2, clamped to 0.005..10,000, to a scale on which 100 cd/m2 is about 256.
 double pu21_encode(double luminance);
 
+constexpr double half_peak = 31743;          // half_ordinal of 65504, the encoder's peak
 constexpr double pu21_peak = 256;           // the authors' peak for PSNR and SSIM
 constexpr double luminance_of_one = 100;    // cd/m2 of linear 1.0
 constexpr double log2_floor = 1e-4;         // log2-PSNR is that of log2(max(x, log2_floor)), with
-constexpr double log2_peak = 29.2871192655; // log2(65504 / log2_floor) as its peak
+constexpr double log2_peak = 29.2870077666; // log2(65504 / log2_floor) as its peak
 
 // Integer that grows by one from each half to the next; +0 and -0 are both 0.
 inline std::int32_t half_ordinal(std::uint16_t half) {
@@ -55,7 +56,7 @@ public:
     void merge(const ErrorSums& later);
 
     std::uint64_t texels() const { return texels_; }
-    // Peak 255 (unorm8), or 65535 over half_ordinal, which is how the codec counts (half16).
+    // Peak 255 (unorm8), or half_peak over half_ordinal, which is how the codec counts (half16).
     double psnr() const; // over all samples, alpha included
     double psnr(unsigned channel) const;
     // unorm8 only: BT.709 weights on code values. Grey: as psnr(0).

@@ -238,6 +238,8 @@ CodingParameters parameters_for_step(double step, const TextureDesc& desc) {
     for (std::size_t plane = 0; plane < max_planes; ++plane)
         parameters.step[plane] =
             StepCode::nearest(step * (desc.channels >= 3 ? ratio[plane] : 1.0));
+    parameters.rotated_step = StepCode::nearest(step * std::sqrt(3.0)); // of orthonormal RGB
+    parameters.colour_rotation = desc.channels >= 3;
     return parameters;
 }
 

@@ -1,6 +1,7 @@
 #include "codec/reconstruct.h"
 
 #include "codec/kernels.h"
+#include "format/colour_rotation.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,21 +12,40 @@ namespace {
 using Support = std::array<std::uint8_t, 4>;
 
 // Dense coefficients of the support box, order t, s, v, u.
-void dequantize_plane(std::span<const NonZero> levels, const ShapeCoding& shape, int plane,
-                      const ReconstructionOffsets& offsets, const Support& support,
-                      std::vector<std::int32_t>& box) {
+void dequantize_plane(std::span<const NonZero> levels, const ScanOrder& order,
+                      const ScaleSet& scales, const ReconstructionOffsets& offsets,
+                      const Support& support, std::vector<std::int32_t>& box) {
     const int v_step = support[0], s_step = v_step * support[1], t_step = s_step * support[2];
     // Room for every later pass, too.
-    box.resize(std::max(box.size(), static_cast<std::size_t>(shape.order.shape.texels())));
+    box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
     std::fill_n(box.begin(), t_step * support[3], 0);
-    const ScaleSet& scales = shape.scales[static_cast<std::size_t>(plane)];
     for (const NonZero& nz : levels) {
-        const auto& k = shape.order.entry[nz.index].k;
+        const auto& k = order.entry[nz.index].k;
         const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
         const std::int32_t magnitude =
             dequantize(std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
         box[static_cast<std::size_t>(k[0] + k[1] * v_step + k[2] * s_step + k[3] * t_step)] =
             nz.level < 0 ? -magnitude : magnitude;
+    }
+}
+
+// From rotated axes back to Y, Co, Cg. Coefficients are split as in 4.3, so that 32 bits do.
+void unrotate(std::array<std::vector<std::int32_t>, 3>& planes, std::size_t count, int rotation) {
+    constexpr int low = 11;
+    const RotationMatrix& m = rotation_matrix(rotation);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::array<std::int32_t, 3> x = {planes[0][i], planes[1][i], planes[2][i]};
+        if ((x[0] | x[1] | x[2]) == 0)
+            continue;
+        for (std::size_t plane = 0; plane < 3; ++plane) {
+            std::int32_t high_sum = 0, low_sum = 0;
+            for (std::size_t j = 0; j < 3; ++j) {
+                high_sum += m[plane][j] * (x[j] >> low);
+                low_sum += m[plane][j] * (x[j] & ((1 << low) - 1));
+            }
+            planes[plane][i] = (high_sum + ((low_sum + (1 << (rotation_bits - 1))) >> low)) >>
+                               (rotation_bits - low);
+        }
     }
 }
 
@@ -91,37 +111,97 @@ void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,
                             n[0], value);
 }
 
+// One block being reconstructed.
+class BlockReconstruction {
+public:
+    BlockReconstruction(const TileLevels& tile, std::size_t index, const TileCoding& coding,
+                        ReconstructScratch& scratch, TilePlanes& planes)
+        : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]), coding_(coding),
+          shape_(coding.shape(block_.shape)), scratch_(scratch), planes_(planes),
+          levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)) {}
+
+    void run() {
+        int plane = 0;
+        if (colour_ != 0) {
+            rotated_planes();
+            plane = 3;
+        }
+        for (; plane < coding_.planes; ++plane) {
+            const auto nonzeros = levels(plane);
+            if (nonzeros.empty()) {
+                fill(plane, 0);
+                continue;
+            }
+            const Support& support = shape_.order.support[nonzeros.back().index];
+            dequantize(plane, support, scratch_.a);
+            finish(plane, support);
+        }
+    }
+
+private:
+    std::span<const NonZero> levels(int plane) const { return tile_.levels(levels_[plane]); }
+
+    void dequantize(int plane, const Support& support, std::vector<std::int32_t>& box) const {
+        dequantize_plane(levels(plane), shape_.order, coding_.scales(shape_, plane, colour_),
+                         coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))],
+                         support, box);
+    }
+
+    void rotated_planes() {
+        int last = -1;
+        for (int plane = 0; plane < 3; ++plane)
+            if (!levels(plane).empty())
+                last = std::max<int>(last, levels(plane).back().index);
+        if (last < 0) {
+            for (int plane = 0; plane < 3; ++plane)
+                fill(plane, 0);
+            return;
+        }
+        const Support& support = shape_.order.support[static_cast<std::size_t>(last)];
+        for (int plane = 0; plane < 3; ++plane)
+            dequantize(plane, support, scratch_.rotated[static_cast<std::size_t>(plane)]);
+        unrotate(scratch_.rotated,
+                 static_cast<std::size_t>(support[0] * support[1] * support[2] * support[3]),
+                 colour_ - 1);
+        for (int plane = 0; plane < 3; ++plane) {
+            scratch_.a.swap(scratch_.rotated[static_cast<std::size_t>(plane)]);
+            finish(plane, support);
+        }
+    }
+
+    // Coefficients in scratch_.a -> the block's texels.
+    void finish(int plane, const Support& support) {
+        const int shift = fraction_bits(coding_.type);
+        if (support == Support{1, 1, 1, 1}) {
+            fill(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
+            return;
+        }
+        inverse_transform(support, block_.shape, scratch_);
+        store_block(block_, scratch_.a.data(), shift, tile_.shape,
+                    planes_.plane[static_cast<std::size_t>(plane)]);
+    }
+
+    void fill(int plane, std::int32_t value) {
+        fill_block(block_, value, tile_.shape, planes_.plane[static_cast<std::size_t>(plane)]);
+    }
+
+    const TileLevels& tile_;
+    const Block& block_;
+    const int colour_;
+    const TileCoding& coding_;
+    const ShapeCoding& shape_;
+    ReconstructScratch& scratch_;
+    TilePlanes& planes_;
+    const PlaneLevels* const levels_;
+};
+
 } // namespace
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes) {
     planes.resize(levels.shape, coding.planes);
-    const int shift = fraction_bits(coding.type);
-    for (std::size_t b = 0; b < levels.blocks.size(); ++b) {
-        const Block& block = levels.blocks[b];
-        const ShapeCoding& shape = coding.shape(block.shape);
-        for (int plane = 0; plane < coding.planes; ++plane) {
-            auto& target = planes.plane[static_cast<std::size_t>(plane)];
-            const auto nonzeros =
-                levels.levels(levels.planes[b * static_cast<std::size_t>(coding.planes) +
-                                            static_cast<std::size_t>(plane)]);
-            if (nonzeros.empty()) {
-                fill_block(block, 0, levels.shape, target);
-                continue;
-            }
-            const Support& support = shape.order.support[nonzeros.back().index];
-            dequantize_plane(nonzeros, shape, plane,
-                             coding.parameters.offsets[static_cast<std::size_t>(plane_class(plane))],
-                             support, scratch.a);
-            if (nonzeros.back().index == 0) {
-                fill_block(block, (scratch.a[0] + (1 << (shift - 1))) >> shift, levels.shape,
-                           target);
-                continue;
-            }
-            inverse_transform(support, block.shape, scratch);
-            store_block(block, scratch.a.data(), shift, levels.shape, target);
-        }
-    }
+    for (std::size_t block = 0; block < levels.blocks.size(); ++block)
+        BlockReconstruction(levels, block, coding, scratch, planes).run();
 }
 
 } // namespace tessera

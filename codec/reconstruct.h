@@ -12,6 +12,7 @@ namespace tessera {
 // Scratch memory of one thread.
 struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
+    std::array<std::vector<std::int32_t>, 3> rotated;
 };
 
 // Fills all planes of the tile. Every value is defined for any levels that decode_levels can give.

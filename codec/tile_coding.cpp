@@ -7,7 +7,7 @@ namespace tessera {
 TileCoding::TileCoding(const CodingParameters& coding_parameters, SampleType sample_type,
                        int plane_count)
     : parameters(coding_parameters), tables(coding_parameters.parameters), type(sample_type),
-      planes(plane_count) {}
+      planes(plane_count), rotates(coding_parameters.colour_rotation && plane_count >= 3) {}
 
 const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
     {
@@ -19,6 +19,7 @@ const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
     made->order = make_scan_order(shape, parameters.scan_weights);
     for (int plane = 0; plane < planes; ++plane)
         made->scales[plane] = make_scales(parameters.step[plane], shape, type);
+    made->rotated_scales = make_scales(parameters.rotated_step, shape, type);
     const std::unique_lock lock(mutex_);
     return *shapes_.try_emplace(shape, std::move(made)).first->second;
 }

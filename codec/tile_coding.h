@@ -15,6 +15,7 @@ namespace tessera {
 struct ShapeCoding {
     ScanOrder order;
     std::array<ScaleSet, max_planes> scales;
+    ScaleSet rotated_scales; // of the first three planes of blocks with rotated colour
 };
 
 // Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.
@@ -28,6 +29,12 @@ public:
     const CodeTables tables;
     const SampleType type;
     const int planes; // one a channel
+    const bool rotates; // blocks carry a colour symbol
+
+    const ScaleSet& scales(const ShapeCoding& shape, int plane, int colour) const {
+        return colour != 0 && plane < 3 ? shape.rotated_scales
+                                        : shape.scales[static_cast<std::size_t>(plane)];
+    }
 
 private:
     mutable std::shared_mutex mutex_;

@@ -1,5 +1,7 @@
 #include "codec/tile_encoder.h"
 
+#include "codec/colour_choice.h"
+
 namespace tessera {
 namespace {
 
@@ -26,9 +28,33 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
                          TileLevels& out) {
     planes_from_texels(texels, *colour_, shape, planes_);
     search_.choose_blocks(planes_, out);
-    for (const Block& block : out.blocks) {
-        search_.transform_block(block, coefficients_);
-        quantizer_.quantize(coefficients_, out);
+    last_rotation_ = 1;
+    for (const Block& block : out.blocks)
+        encode_block(block, out);
+}
+
+// Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
+void TileEncoder::encode_block(const Block& block, TileLevels& out) {
+    search_.transform_block(block, coefficients_);
+    const TileLevels::Mark mark = out.mark();
+    const float plain = quantizer_.quantize(coefficients_, out);
+    if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
+        return;
+    const int rotation = choose_rotation(coefficients_, coding_->parameters, last_rotation_ - 1);
+    if (rotation < 0)
+        return;
+    rotate_colours(coefficients_, rotation, rotated_);
+    const TileLevels::Mark second = out.mark();
+    const auto& bits = costs_->colour[1];
+    const float lambda = settings_->quantizer.lambda;
+    const float rotated = quantizer_.quantize(rotated_, out) +
+                          lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
+    // A block whose first plane is empty has no colour symbol.
+    if (rotated < plain && out.planes[second.planes].coded_length > 0) {
+        out.remove(mark, second);
+        last_rotation_ = rotation + 1;
+    } else {
+        out.rewind(second);
     }
 }
 

@@ -16,6 +16,7 @@ struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
     bool train_on_sample = true; // decide under tables fitted to a sample, not the built-in ones
+    bool rotate_colours = true;    // try rotated colour axes for every block
     bool second_pass = false;    // decide again under the tables of the first pass
 
     static EffortSettings of(int effort); // 0..9
@@ -27,18 +28,25 @@ public:
     // All outlive the encoder.
     TileEncoder(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
                 const EffortSettings& settings)
-        : colour_(&colour), search_(coding, costs, settings.search),
-          quantizer_(coding, costs, settings.quantizer) {}
+        : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
+          search_(coding, costs, settings.search), quantizer_(coding, costs, settings.quantizer) {}
 
     // texels: dense box order. Replaces `out`.
     void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
 
 private:
+    void encode_block(const Block& block, TileLevels& out);
+
+    const TileCoding* coding_;
+    const BitCosts* costs_;
     const ColourCoding* colour_;
+    const EffortSettings* settings_;
+    int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
     BlockSearch search_;
     BlockQuantizer quantizer_;
     TilePlanes planes_;
-    BlockCoefficients coefficients_;
+    BlockCoefficients coefficients_, rotated_;
+    TileLevels trial_;
 };
 
 } // namespace tessera

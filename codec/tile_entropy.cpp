@@ -25,6 +25,10 @@ struct StatisticsVisitor {
         statistics.chain(magnitude_offset + (p_class * magnitude_contexts + context) * magnitude_chain,
               magnitude_chain, magnitude_tokens, token);
     }
+    void colour(bool rotated, int kind) {
+        statistics.chain(colour_offset + rotated * (colour_kinds - 1), colour_kinds - 1,
+                         colour_kinds, kind);
+    }
     void raw(std::uint32_t, int) {}
 };
 
@@ -49,6 +53,7 @@ struct CodingVisitor {
         tables.magnitude[static_cast<std::size_t>(p_class)][static_cast<std::size_t>(context)]
             .encode(coder, token);
     }
+    void colour(bool rotated, int kind) { tables.colour[rotated].encode(coder, kind); }
     void raw(std::uint32_t value, int bits) { coder.raw(value, bits); }
 };
 
@@ -99,6 +104,7 @@ void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics&
     StatisticsVisitor visitor{statistics};
     TileWalker walker(coding, visitor);
     walker.walk_tree(tile);
+    // Segments forget colours; with one segment for all, counts of a long tile are a little off.
     for (std::size_t block = 0; block < tile.blocks.size(); ++block)
         walker.walk_block(tile, block);
 }
@@ -112,6 +118,7 @@ void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte
     first.push_back(tile.blocks.size());
     walker.walk_tree(tile);
     for (std::size_t i = 0; i < segments.size(); ++i) {
+        walker.begin_segment();
         for (std::size_t block = first[i]; block < first[i + 1]; ++block)
             walker.walk_block(tile, block);
         visitor.coder.finish(segments[i]);

@@ -18,6 +18,7 @@ public:
         for (std::size_t i = 0; i < parts.segments.size(); ++i) {
             rans_ = RansDecoder(parts.segments[i].bytes);
             work_ = 0;
+            last_colour_ = ColourMemory{};
             if (i == 0 && !node(Block{{0, 0, 0, 0}, shape, 0, 0}))
                 return damaged(i, "more than 4096 blocks");
             const std::size_t end = i + 1 < parts.segments.size()
@@ -69,8 +70,6 @@ private:
                     ? coding_.tables.first_length[static_cast<std::size_t>(size_class(block.shape))]
                           .decode(rans_)
                     : coding_.tables.other_length[static_cast<std::size_t>(previous)].decode(rans_);
-            if (plane == 0)
-                previous = token;
             const int bits = length_raw_bits(token);
             int length = token == 0 ? 0 : 1 << (token - 1);
             length += static_cast<int>(rans_.raw(bits)) << std::max(0, token - 1 - bits);
@@ -82,9 +81,30 @@ private:
             levels.first = static_cast<std::uint32_t>(out_.nonzeros.size());
             levels.coded_length = static_cast<std::uint16_t>(length);
             out_.planes.push_back(levels);
+            if (plane == 0) {
+                previous = token;
+                if (!decode_colour(length))
+                    return false;
+            }
             if (length > 0 && !decode_plane(first_plane, plane, shape.order))
                 return false;
         }
+        return true;
+    }
+
+    bool decode_colour(int first_length) {
+        int colour = 0;
+        if (first_length > 0 && coding_.rotates) {
+            const int kind = coding_.tables.colour[last_colour_.rotated].decode(rans_);
+            if (kind == 1)
+                colour = last_colour_.last_rotation;
+            else if (kind == 2)
+                colour = 1 + static_cast<int>(rans_.raw(rotation_index_bits));
+            if (colour > rotation_count)
+                return false;
+            last_colour_.remember(colour);
+        }
+        out_.colours.push_back(static_cast<std::uint8_t>(colour));
         return true;
     }
 
@@ -141,6 +161,7 @@ private:
     RansDecoder rans_;
     ContextGrid grid_;
     std::vector<std::pair<BlockShape, const ShapeCoding*>> known_;
+    ColourMemory last_colour_;
     int work_ = 0;
 };
 

@@ -10,8 +10,8 @@
 namespace tessera {
 
 struct NonZero {
-    std::uint16_t index; // in the block's scan order
-    std::int32_t level;  // not 0, |level| <= max_level
+    std::uint16_t index = 0; // in the block's scan order
+    std::int32_t level = 0;  // not 0, |level| <= max_level
 };
 
 // One plane of one block: its first `coded_length` coefficients in scan order are coded.
@@ -24,15 +24,40 @@ struct PlaneLevels {
 struct TileLevels {
     BlockShape shape;                  // of the whole tile
     std::vector<Block> blocks;         // leaves in decoding order
+    std::vector<std::uint8_t> colours; // of each block: 0 plain, else 1 + rotation
     std::vector<std::uint8_t> splits;  // Split of every node, parents before children
     std::vector<PlaneLevels> planes;   // blocks.size() * number of planes
     std::vector<NonZero> nonzeros;
 
     void clear() {
         blocks.clear();
+        colours.clear();
         splits.clear();
         planes.clear();
         nonzeros.clear();
+    }
+    // Ends of colours, planes and nonzeros, for an encoder that tries and takes back.
+    struct Mark {
+        std::size_t colours, planes, nonzeros;
+    };
+    Mark mark() const { return {colours.size(), planes.size(), nonzeros.size()}; }
+    void rewind(const Mark& to) {
+        colours.resize(to.colours);
+        planes.resize(to.planes);
+        nonzeros.resize(to.nonzeros);
+    }
+    bool is_empty_since(const Mark& mark) const { return nonzeros.size() == mark.nonzeros; }
+    // Removes what lies between two marks and moves the rest down.
+    void remove(const Mark& from, const Mark& to) {
+        const auto cut = [](auto& items, std::size_t begin, std::size_t end) {
+            items.erase(items.begin() + static_cast<std::ptrdiff_t>(begin),
+                        items.begin() + static_cast<std::ptrdiff_t>(end));
+        };
+        cut(colours, from.colours, to.colours);
+        cut(planes, from.planes, to.planes);
+        cut(nonzeros, from.nonzeros, to.nonzeros);
+        for (std::size_t i = from.planes; i < planes.size(); ++i)
+            planes[i].first -= static_cast<std::uint32_t>(to.nonzeros - from.nonzeros);
     }
     std::span<const NonZero> levels(const PlaneLevels& plane) const {
         return {nonzeros.data() + plane.first, plane.count};

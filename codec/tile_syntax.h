@@ -1,12 +1,13 @@
 // The order of a tile's symbols, written once for everything that walks it on the encoder's side:
 // counting, coding, estimating. A Visitor gets
 //   split(depth classes, kind), first_length(size class, token), other_length(previous, token),
-//   zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
+//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
 #pragma once
 
 #include "codec/context_grid.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_levels.h"
+#include "format/colour_rotation.h"
 
 #include <bit>
 #include <cstdlib>
@@ -55,9 +56,26 @@ inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
     return static_cast<std::int32_t>((1u << group) + raw + 3);
 }
 
+// What a segment remembers of its blocks' colours.
+struct ColourMemory {
+    bool rotated = false;  // the last coloured block was
+    int last_rotation = 1; // colour of the last rotated block; 1 before the first
+
+    int kind_of(int colour) const { return colour == 0 ? 0 : colour == last_rotation ? 1 : 2; }
+    void remember(int colour) {
+        rotated = colour != 0;
+        if (rotated)
+            last_rotation = colour;
+    }
+};
+constexpr int rotation_index_bits = 6;
+
 template <class Visitor> class TileWalker {
 public:
     TileWalker(const TileCoding& coding, Visitor& visitor) : coding_(coding), visitor_(visitor) {}
+
+    // A segment forgets the colours of the one before.
+    void begin_segment() { last_colour_ = ColourMemory{}; }
 
     void walk_tree(const TileLevels& tile) {
         std::size_t next = 0;
@@ -81,14 +99,25 @@ public:
                 visitor_.raw(static_cast<std::uint32_t>(length >> (token - 1 - bits)) &
                                  ((1u << bits) - 1),
                              bits);
-            if (plane == 0)
+            if (plane == 0) {
                 previous = token;
+                if (length > 0 && coding_.rotates)
+                    walk_colour(tile.colours[block]);
+            }
             if (length > 0)
                 walk_plane(tile, {levels, static_cast<std::size_t>(plane) + 1}, shape_coding.order);
         }
     }
 
 private:
+    void walk_colour(int colour) {
+        const int kind = last_colour_.kind_of(colour);
+        visitor_.colour(last_colour_.rotated, kind);
+        if (kind == 2)
+            visitor_.raw(static_cast<std::uint32_t>(colour - 1), rotation_index_bits);
+        last_colour_.remember(colour);
+    }
+
     void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {
         const auto split = static_cast<Split>(tile.splits[next++]);
         visitor_.split(node.spatial_depth, node.angular_depth, static_cast<int>(split));
@@ -132,6 +161,7 @@ private:
     const TileCoding& coding_;
     Visitor& visitor_;
     ContextGrid grid_;
+    ColourMemory last_colour_;
 };
 
 } // namespace tessera

@@ -64,6 +64,10 @@ CodeTables::CodeTables(const Parameters& parameters) {
         build(table, next, correction_chain);
         next += correction_chain;
     }
+    for (auto& table : colour) {
+        build(table, next, colour_kinds - 1);
+        next += colour_kinds - 1;
+    }
 }
 
 } // namespace tessera

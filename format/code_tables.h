@@ -32,6 +32,7 @@ constexpr int length_tokens = 14;    // 0, then bit length of the coded length (
 constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
 constexpr int depth_classes = max_split_depth + 1;
 
+constexpr int colour_kinds = 3; // plain, as the last rotated block, another rotation
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
 constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
 constexpr int correction_chain = magnitude_chain + 1;
@@ -49,7 +50,9 @@ constexpr int split_offset = other_length_offset + other_length_parameters;
 constexpr int split_parameters = depth_classes * depth_classes * 2;
 constexpr int correction_offset = split_offset + split_parameters;
 constexpr int correction_parameters = correction_contexts * correction_chain;
-constexpr int parameter_count = correction_offset + correction_parameters;
+constexpr int colour_offset = correction_offset + correction_parameters;
+constexpr int colour_parameters = 2 * (colour_kinds - 1); // after a plain block, after a rotated one
+constexpr int parameter_count = colour_offset + colour_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -87,6 +90,7 @@ struct CodeTables {
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
     std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
+    std::array<SymbolTable<colour_kinds>, 2> colour; // [last block with a colour was rotated]
 };
 
 // Built-in defaults: what files start from and what small files use as they are.

@@ -8,9 +8,8 @@
 namespace tessera {
 namespace {
 
-// Fixed part: 4 steps, 2 x 2 offsets, 4 weights, correction error, 3 adaptation parameters, and one
-// byte of 0.
-constexpr std::size_t fixed_bytes = 8 + 4 + 4 + 2 + 3 + 1;
+// Fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, 3 adaptation parameters, flags.
+constexpr std::size_t fixed_bytes = 10 + 4 + 4 + 2 + 3 + 1;
 
 // How the differences are coded: the chance that one is 0 after a 0 and after another value, and
 // that a magnitude stops. Chosen by the writer for its own differences.
@@ -71,6 +70,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     };
     for (const StepCode& step : coding.step)
         put(step.bits, 2);
+    put(coding.rotated_step.bits, 2);
     for (const auto& offsets : coding.offsets)
         for (const std::uint8_t offset : offsets)
             put(offset, 1);
@@ -79,7 +79,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     put(coding.correction_error, 2);
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
-    put(0, 1);
+    put(coding.colour_rotation ? 1 : 0, 1);
 
     RansEncoder encoder;
     walk(
@@ -106,11 +106,15 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
             value |= std::to_integer<unsigned>(bytes[at++]) << (8 * i);
         return value;
     };
-    for (StepCode& step : coding.step) {
+    const auto get_step = [&](StepCode& step) {
         step.bits = static_cast<std::uint16_t>(get(2));
-        if ((step.bits >> 11) > max_step_exponent)
+        return (step.bits >> 11) <= max_step_exponent;
+    };
+    for (StepCode& step : coding.step)
+        if (!get_step(step))
             return damaged("step out of range");
-    }
+    if (!get_step(coding.rotated_step))
+        return damaged("step out of range");
     for (auto& offsets : coding.offsets)
         for (std::uint8_t& offset : offsets)
             if ((offset = static_cast<std::uint8_t>(get(1))) > 31)
@@ -123,8 +127,10 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     for (std::uint8_t& parameter : model.parameter)
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
-    if (get(1) != 0)
-        return damaged("reserved byte not 0");
+    const unsigned flags = get(1);
+    if (flags > 1)
+        return damaged("unknown flags");
+    coding.colour_rotation = flags == 1;
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;
