@@ -18,6 +18,12 @@ struct BlockView {
     std::array<int, 3> stride; // of v, s, t
 };
 
+// Y, Co, Cg of a tile without the background's share, in the order (t, s) image, (v, u) texel.
+struct PlaneSet {
+    const std::int32_t* plane[3];
+    std::int32_t background[3];
+};
+
 struct Kernels {
     const char* name;
 
@@ -28,6 +34,10 @@ struct Kernels {
     // The same along an outer axis; in: support x inner, out: n x inner.
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
+
+    // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
+    // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
+    void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
 
     // One orthonormal forward DCT pass; basis_t[x * n + k]. Rows lie `stride` floats apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,

@@ -105,6 +105,31 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
         plane_chunk<0>(in + i, out + i, support, n, inner, b, inner - i);
 }
 
+inline unsigned char to_byte(std::int32_t x) {
+    return static_cast<unsigned char>(x < 0 ? 0 : x > 255 ? 255 : x);
+}
+
+// Texels and images [begin, end) of store_ycocg8.
+void store_ycocg8_part(const PlaneSet& in, int texels, int images, int texel_begin, int texel_end,
+                       int image_begin, int image_end, unsigned char* out) {
+    for (int x = texel_begin; x < texel_end; ++x)
+        for (int i = image_begin; i < image_end; ++i) {
+            const int at = i * texels + x;
+            const std::int32_t co = in.plane[1][at] + in.background[1];
+            const std::int32_t cg = in.plane[2][at] + in.background[2];
+            const std::int32_t t = in.plane[0][at] + in.background[0] - (cg >> 1);
+            const std::int32_t b = t - (co >> 1);
+            unsigned char* to = out + 3 * (x * images + i);
+            to[0] = to_byte(b + co);
+            to[1] = to_byte(cg + t);
+            to[2] = to_byte(b);
+        }
+}
+
+void store_ycocg8(const PlaneSet& in, int texels, int images, unsigned char* out) {
+    store_ycocg8_part(in, texels, images, 0, texels, 0, images, out);
+}
+
 template <int width>
 inline void forward_row_chunk(const float* in, float* out, int n, const float* basis_t, int count) {
     const int w = width > 0 ? width : count;
@@ -191,7 +216,7 @@ float coding_cost(const float* x, const BlockView& block, const float* base, flo
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name, inverse_rows, inverse_planes, forward_rows, forward_planes, coding_cost};
+    return {name,         inverse_rows,   inverse_planes, store_ycocg8, forward_rows, forward_planes, coding_cost};
 }
 
 } // namespace

@@ -90,10 +90,10 @@ double log2_of_half(std::uint16_t half) {
 float structure_value(const TextureDesc& desc, const std::byte* texel) {
     if (desc.type == SampleType::unorm8) {
         const auto at = [&](int c) { return std::to_integer<std::int64_t>(texel[c]); };
-        return static_cast<float>(desc.channels < 3 ? at(0)
-                                                    : (luma_r * at(0) + luma_g * at(1) +
-                                                       luma_b * at(2) + luma_one / 2) /
-                                                          luma_one);
+        return static_cast<float>(
+            desc.channels < 3
+                ? at(0)
+                : (luma_r * at(0) + luma_g * at(1) + luma_b * at(2) + luma_one / 2) / luma_one);
     }
     const auto at = [&](int c) { return half_to_float(finite_half(load_half(texel + 2 * c))); };
     const float y = desc.channels < 3 ? at(0) : 0.2126f * at(0) + 0.7152f * at(1) + 0.0722f * at(2);
@@ -125,8 +125,7 @@ struct MomentRows {
 };
 
 // `a` and `b` have 0 in the middle of their range: variances do not care, floats do.
-void filter_row(const float* a, const float* b, const std::vector<float>& window,
-                MomentRows& out) {
+void filter_row(const float* a, const float* b, const std::vector<float>& window, MomentRows& out) {
     const std::size_t width = out.a.size();
     out.clear();
     for (std::size_t k = 0; k < window.size(); ++k) {
@@ -163,8 +162,7 @@ double sum_of_row(const MomentRows& m, float offset, float c1, float c2) {
     return sum;
 }
 
-template <class Body>
-Status for_each_index(std::size_t count, unsigned threads, const Body& body) {
+template <class Body> Status for_each_index(std::size_t count, unsigned threads, const Body& body) {
     std::vector<int> workers(threads);
     return parallel_for(
         workers, count, [&](int, std::size_t i) { return body(i); }, [](std::size_t) {});
@@ -232,7 +230,8 @@ public:
         const BoxGrid slabs(Box4::whole(desc_.size), slab_extent(desc_, options_.slab_bytes));
         // A slab with less than whole views cannot happen while has_ssim, except for tiny budgets.
         const Extent4 first = slabs.box(0).extent();
-        result_.has_ssim &= first[axis_u] == desc_.size[axis_u] && first[axis_v] == desc_.size[axis_v];
+        result_.has_ssim &=
+            first[axis_u] == desc_.size[axis_u] && first[axis_v] == desc_.size[axis_v];
         for (std::uint64_t i = 0; i < slabs.count(); ++i)
             TESSERA_TRY(add_slab(slabs.box(i)));
         if (result_.has_ssim)
@@ -262,8 +261,9 @@ private:
         while (texel_count(step) > (1u << 16) && step[axis_v] > 1)
             step[axis_v] = (step[axis_v] + 1) / 2;
         while (texel_count(step) > (1u << 20)) { // enormous angular images
-            auto& n = step[axis_t] > 1 ? step[axis_t] : step[axis_s] > 1 ? step[axis_s]
-                                                                         : step[axis_u];
+            auto& n = step[axis_t] > 1   ? step[axis_t]
+                      : step[axis_s] > 1 ? step[axis_s]
+                                         : step[axis_u];
             n = (n + 1) / 2;
         }
         TESSERA_TRY(add_errors(slab, BoxGrid(slab, step)));
@@ -513,8 +513,7 @@ double ssim(std::span<const float> a, std::span<const float> b, std::uint32_t wi
     return total / (static_cast<double>(columns) * static_cast<double>(rows));
 }
 
-Result<Comparison> compare_textures(TexelSource& a, TexelSource& b,
-                                    const CompareOptions& options) {
+Result<Comparison> compare_textures(TexelSource& a, TexelSource& b, const CompareOptions& options) {
     const TextureDesc &x = a.desc(), &y = b.desc();
     const auto words = [](const TextureDesc& d) {
         return to_string(d.size) + ", " + std::to_string(d.channels) + " channels of " +

@@ -28,7 +28,7 @@ double psnr_of(double mse, double peak);
 // luminance in cd/m2, clamped to 0.005..10,000, to a scale on which 100 cd/m2 is about 256.
 double pu21_encode(double luminance);
 
-constexpr double half_peak = 31743;          // half_ordinal of 65504, the encoder's peak
+constexpr double half_peak = 31743;         // half_ordinal of 65504, the encoder's peak
 constexpr double pu21_peak = 256;           // the authors' peak for PSNR and SSIM
 constexpr double luminance_of_one = 100;    // cd/m2 of linear 1.0
 constexpr double log2_floor = 1e-4;         // log2-PSNR is that of log2(max(x, log2_floor)), with
@@ -78,7 +78,7 @@ private:
 
     TextureDesc desc_;
     std::uint64_t texels_ = 0, differing_ = 0;
-    std::array<double, 4> squared_{};   // per channel
+    std::array<double, 4> squared_{}; // per channel
     double luma_ = 0, log2_ = 0, pu21_ = 0;
     std::array<std::uint64_t, 2> non_finite_{};
     std::uint32_t max_error_ = 0;
@@ -93,7 +93,7 @@ double ssim(std::span<const float> a, std::span<const float> b, std::uint32_t wi
 
 struct CompareOptions {
     bool with_ssim = true;
-    unsigned threads = 0; // 0: all cores
+    unsigned threads = 0;                   // 0: all cores
     std::uint64_t slab_bytes = 64ull << 20; // texels of one input held at a time, about
     ProgressFunction progress;
 };

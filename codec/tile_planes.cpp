@@ -1,5 +1,7 @@
 #include "codec/tile_planes.h"
 
+#include "codec/kernels.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -153,7 +155,17 @@ void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& c
 
 void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
                         std::span<std::byte> texels) {
-    dispatch<ToTexels>(colour, planes, background_planes(colour), texels);
+    const Texel background = background_planes(colour);
+    if (colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
+        colour.transform == ColourTransform::ycocg_r) {
+        const auto& [nu, nv, ns, nt] = planes.shape.n;
+        kernels().store_ycocg8({{planes.plane[0].data(), planes.plane[1].data(),
+                                 planes.plane[2].data()},
+                                {background[0], background[1], background[2]}},
+                               nu * nv, ns * nt, reinterpret_cast<unsigned char*>(texels.data()));
+        return;
+    }
+    dispatch<ToTexels>(colour, planes, background, texels);
 }
 
 } // namespace tessera

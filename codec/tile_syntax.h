@@ -6,6 +6,7 @@
 
 #include "codec/context_grid.h"
 #include "codec/tile_coding.h"
+#include "codec/tile_entropy.h"
 #include "codec/tile_levels.h"
 #include "format/colour_rotation.h"
 
@@ -90,13 +91,15 @@ public:
             const PlaneLevels* levels =
                 &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
             const int length = levels[plane].coded_length;
-            const int token = length_token(length);
+            // What the scan order's end cut is coded as it was before the cut.
+            const int uncut = round_up_coded_length(length, max_coded_length);
+            const int token = length_token(uncut);
             if (plane == 0)
                 visitor_.first_length(size_class(shape), token);
             else
                 visitor_.other_length(previous, token);
             if (const int bits = length_raw_bits(token); bits > 0)
-                visitor_.raw(static_cast<std::uint32_t>(length >> (token - 1 - bits)) &
+                visitor_.raw(static_cast<std::uint32_t>(uncut >> (token - 1 - bits)) &
                                  ((1u << bits) - 1),
                              bits);
             if (plane == 0) {

@@ -1,0 +1,195 @@
+// Measures rate, distortion, speed and access cost, and writes a row for each to results.csv:
+//   regression PEERS.rgb results.csv [--quick]
+// PEERS.rgb is the unpacked composed_128x64x32x32.rgb of the rivals' figures. Bits, PSNR and errors
+// are exact and compared by the caller; speeds are printed for people (shared machines: ratios
+// count).
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "corpus/bake.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+using namespace tessera;
+
+namespace {
+
+double seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+// A whole texture in memory.
+class MemorySource : public TexelSource {
+public:
+    MemorySource(const TextureDesc& desc, std::vector<std::byte> texels)
+        : desc_(desc), texels_(std::move(texels)) {}
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        const Extent4& n = desc_.size;
+        const std::size_t run = box.extent()[axis_s] * desc_.texel_bytes();
+        std::byte* to = out.data();
+        for (std::uint64_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            for (std::uint64_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                for (std::uint64_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t, to += run)
+                    std::memcpy(to,
+                                texels_.data() + (((v * n[axis_u] + u) * n[axis_t] + t) * n[axis_s] +
+                                                  box.begin[axis_s]) *
+                                                     desc_.texel_bytes(),
+                                run);
+        return {};
+    }
+
+private:
+    TextureDesc desc_;
+    std::vector<std::byte> texels_;
+};
+
+struct Texture {
+    std::string name;
+    std::unique_ptr<TexelSource> source;
+};
+
+Result<Texture> load_peers(const char* path) {
+    TextureDesc desc{{128, 64, 32, 32}, SampleType::unorm8, 3};
+    std::vector<std::byte> texels(desc.box_bytes(Box4::whole(desc.size)));
+    std::ifstream file(path, std::ios::binary);
+    if (!file.read(reinterpret_cast<char*>(texels.data()),
+                   static_cast<std::streamsize>(texels.size())))
+        return Status(ErrorCode::io, std::string(path) + ": cannot read 25165824 bytes");
+    return Texture{"peers_composed_128x64x32x32",
+                   std::make_unique<MemorySource>(desc, std::move(texels))};
+}
+
+// Bakes a scene once, so that every row sees the same texels at no cost.
+Result<Texture> bake(const std::string& scene, const Extent4& size) {
+    auto baked = corpus::make_baked_source(scene, size, 16, 1);
+    if (!baked)
+        return baked.status();
+    const TextureDesc desc = (*baked)->desc();
+    const Box4 box = Box4::whole(size);
+    std::vector<std::byte> texels(desc.box_bytes(box));
+    TESSERA_TRY((*baked)->read(box, texels));
+    return Texture{scene + "_" + to_string(size),
+                   std::make_unique<MemorySource>(desc, std::move(texels))};
+}
+
+struct Row {
+    std::string texture, target;
+    int effort;
+    EncodeReport report;
+    double encode_mbs, decode_mbs;
+    std::size_t texel_reads;
+    std::uint64_t texel_bytes; // of the last read
+};
+
+Result<Row> measure(const Texture& texture, const std::string& label, RateTarget rate, int effort) {
+    EncodeOptions options;
+    options.rate = rate;
+    options.effort = effort;
+    std::vector<std::byte> file;
+    const auto report = encode_memory(*texture.source, file, options);
+    if (!report)
+        return report.status();
+    Row row{texture.name, label, effort, *report, 0, 0, 0, 0};
+    const double raw = static_cast<double>(report->raw_bytes);
+    row.encode_mbs = raw * report->passes / report->seconds / 1e6;
+
+    const auto source = wrap_memory(file);
+    CountingByteSource counting(*source);
+    auto decoder = Decoder::open(counting);
+    if (!decoder)
+        return decoder.status();
+    const Extent4& size = decoder->desc().size;
+    Box4 texel{{size[0] / 2, size[1] / 3, size[2] / 2, size[3] / 2}, {}};
+    for (int axis = 0; axis < 4; ++axis)
+        texel.end[axis] = texel.begin[axis] + 1;
+    std::vector<std::byte> one(decoder->desc().texel_bytes());
+    TESSERA_TRY(decoder->decode_box(texel, one, 1, Integrity::tile));
+    row.texel_reads = counting.reads().size();
+    row.texel_bytes = counting.reads().back().length;
+
+    std::vector<std::byte> texels(report->raw_bytes);
+    double best = 1e9;
+    for (int i = 0; i < 5; ++i) {
+        const double start = seconds();
+        TESSERA_TRY(decoder->decode_box(Box4::whole(size), texels, 0));
+        best = std::min(best, seconds() - start);
+    }
+    row.decode_mbs = raw / best / 1e6;
+    return row;
+}
+
+void print(std::FILE* to, const Row& r) {
+    std::fprintf(to, "%s,%s,%d,%llu,%.5f,%.3f,%.0f,%.1f,%.1f,%zu,%llu\n", r.texture.c_str(),
+                 r.target.c_str(), r.effort, static_cast<unsigned long long>(r.report.file_bytes),
+                 r.report.bits_per_texel, r.report.psnr, r.report.max_error, r.encode_mbs,
+                 r.decode_mbs, r.texel_reads, static_cast<unsigned long long>(r.texel_bytes));
+    std::fflush(to);
+}
+
+int fail(const Status& status) {
+    std::fprintf(stderr, "regression: error: %s\n", status.message().c_str());
+    return static_cast<int>(status.code());
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) {
+        std::fprintf(stderr, "usage: regression PEERS.rgb results.csv [--quick]\n");
+        return 1;
+    }
+    const bool quick = argc > 3 && std::string(argv[3]) == "--quick";
+    std::FILE* csv = std::fopen(argv[2], "w");
+    if (csv == nullptr)
+        return fail({ErrorCode::io, std::string("cannot write ") + argv[2]});
+    const char* heading = "texture,target,effort,bytes,bits_per_texel,psnr,max_error,encode_MBps,"
+                          "decode_MBps,reads_for_one_texel,bytes_of_last_read\n";
+    std::fputs(heading, csv);
+    std::fputs(heading, stdout);
+    const auto add = [csv](const Texture& texture, const std::string& label, RateTarget rate,
+                           int effort) {
+        const Result<Row> row = measure(texture, label, rate, effort);
+        if (!row)
+            return fail(row.status());
+        print(csv, *row);
+        print(stdout, *row);
+        return 0;
+    };
+    using Kind = RateTarget::Kind;
+    Result<Texture> peers = load_peers(argv[1]);
+    if (!peers)
+        return fail(peers.status());
+    for (const double psnr : {35.0, 38.0, 41.0})
+        if (const int bad = add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)),
+                                {Kind::psnr, psnr}, 5))
+            return bad;
+    for (int effort = 0; effort <= 9; effort += quick ? 4 : 1)
+        if (const int bad = add(*peers, "quality62", {Kind::quality, 62}, effort))
+            return bad;
+    if (!quick) {
+        for (const double error : {0.0, 1.0, 4.0})
+            if (const int bad = add(*peers, "max_error" + std::to_string(static_cast<int>(error)),
+                                    {Kind::max_error, error}, 5))
+                return bad;
+        for (const char* scene :
+             {"composed", "aliasing-near", "aliasing-far", "gallery", "mirror", "lamps", "lambert",
+              "hard"}) {
+            Result<Texture> texture = bake(scene, {64, 32, 16, 16});
+            if (!texture)
+                return fail(texture.status());
+            for (const double quality : {50.0, 62.0, 75.0})
+                if (const int bad =
+                        add(*texture, "quality" + std::to_string(static_cast<int>(quality)),
+                            {Kind::quality, quality}, 5))
+                    return bad;
+        }
+    }
+    std::fclose(csv);
+    return 0;
+}
