@@ -12,15 +12,14 @@ namespace {
 // A coefficient below this can only become 0, in steps.
 constexpr float smallest_candidate = 0.55f;
 
-// Longest codable length with which all planes together stay within a segment's work.
+} // namespace
+
 int length_limit(int planes, int scan_length) {
     const int share = (max_segment_work - max_planes) / planes;
     const int codable = share >= max_coded_length ? max_coded_length : 7 * (max_coded_length / 8);
     return std::min(codable, scan_length);
 }
 static_assert(7 * (max_coded_length / 8) * max_planes + max_planes <= max_segment_work);
-
-} // namespace
 
 BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
                                const QuantizerOptions& options)

@@ -25,6 +25,10 @@ struct QuantizerOptions {
     bool optimise = true; // false: plain dead zone
 };
 
+// Coefficients of a block's scan order that an encoder may code: the longest codable length with
+// which all planes together stay within a segment's work.
+int length_limit(int planes, int scan_length);
+
 class BlockQuantizer {
 public:
     BlockQuantizer(const TileCoding& coding, const BitCosts& costs, const QuantizerOptions& options);

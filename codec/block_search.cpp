@@ -145,8 +145,10 @@ const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape, int p
         const ScanOrder& order = coding_.shape(shape).order;
         const auto& n = shape.n;
         auto& costs = found->second[0];
-        costs.assign(static_cast<std::size_t>(shape.texels()), infinite); // beyond the scan's end
-        for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        costs.assign(static_cast<std::size_t>(shape.texels()), infinite); // cannot be coded
+        const auto codable =
+            static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
+        for (std::size_t i = 0; i < codable; ++i) {
             const auto& k = order.entry[i].k;
             const int position = order.position_class[i];
             const float bits = position == 0

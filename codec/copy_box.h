@@ -8,6 +8,16 @@
 
 namespace tessera {
 
+// Copies a run; runs are mostly eight texels, too short for a call of memcpy to pay.
+inline void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
+    if (bytes >= 16 && bytes <= 32) {
+        std::memcpy(to, from, 16);
+        std::memcpy(to + bytes - 16, from + bytes - 16, 16);
+    } else {
+        std::memcpy(to, from, bytes);
+    }
+}
+
 // Copies the texels of `part`, which lies in both boxes, from the dense texels of one box to those
 // of another.
 inline void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
@@ -25,8 +35,8 @@ inline void copy_box(const Box4& part, const Box4& from_box, std::span<const std
     for (std::uint64_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
         for (std::uint64_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
             for (std::uint64_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t)
-                std::memcpy(to.data() + offset(to_box, d, v, u, t),
-                            from.data() + offset(from_box, f, v, u, t), run);
+                copy_run(to.data() + offset(to_box, d, v, u, t),
+                         from.data() + offset(from_box, f, v, u, t), run);
 }
 
 } // namespace tessera

@@ -35,6 +35,10 @@ struct Kernels {
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
+    // out = floor((in + 2^(shift - 1)) / 2^shift) for rows x n values; out's rows lie `stride` apart.
+    void (*round_rows)(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride,
+                       int shift);
+
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);

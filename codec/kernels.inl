@@ -105,6 +105,18 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
         plane_chunk<0>(in + i, out + i, support, n, inner, b, inner - i);
 }
 
+void round_rows(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride, int shift) {
+    const std::int32_t half = 1 << (shift - 1);
+    for (int r = 0; r < rows; ++r, in += n, out += stride) {
+        int i = 0;
+        for (; i + lanes <= n; i += lanes)
+            for (int j = 0; j < lanes; ++j)
+                out[i + j] = (in[i + j] + half) >> shift;
+        for (; i < n; ++i)
+            out[i] = (in[i] + half) >> shift;
+    }
+}
+
 inline unsigned char to_byte(std::int32_t x) {
     return static_cast<unsigned char>(x < 0 ? 0 : x > 255 ? 255 : x);
 }
@@ -216,7 +228,7 @@ float coding_cost(const float* x, const BlockView& block, const float* base, flo
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,         inverse_rows,   inverse_planes, store_ycocg8, forward_rows, forward_planes, coding_cost};
+    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8, forward_rows, forward_planes, coding_cost};
 }
 
 } // namespace

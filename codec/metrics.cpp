@@ -2,6 +2,7 @@
 
 #include "codec/parallel.h"
 #include "format/half.h"
+#include "format/tile_grid.h"
 
 #include <algorithm>
 #include <bit>
@@ -18,7 +19,11 @@ namespace {
 constexpr std::int64_t luma_r = 2126, luma_g = 7152, luma_b = 722, luma_one = 10000;
 
 constexpr std::uint64_t max_view_texels = 1ull << 26;
-constexpr std::uint32_t place_side = 32; // boxes of work are this many texels along u and v
+// Boxes of work: the codec's default tiles, so that none is decoded twice.
+constexpr Extent4 work_extent{32, 32, 8, 8};
+// Views lie this many floats further apart than they are long: without it a power of two puts the
+// same texel of all views into one set of the cache.
+constexpr std::size_t view_padding = 16;
 
 std::uint16_t load_half(const std::byte* from) {
     std::uint16_t half;
@@ -185,36 +190,11 @@ Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
     }
     for (int axis : {axis_v, axis_u}) { // views too large for memory: parts of one view
         auto& n = e[static_cast<std::size_t>(axis)];
-        while (!fits() && n > place_side)
+        while (!fits() && n > work_extent[axis_u])
             n = (n + 1) / 2;
     }
     return e;
 }
-
-// `whole` cut into boxes of at most `step`, s fastest.
-class BoxGrid {
-public:
-    BoxGrid(const Box4& whole, const Extent4& step) : whole_(whole), step_(step) {
-        const Extent4 e = whole.extent();
-        for (std::size_t i = 0; i < 4; ++i)
-            counts_[i] = (e[i] + step[i] - 1) / step[i];
-    }
-    std::uint64_t count() const { return texel_count(counts_); }
-    Box4 box(std::uint64_t index) const {
-        Box4 b;
-        for (std::size_t axis : {axis_s, axis_t, axis_u, axis_v}) {
-            const auto i = static_cast<std::uint32_t>(index % counts_[axis]);
-            index /= counts_[axis];
-            b.begin[axis] = whole_.begin[axis] + i * step_[axis];
-            b.end[axis] = std::min(whole_.end[axis], b.begin[axis] + step_[axis]);
-        }
-        return b;
-    }
-
-private:
-    Box4 whole_;
-    Extent4 step_, counts_{};
-};
 
 // One comparison: slab after slab, errors first, then the structure of the views gathered on the
 // way.
@@ -227,12 +207,10 @@ public:
     }
 
     Result<Comparison> run() {
-        const BoxGrid slabs(Box4::whole(desc_.size), slab_extent(desc_, options_.slab_bytes));
-        // A slab with less than whole views cannot happen while has_ssim, except for tiny budgets.
-        const Extent4 first = slabs.box(0).extent();
-        result_.has_ssim &=
-            first[axis_u] == desc_.size[axis_u] && first[axis_v] == desc_.size[axis_v];
-        for (std::uint64_t i = 0; i < slabs.count(); ++i)
+        const TileGrid slabs(desc_.size, slab_extent(desc_, options_.slab_bytes));
+        // Slabs are cut inside a view only for budgets smaller than a view.
+        result_.has_ssim &= slabs.count()[axis_u] == 1 && slabs.count()[axis_v] == 1;
+        for (std::uint64_t i = 0; i < slabs.tiles(); ++i)
             TESSERA_TRY(add_slab(slabs.box(i)));
         if (result_.has_ssim)
             result_.ssim_mean = ssim_sum_ / static_cast<double>(result_.views);
@@ -244,36 +222,34 @@ private:
         return std::uint64_t{desc_.size[axis_u]} * desc_.size[axis_v];
     }
 
+    std::size_t view_stride() const { return view_texels() + view_padding; }
+
     Status add_slab(const Box4& slab) {
         TESSERA_TRY(a_.begin_slab(slab));
         TESSERA_TRY(b_.begin_slab(slab));
         if (result_.has_ssim) {
             try {
-                plane_a_.resize(slab.texels());
-                plane_b_.resize(slab.texels());
+                const std::size_t views = slab.texels() / view_texels();
+                plane_a_.resize(views * view_stride());
+                plane_b_.resize(views * view_stride());
             } catch (const std::bad_alloc&) {
                 return {ErrorCode::runtime, "out of memory"};
             }
         }
-        Extent4 step = slab.extent();
-        step[axis_u] = std::min(step[axis_u], place_side);
-        step[axis_v] = std::min(step[axis_v], place_side);
-        while (texel_count(step) > (1u << 16) && step[axis_v] > 1)
-            step[axis_v] = (step[axis_v] + 1) / 2;
-        while (texel_count(step) > (1u << 20)) { // enormous angular images
-            auto& n = step[axis_t] > 1   ? step[axis_t]
-                      : step[axis_s] > 1 ? step[axis_s]
-                                         : step[axis_u];
-            n = (n + 1) / 2;
-        }
-        TESSERA_TRY(add_errors(slab, BoxGrid(slab, step)));
+        TESSERA_TRY(add_errors(slab));
         return result_.has_ssim ? add_structure(slab) : Status();
     }
 
-    Status add_errors(const Box4& slab, const BoxGrid& boxes) {
-        std::vector<ErrorSums> sums(boxes.count(), ErrorSums(desc_));
-        const Status status = for_each_index(boxes.count(), threads_, [&](std::uint64_t i) {
-            return add_box(slab, boxes.box(i), sums[i]);
+    Status add_errors(const Box4& slab) {
+        const TileGrid boxes(slab.extent(), work_extent);
+        std::vector<ErrorSums> sums(boxes.tiles(), ErrorSums(desc_));
+        const Status status = for_each_index(boxes.tiles(), threads_, [&](std::uint64_t i) {
+            Box4 box = boxes.box(i);
+            for (std::size_t axis = 0; axis < 4; ++axis) {
+                box.begin[axis] += slab.begin[axis];
+                box.end[axis] += slab.begin[axis];
+            }
+            return add_box(slab, box, sums[i]);
         });
         TESSERA_TRY(status);
         for (const ErrorSums& part : sums) // in order, whoever computed them
@@ -297,7 +273,7 @@ private:
     // Texels of `box` into pictures of one view each, in the order s, t of the slab.
     void gather(const Box4& slab, const Box4& box, const std::byte* texel,
                 std::vector<float>& planes) const {
-        const std::size_t view = view_texels(), row = desc_.size[axis_u];
+        const std::size_t view = view_stride(), row = desc_.size[axis_u];
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                 for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
@@ -316,9 +292,9 @@ private:
         const double peak = desc_.type == SampleType::unorm8 ? 255 : pu21_peak;
         std::vector<double> values(count);
         TESSERA_TRY(for_each_index(count, threads_, [&](std::uint64_t i) {
-            const std::size_t view = view_texels();
-            values[i] = ssim(std::span(plane_a_).subspan(i * view, view),
-                             std::span(plane_b_).subspan(i * view, view), desc_.size[axis_u],
+            const std::size_t first = i * view_stride(), view = view_texels();
+            values[i] = ssim(std::span(plane_a_).subspan(first, view),
+                             std::span(plane_b_).subspan(first, view), desc_.size[axis_u],
                              desc_.size[axis_v], peak);
             return Status();
         }));

@@ -78,22 +78,21 @@ void inverse_transform(const Support& support, const BlockShape& shape,
         scratch.a.swap(scratch.b);
 }
 
+// First texel of a block's rows for its (s, t), in a plane of the tile.
+int row_start(const Block& block, const BlockShape& tile, int s, int t) {
+    return (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
+            block.origin[1]) *
+               tile.n[0] +
+           block.origin[0];
+}
+
 void store_block(const Block& block, const std::int32_t* values, int shift,
                  const BlockShape& tile, std::vector<std::int32_t>& plane) {
-    const std::int32_t half = 1 << (shift - 1);
     const auto& n = block.shape.n;
     for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v, values += n[0]) {
-                std::int32_t* row =
-                    plane.data() +
-                    (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
-                     block.origin[1] + v) *
-                        tile.n[0] +
-                    block.origin[0];
-                for (int u = 0; u < n[0]; ++u)
-                    row[u] = (values[u] + half) >> shift;
-            }
+        for (int s = 0; s < n[2]; ++s, values += n[0] * n[1])
+            kernels().round_rows(values, plane.data() + row_start(block, tile, s, t), n[1], n[0],
+                                 tile.n[0], shift);
 }
 
 void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,
@@ -102,13 +101,8 @@ void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s)
             for (int v = 0; v < n[1]; ++v)
-                std::fill_n(plane.data() +
-                                (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) *
-                                     tile.n[1] +
-                                 block.origin[1] + v) *
-                                    tile.n[0] +
-                                block.origin[0],
-                            n[0], value);
+                std::fill_n(plane.data() + row_start(block, tile, s, t) + v * tile.n[0], n[0],
+                            value);
 }
 
 // One block being reconstructed.
@@ -117,7 +111,7 @@ public:
     BlockReconstruction(const TileLevels& tile, std::size_t index, const TileCoding& coding,
                         ReconstructScratch& scratch, TilePlanes& planes)
         : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]), coding_(coding),
-          shape_(coding.shape(block_.shape)), scratch_(scratch), planes_(planes),
+          shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), planes_(planes),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)) {}
 
     void run() {

@@ -13,6 +13,7 @@ namespace tessera {
 struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
     std::array<std::vector<std::int32_t>, 3> rotated;
+    RecentShapes shapes; // of the one TileCoding that the scratch is used with
 };
 
 // Fills all planes of the tile. Every value is defined for any levels that decode_levels can give.

@@ -8,6 +8,8 @@
 #include <map>
 #include <memory>
 #include <shared_mutex>
+#include <utility>
+#include <vector>
 
 namespace tessera {
 
@@ -39,6 +41,22 @@ public:
 private:
     mutable std::shared_mutex mutex_;
     mutable std::map<BlockShape, std::unique_ptr<ShapeCoding>> shapes_;
+};
+
+// Shapes that one thread met lately: a tile has few, and the shared cache's lock is not free.
+class RecentShapes {
+public:
+    const ShapeCoding& get(const TileCoding& coding, const BlockShape& shape) {
+        for (const auto& [known, found] : recent_)
+            if (known == shape)
+                return *found;
+        recent_.emplace_back(shape, &coding.shape(shape));
+        return *recent_.back().second;
+    }
+    void clear() { recent_.clear(); }
+
+private:
+    std::vector<std::pair<BlockShape, const ShapeCoding*>> recent_;
 };
 
 constexpr int plane_class(int plane) { return plane == 0 ? 0 : 1; }

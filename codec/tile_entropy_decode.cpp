@@ -61,7 +61,7 @@ private:
     }
 
     bool decode_block(const Block& block) {
-        const ShapeCoding& shape = shape_of(block.shape);
+        const ShapeCoding& shape = shapes_.get(coding_, block.shape);
         const std::size_t first_plane = out_.planes.size();
         int previous = 0;
         for (int plane = 0; plane < coding_.planes; ++plane) {
@@ -147,20 +147,11 @@ private:
             coding_.tables.magnitude[static_cast<std::size_t>(p_class)][context].decode(rans_));
     }
 
-    // Blocks of a tile have few shapes; the shared cache's lock is taken once for each.
-    const ShapeCoding& shape_of(const BlockShape& shape) {
-        for (const auto& [known, coding] : known_)
-            if (known == shape)
-                return *coding;
-        known_.emplace_back(shape, &coding_.shape(shape));
-        return *known_.back().second;
-    }
-
     const TileCoding& coding_;
     TileLevels& out_;
     RansDecoder rans_;
     ContextGrid grid_;
-    std::vector<std::pair<BlockShape, const ShapeCoding*>> known_;
+    RecentShapes shapes_;
     ColourMemory last_colour_;
     int work_ = 0;
 };
