@@ -16,6 +16,8 @@ constexpr float bits_per_class = 0.30f;
 constexpr float bits_per_octave_of_energy = 0.85f;
 constexpr float rounding_error = 1.0f / 12.0f;
 constexpr float block_overhead_bits = 3.0f;
+// Below this energy about the mean, per lambda, no split can pay for its bits.
+constexpr float flat_activity = 12.0f;
 
 } // namespace
 
@@ -28,6 +30,66 @@ BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
 }
 
 namespace {
+
+// Sum, sum of squares and number of the texels of a cell.
+struct Moments {
+    float sum = 0, squares = 0, count = 0;
+    float about_mean() const { return count > 0 ? std::max(0.0f, squares - sum * sum / count) : 0; }
+    void add(const Moments& other) {
+        sum += other.sum;
+        squares += other.squares;
+        count += other.count;
+    }
+};
+
+// Merges cells in pairs along `axis` and the next one; cells: entries of each axis before.
+std::vector<Moments> merge_pairs(const std::vector<Moments>& fine, const std::array<int, 4>& cells,
+                                 int axis) {
+    std::array<int, 4> coarse = cells;
+    coarse[axis] /= 2;
+    coarse[axis + 1] /= 2;
+    std::vector<Moments> merged(
+        static_cast<std::size_t>(coarse[0] * coarse[1] * coarse[2] * coarse[3]));
+    std::array<int, 4> c;
+    std::size_t i = 0;
+    for (c[3] = 0; c[3] < cells[3]; ++c[3])
+        for (c[2] = 0; c[2] < cells[2]; ++c[2])
+            for (c[1] = 0; c[1] < cells[1]; ++c[1])
+                for (c[0] = 0; c[0] < cells[0]; ++c[0], ++i) {
+                    std::array<int, 4> to = c;
+                    to[axis] /= 2;
+                    to[axis + 1] /= 2;
+                    merged[static_cast<std::size_t>(
+                               ((to[3] * coarse[2] + to[2]) * coarse[1] + to[1]) * coarse[0] +
+                               to[0])]
+                        .add(fine[i]);
+                }
+    return merged;
+}
+
+template <class Grid>
+std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& x,
+                                    const BlockShape& tile) {
+    std::vector<Moments> moments(grid.activity.size());
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        const auto at = [&](int axis) {
+            return grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        };
+        Moments& m = moments[grid.index(c)];
+        for (int t = at(3).begin; t < at(3).begin + at(3).size; ++t)
+            for (int s = at(2).begin; s < at(2).begin + at(2).size; ++s)
+                for (int v = at(1).begin; v < at(1).begin + at(1).size; ++v) {
+                    const float* row =
+                        x.data() + ((t * tile.n[2] + s) * tile.n[1] + v) * tile.n[0] + at(0).begin;
+                    for (int u = 0; u < at(0).size; ++u) {
+                        m.sum += row[u];
+                        m.squares += row[u] * row[u];
+                    }
+                }
+        m.count = static_cast<float>(at(0).size * at(1).size * at(2).size * at(3).size);
+    });
+    return moments;
+}
 
 // Halvings until both sides are at most `smallest`, or cannot be cut.
 int depths(int a, int b, int smallest) {
@@ -47,37 +109,58 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         source_[p].assign(planes.plane[p].begin(), planes.plane[p].end());
     }
     scratch_a_.resize(texels);
-    scratch_b_.resize(texels);
+    coefficients_.resize(texels);
+    spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
+    angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
+    grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     out.clear();
     out.shape = shape_;
     const Block root{{0, 0, 0, 0}, shape_, 0, 0};
-    if (is_flat()) {
+    measure_activity();
+    if (grids_[0].activity[0] < flat_activity * options_.lambda) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
         return;
     }
-    spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
-    angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
-    grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     estimate_costs();
     combine();
     emit(root, 0, 0, {0, 0, 0, 0}, out);
 }
 
-// A tile whose deviation from its mean costs less than the cheapest split saves no bits by one.
-bool BlockSearch::is_flat() const {
-    double energy = 0;
-    for (int plane = 0; plane < coding_.planes; ++plane) {
-        const auto& x = source_[static_cast<std::size_t>(plane)];
-        double sum = 0, squares = 0;
-        for (const float value : x) {
-            sum += value;
-            squares += static_cast<double>(value) * value;
+// Sums and energies of the finest cells give those of all others.
+void BlockSearch::measure_activity() {
+    for (int a = 0; a <= angular_depths_; ++a)
+        for (int s = 0; s <= spatial_depths_; ++s) {
+            Grid& grid = grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)];
+            std::size_t count = 1;
+            for (int axis = 0; axis < 4; ++axis) {
+                grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? s : a);
+                grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
+                count *= grid.segments[axis].size();
+            }
+            grid.activity.assign(count, 0.0f);
         }
-        const double step = inverse_step_[static_cast<std::size_t>(plane)];
-        energy += (squares - sum * sum / static_cast<double>(x.size())) * step * step;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        const float scale = inverse_step_[p] * inverse_step_[p];
+        std::vector<Moments> finest = finest_moments(grids_.back(), source_[p], shape_);
+        for (int a = angular_depths_; a >= 0; --a) {
+            std::vector<Moments> moments = finest;
+            for (int s = spatial_depths_; s >= 0; --s) {
+                Grid& grid = grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)];
+                for (std::size_t i = 0; i < moments.size(); ++i)
+                    grid.activity[i] += moments[i].about_mean() * scale;
+                if (s > 0)
+                    moments = merge_pairs(moments, grid.cells, 0);
+            }
+            if (a > 0)
+                finest = merge_pairs(finest,
+                                     grids_[static_cast<std::size_t>(
+                                                a * (spatial_depths_ + 1) + spatial_depths_)]
+                                         .cells,
+                                     2);
+        }
     }
-    return energy < options_.lambda * 12.0;
 }
 
 void BlockSearch::estimate_costs() {
@@ -95,72 +178,76 @@ void BlockSearch::estimate_costs() {
 }
 
 void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
-    std::size_t count = 1;
-    for (int axis = 0; axis < 4; ++axis) {
-        grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? spatial : angular);
-        grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
-        count *= grid.segments[axis].size();
-    }
-    grid.choice.assign(count, static_cast<std::uint8_t>(Split::none));
+    grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
+    grid.cost.assign(grid.activity.size(), infinite);
     const bool tried = (options_.grids >> (spatial * 8 + angular) & 1) != 0;
-    grid.cost.assign(count, tried ? options_.lambda * block_overhead_bits : infinite);
-    if (!tried)
-        return;
-    const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
-    const Kernels& k = kernels();
-    for (int plane = 0; plane < coding_.planes; ++plane) {
-        const auto p = static_cast<std::size_t>(plane);
-        forward_axis(angular_[p].data(), scratch_a_.data(), shape_, 1, grid.segments[1]);
-        forward_axis(scratch_a_.data(), scratch_b_.data(), shape_, 0, grid.segments[0]);
-        const BlockShape* known = nullptr;
-        BlockShape shape;
-        const float* base = nullptr;
-        grid.for_each_cell([&](const std::array<int, 4>& c) {
-            BlockView view{{}, {row, page, volume}};
-            std::array<int, 4> begin{};
-            BlockShape here;
-            for (int axis = 0; axis < 4; ++axis) {
-                const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
-                begin[axis] = segment.begin;
-                view.n[axis] = segment.size;
-                here.n[axis] = static_cast<std::uint8_t>(segment.size);
-            }
-            if (known == nullptr || !(here == shape)) {
-                shape = here;
-                known = &shape;
-                base = base_costs(shape, plane).data();
-            }
-            const float* x = scratch_b_.data() + begin[3] * volume + begin[2] * page +
-                             begin[1] * row + begin[0];
-            grid.cost[grid.index(c)] +=
-                k.coding_cost(x, view, base, inverse_step_[p],
-                              options_.lambda * bits_per_octave_of_energy);
-        });
-    }
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        const std::size_t i = grid.index(c);
+        if (grid.activity[i] < flat_activity * options_.lambda)
+            grid.cost[i] = grid.activity[i] +
+                           options_.lambda * (block_overhead_bits + bits_at_dc);
+        else if (tried)
+            grid.cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
+    });
 }
 
-const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape, int plane) {
+float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
+    std::array<int, 4> begin{};
+    BlockShape shape;
+    for (int axis = 0; axis < 4; ++axis) {
+        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        begin[axis] = segment.begin;
+        shape.n[axis] = static_cast<std::uint8_t>(segment.size);
+    }
+    const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const int count = kept * shape.n[2] * shape.n[3];
+    const float* base = base_costs(shape).data();
+    const Kernels& k = kernels();
+    float cost = 0, energy = 0, seen = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        float* to = coefficients_.data();
+        for (int t = 0; t < shape.n[3]; ++t)
+            for (int s = 0; s < shape.n[2]; ++s, to += kept)
+                k.forward_image(angular_[p].data() + (begin[3] + t) * volume +
+                                    (begin[2] + s) * page + begin[1] * row + begin[0],
+                                row, shape.n[0], shape.n[1], to);
+        const CostSum sum = k.coding_cost(coefficients_.data(), base, count, inverse_step_[p],
+                                          options_.lambda * bits_per_octave_of_energy);
+        const float dc = coefficients_[0] * inverse_step_[p];
+        cost += sum.cost;
+        seen += sum.energy - dc * dc;
+    }
+    // Frequencies that were not computed are zeroed: they cost their energy.
+    energy = grid.activity[grid.index(c)];
+    return kept < shape.n[0] * shape.n[1] ? cost + std::max(0.0f, energy - seen) : cost;
+}
+
+const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {
     auto [found, made] = base_.try_emplace(shape);
     if (made) {
         const ScanOrder& order = coding_.shape(shape).order;
         const auto& n = shape.n;
-        auto& costs = found->second[0];
-        costs.assign(static_cast<std::size_t>(shape.texels()), infinite); // cannot be coded
-        const auto codable =
-            static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
-        for (std::size_t i = 0; i < codable; ++i) {
+        std::vector<float> dense(static_cast<std::size_t>(shape.texels()),
+                                 infinite); // beyond the scan's end
+        for (std::size_t i = 0; i < order.entry.size(); ++i) {
             const auto& k = order.entry[i].k;
             const int position = order.position_class[i];
             const float bits = position == 0
                                    ? bits_at_dc
                                    : bits_at_first_class +
                                          bits_per_class * static_cast<float>(position - 1);
-            costs[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] =
+            dense[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] =
                 rounding_error + options_.lambda * bits;
         }
-        found->second[1] = costs;
+        for (int image = 0; image < n[2] * n[3]; ++image)
+            for (int v = 0; v < forward_kept(n[1]); ++v)
+                for (int i = 0; i < forward_kept(n[0]); ++i)
+                    found->second.push_back(dense[static_cast<std::size_t>(
+                        (image * n[1] + v) * n[0] + forward_order(n[0], i))]);
     }
-    return found->second[static_cast<std::size_t>(plane_class(plane))];
+    return found->second;
 }
 
 // Deepest nodes first, so that children are final before their parents ask.

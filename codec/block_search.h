@@ -36,6 +36,7 @@ private:
         std::array<std::vector<Segment>, 4> segments;
         std::array<int, 4> cells{};   // entries of each axis
         std::vector<float> cost;      // of the best way to code each cell
+        std::vector<float> activity;  // energy about the cell's mean, in squared steps
         std::vector<std::uint8_t> choice; // Split
 
         std::size_t index(const std::array<int, 4>& c) const {
@@ -64,8 +65,9 @@ private:
     void combine();
     void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
               TileLevels& out) const;
-    bool is_flat() const;
-    const std::vector<float>& base_costs(const BlockShape& shape, int plane);
+    void measure_activity();
+    float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
+    const std::vector<float>& base_costs(const BlockShape& shape);
 
     const TileCoding& coding_;
     const BitCosts& costs_;
@@ -74,9 +76,9 @@ private:
     int spatial_depths_ = 0, angular_depths_ = 0;
     std::array<float, max_planes> inverse_step_{};
     std::array<std::vector<float>, max_planes> source_, angular_;
-    std::vector<float> scratch_a_, scratch_b_;
+    std::vector<float> scratch_a_, coefficients_;
     std::vector<Grid> grids_;
-    std::map<BlockShape, std::array<std::vector<float>, plane_classes>> base_;
+    std::map<BlockShape, std::vector<float>> base_; // costs in the order of forward_image
 };
 
 } // namespace tessera

@@ -12,10 +12,9 @@
 
 namespace tessera {
 
-// A block inside arrays of a tile in the order t, s, v, u (u fastest).
-struct BlockView {
-    std::array<int, 4> n;      // sides along u, v, s, t
-    std::array<int, 3> stride; // of v, s, t
+// What coding some coefficients would cost, and their energy, both in squared steps.
+struct CostSum {
+    float cost = 0, energy = 0;
 };
 
 // Y, Co, Cg of a tile without the background's share, in the order (t, s) image, (v, u) texel.
@@ -23,6 +22,16 @@ struct PlaneSet {
     const std::int32_t* plane[3];
     std::int32_t background[3];
 };
+
+// Frequencies that forward_image computes along a side: sides of 32 keep 16, as a block that needs
+// more is always cheaper when cut.
+constexpr int forward_kept(int n) { return n == 32 ? 16 : n; }
+// Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32), the even ones first.
+constexpr int forward_order(int n, int i) {
+    const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32;
+    const int half = forward_kept(n) / 2;
+    return !butterfly ? i : i < half ? 2 * i : 2 * (i - half) + 1;
+}
 
 struct Kernels {
     const char* name;
@@ -43,17 +52,20 @@ struct Kernels {
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
 
-    // One orthonormal forward DCT pass; basis_t[x * n + k]. Rows lie `stride` floats apart.
+    // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
                          const float* basis_t);
     // Along an outer axis, over `inner` contiguous floats.
     void (*forward_planes)(const float* in, float* out, int n, int inner, const float* basis_t);
 
-    // Sum over a block's coefficients x of min(a^2, base + slope * max(0, log2(a^2))) with
-    // a = x * inverse_step: the cost of zeroing or of coding each (see block_search.cpp).
-    // base: contiguous in block order.
-    float (*coding_cost)(const float* x, const BlockView& block, const float* base,
-                         float inverse_step, float slope);
+    // Orthonormal 2D DCT of an image of nu x nv floats whose rows lie `stride` apart. Only the
+    // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u
+    // frequencies of a row in the order of forward_order(nu).
+    void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
+    // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
+    // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
+    CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
+                           float slope);
 };
 
 // The path in use: the best this CPU has, or the one that the environment variable TESSERA_SIMD

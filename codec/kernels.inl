@@ -2,6 +2,7 @@
 // library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
 #include "codec/kernels.h"
 
+#include "codec/forward_dct.h"
 #include "format/dct_basis.h"
 
 namespace tessera {
@@ -188,47 +189,163 @@ void forward_planes(const float* in, float* out, int n, int inner, const float* 
 }
 
 // Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
-inline float one_cost(float x, float base, float inverse_step, float slope) {
-    const float a = x * inverse_step;
-    const float a2 = a * a;
+inline float one_cost(float a2, float base, float slope) {
     const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
     const float log2 = bits > 0.0f ? bits * 0x1p-23f : 0.0f;
     const float coded = base + slope * log2;
     return a2 < coded ? a2 : coded;
 }
 
-template <int width>
-inline void cost_rows(const float* x, const float*& base, int rows, int stride, int n,
-                      float inverse_step, float slope, float* sum) {
-    for (int r = 0; r < rows; ++r) {
-        int i = 0;
-        for (; i + width <= n; i += width)
-            for (int j = 0; j < width; ++j)
-                sum[j] += one_cost(x[r * stride + i + j], base[i + j], inverse_step, slope);
-        for (; i < n; ++i)
-            sum[0] += one_cost(x[r * stride + i], base[i], inverse_step, slope);
-        base += n;
+CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
+    float cost[lanes] = {}, energy[lanes] = {};
+    int i = 0;
+    for (; i + lanes <= count; i += lanes)
+        for (int j = 0; j < lanes; ++j) {
+            const float a = x[i + j] * inverse_step;
+            energy[j] += a * a;
+            cost[j] += one_cost(a * a, base[i + j], slope);
+        }
+    for (; i < count; ++i) {
+        const float a = x[i] * inverse_step;
+        energy[0] += a * a;
+        cost[0] += one_cost(a * a, base[i], slope);
+    }
+    const auto sum = [](const float* s) {
+        return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    };
+    return {sum(cost), sum(energy)};
+}
+
+// Vectors of the compiler: two halves where the instruction set has only 128 bits.
+typedef float Float8 __attribute__((vector_size(32)));
+typedef float Float4 __attribute__((vector_size(16)));
+typedef float Float2 __attribute__((vector_size(8)));
+
+template <class Vector> inline Vector load(const float* from) {
+    Vector x;
+    __builtin_memcpy(&x, from, sizeof x);
+    return x;
+}
+template <class Vector> inline void store(float* to, const Vector& x) {
+    __builtin_memcpy(to, &x, sizeof x);
+}
+
+// Basis of a butterfly: even[k][x] for frequency 2k, odd[k][x] for 2k + 1, x in the first half; and
+// the same with x outermost.
+template <int n> struct SplitBasis {
+    static constexpr int half = n / 2, kept = forward_kept(n) / 2;
+    float even[kept][half], odd[kept][half];
+    float even_t[half][kept], odd_t[half][kept];
+    SplitBasis() {
+        for (int x = 0; x < half; ++x)
+            for (int k = 0; k < kept; ++k) {
+                even[k][x] = even_t[x][k] = forward_basis(n)[x * n + 2 * k];
+                odd[k][x] = odd_t[x][k] = forward_basis(n)[x * n + 2 * k + 1];
+            }
+    }
+    static const SplitBasis& get() {
+        static const SplitBasis basis;
+        return basis;
+    }
+};
+
+// One vector of columns of an image: tmp[k][u] for the kept frequencies.
+template <int n, class Vector>
+inline void column_vector(const float* in, int stride, int nu, float* tmp) {
+    using Basis = SplitBasis<n>;
+    const Basis& b = Basis::get();
+    Vector even[Basis::half], odd[Basis::half];
+    for (int v = 0; v < Basis::half; ++v) {
+        const auto head = load<Vector>(in + v * stride);
+        const auto tail = load<Vector>(in + (n - 1 - v) * stride);
+        even[v] = head + tail;
+        odd[v] = head - tail;
+    }
+    // Two frequencies of each kind at a time share the loads.
+    for (int k = 0; k < Basis::kept; k += 2) {
+        Vector e0{}, e1{}, o0{}, o1{};
+        for (int v = 0; v < Basis::half; ++v) {
+            e0 += even[v] * b.even[k][v];
+            e1 += even[v] * b.even[k + 1][v];
+            o0 += odd[v] * b.odd[k][v];
+            o1 += odd[v] * b.odd[k + 1][v];
+        }
+        store(tmp + 2 * k * nu, e0);
+        store(tmp + (2 * k + 1) * nu, o0);
+        store(tmp + (2 * k + 2) * nu, e1);
+        store(tmp + (2 * k + 3) * nu, o1);
     }
 }
 
-float coding_cost(const float* x, const BlockView& block, const float* base, float inverse_step,
-                  float slope) {
-    float sum[lanes] = {};
-    for (int t = 0; t < block.n[3]; ++t)
-        for (int s = 0; s < block.n[2]; ++s) {
-            const float* at = x + t * block.stride[2] + s * block.stride[1];
-            if (block.n[0] < lanes)
-                cost_rows<4>(at, base, block.n[1], block.stride[0], block.n[0], inverse_step, slope,
-                             sum);
-            else
-                cost_rows<lanes>(at, base, block.n[1], block.stride[0], block.n[0], inverse_step,
-                                 slope, sum);
+template <int n> void image_columns(const float* in, int stride, int nu, float* tmp) {
+    int u = 0;
+    for (; u + 8 <= nu; u += 8)
+        column_vector<n, Float8>(in + u, stride, nu, tmp + u);
+    for (; u < nu; u += 4)
+        column_vector<n, Float4>(in + u, stride, nu, tmp + u);
+}
+
+// Rows of tmp, two at a time, into even and odd frequencies. Vector holds SplitBasis<n>::kept.
+template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
+    using Basis = SplitBasis<n>;
+    const Basis& b = Basis::get();
+    for (int r = 0; r < rows; r += 2, tmp += 2 * n, out += 4 * Basis::kept) {
+        Vector e0{}, e1{}, o0{}, o1{};
+        for (int x = 0; x < Basis::half; ++x) {
+            const auto even = load<Vector>(b.even_t[x]), odd = load<Vector>(b.odd_t[x]);
+            e0 += even * (tmp[x] + tmp[n - 1 - x]);
+            o0 += odd * (tmp[x] - tmp[n - 1 - x]);
+            e1 += even * (tmp[n + x] + tmp[2 * n - 1 - x]);
+            o1 += odd * (tmp[n + x] - tmp[2 * n - 1 - x]);
         }
-    return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+        store(out, e0);
+        store(out + Basis::kept, o0);
+        store(out + 2 * Basis::kept, e1);
+        store(out + 3 * Basis::kept, o1);
+    }
+}
+
+void forward_image(const float* in, int stride, int nu, int nv, float* out) {
+    float tmp[max_tile_side * max_tile_side];
+    const bool columns_split = nu % 4 == 0;
+    if (columns_split && nv == 32)
+        image_columns<32>(in, stride, nu, tmp);
+    else if (columns_split && nv == 16)
+        image_columns<16>(in, stride, nu, tmp);
+    else if (columns_split && nv == 8)
+        image_columns<8>(in, stride, nu, tmp);
+    else if (columns_split && nv == 4)
+        image_columns<4>(in, stride, nu, tmp);
+    else
+        for (int k = 0; k < forward_kept(nv); ++k)
+            for (int u = 0; u < nu; ++u) {
+                float sum = 0;
+                for (int v = 0; v < nv; ++v)
+                    sum += in[v * stride + u] * forward_basis(nv)[v * nv + k];
+                tmp[k * nu + u] = sum;
+            }
+    const int rows = forward_kept(nv);
+    if (nu == 32 && rows % 2 == 0)
+        image_rows<32, Float8>(tmp, rows, out);
+    else if (nu == 16 && rows % 2 == 0)
+        image_rows<16, Float8>(tmp, rows, out);
+    else if (nu == 8 && rows % 2 == 0)
+        image_rows<8, Float4>(tmp, rows, out);
+    else if (nu == 4 && rows % 2 == 0)
+        image_rows<4, Float2>(tmp, rows, out);
+    else
+        for (int r = 0; r < rows; ++r)
+            for (int i = 0; i < forward_kept(nu); ++i) {
+                const int k = forward_order(nu, i);
+                float sum = 0;
+                for (int u = 0; u < nu; ++u)
+                    sum += tmp[r * nu + u] * forward_basis(nu)[u * nu + k];
+                *out++ = sum;
+            }
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8, forward_rows, forward_planes, coding_cost};
+    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8, forward_rows, forward_planes, forward_image, coding_cost};
 }
 
 } // namespace

@@ -12,7 +12,8 @@ namespace {
 
 // With x = high * 2^11 + low, high fits 16 bits and low 11, and every basis value but DC's 2^15 fits
 // 16 bits too, so one multiply-add instruction sums the products of two frequencies. DC's share of
-// the result is exactly 2^4 times its coefficient before the last shift.
+// the result is exactly 2^4 times its coefficient before the last shift. Sizes with an odd factor
+// above 3 reach 2^15 at other frequencies as well (n = 5, k = 4, x = 2); they use the portable loops.
 
 constexpr int max_pairs = max_tile_side / 4; // of even, or of odd, frequencies above 0
 
@@ -26,6 +27,7 @@ std::int32_t packed(std::int32_t low, std::int32_t high) {
 struct PairTable {
     std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
     alignas(32) std::int32_t next[max_tile_side / 2][max_tile_side];
+    bool fits; // no value above 16 bits but DC's
 };
 
 struct PairTables {
@@ -34,6 +36,9 @@ struct PairTables {
         for (int n = 1; n <= max_tile_side; ++n) {
             const std::int32_t* b = basis(n);
             const auto at = [&](int k, int x) { return k < n && x < n ? b[k * n + x] : 0; };
+            of[n].fits = true;
+            for (int i = n; i < n * n; ++i)
+                of[n].fits = of[n].fits && b[i] < 1 << basis_bits;
             for (int x = 0; x < max_tile_side; ++x) {
                 for (int p = 0; p < max_pairs; ++p) {
                     of[n].even[x][p] = packed(at(4 * p + 2, x), at(4 * p + 4, x));
@@ -82,6 +87,10 @@ __m256i lane_mask(int count) {
 
 void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
     const PairTable& table = pair_table(n);
+    if (!table.fits) {
+        inverse_planes(in, out, support, n, inner);
+        return;
+    }
     const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
     const __m256i zero = _mm256_setzero_si256();
     for (int i = 0; i < inner; i += lanes) {
@@ -127,6 +136,10 @@ void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support,
 
 void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
     const PairTable& table = pair_table(n);
+    if (!table.fits) {
+        inverse_rows(in, out, rows, support, n);
+        return;
+    }
     const int pairs = support / 2;
     for (int r = 0; r < rows; ++r, in += support, out += n) {
         std::int32_t high[max_tile_side / 2], low[max_tile_side / 2];

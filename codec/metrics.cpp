@@ -130,28 +130,39 @@ struct MomentRows {
 };
 
 // `a` and `b` have 0 in the middle of their range: variances do not care, floats do.
-void filter_row(const float* a, const float* b, const std::vector<float>& window, MomentRows& out) {
+void filter_row(const float* __restrict a, const float* __restrict b,
+                const std::vector<float>& window, MomentRows& out) {
     const std::size_t width = out.a.size();
     out.clear();
+    // The compiler only vectorises what it is told not to overlap.
+    float* __restrict mean_a = out.a.data();
+    float* __restrict mean_b = out.b.data();
+    float* __restrict squares = out.squares.data();
+    float* __restrict products = out.products.data();
     for (std::size_t k = 0; k < window.size(); ++k) {
         const float w = window[k];
         for (std::size_t x = 0; x < width; ++x) {
             const float p = a[x + k], q = b[x + k];
-            out.a[x] += w * p;
-            out.b[x] += w * q;
-            out.squares[x] += w * (p * p + q * q);
-            out.products[x] += w * (p * q);
+            mean_a[x] += w * p;
+            mean_b[x] += w * q;
+            squares[x] += w * (p * p + q * q);
+            products[x] += w * (p * q);
         }
     }
 }
 
+void add_row(const std::vector<float>& in, float w, std::vector<float>& out) {
+    const float* __restrict from = in.data();
+    float* __restrict to = out.data();
+    for (std::size_t x = 0; x < in.size(); ++x)
+        to[x] += w * from[x];
+}
+
 void add_rows(const MomentRows& in, float w, MomentRows& out) {
-    for (std::size_t x = 0; x < out.a.size(); ++x) {
-        out.a[x] += w * in.a[x];
-        out.b[x] += w * in.b[x];
-        out.squares[x] += w * in.squares[x];
-        out.products[x] += w * in.products[x];
-    }
+    add_row(in.a, w, out.a);
+    add_row(in.b, w, out.b);
+    add_row(in.squares, w, out.squares);
+    add_row(in.products, w, out.products);
 }
 
 double sum_of_row(const MomentRows& m, float offset, float c1, float c2) {

@@ -8,8 +8,6 @@
 namespace tessera {
 namespace {
 
-constexpr std::int32_t largest_half = 0x7BFF;
-
 using Texel = std::array<std::int32_t, 4>;
 
 // YCoCg-R (Malvar and Sullivan, JVT-I014): lossless in integers. Planes are Y, Co, Cg.
@@ -49,16 +47,17 @@ Texel background_planes(const ColourCoding& colour) {
     return texel;
 }
 
-// Calls visit(index in planes, texel address) for every texel of the box order.
+// Calls visit(index in planes, texel address) for every texel of the box order; u runs innermost, so
+// that the planes are walked in rows.
 template <class Byte, class Visit>
 void for_each_texel(const BlockShape& shape, Byte* texels, std::size_t texel_bytes, Visit visit) {
     const auto [nu, nv, ns, nt] = shape.n;
-    const int s_step = nu * nv, t_step = s_step * ns;
-    for (int v = 0; v < nv; ++v)
-        for (int u = 0; u < nu; ++u)
-            for (int t = 0; t < nt; ++t)
-                for (int s = 0; s < ns; ++s, texels += texel_bytes)
-                    visit(static_cast<std::size_t>(t * t_step + s * s_step + v * nu + u), texels);
+    const std::size_t images = std::size_t{ns} * nt, page = std::size_t{nu} * nv;
+    for (std::size_t v = 0; v < nv; ++v)
+        for (std::size_t image = 0; image < images; ++image)
+            for (std::size_t u = 0; u < nu; ++u)
+                visit(image * page + v * nu + u,
+                      texels + ((v * nu + u) * images + image) * texel_bytes);
 }
 
 template <SampleType type, int channels, bool ycocg>
@@ -132,19 +131,6 @@ void TilePlanes::resize(const BlockShape& new_shape, int planes) {
     shape = new_shape;
     for (int i = 0; i < planes; ++i)
         plane[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(shape.texels()));
-}
-
-std::int32_t sample_code(std::uint16_t sample, SampleType type) {
-    if (type == SampleType::unorm8 || sample < 0x8000)
-        return sample;
-    return -static_cast<std::int32_t>(sample & 0x7FFF);
-}
-
-std::uint16_t code_sample(std::int32_t code, SampleType type) {
-    if (type == SampleType::unorm8)
-        return static_cast<std::uint16_t>(std::clamp(code, 0, 255));
-    code = std::clamp(code, -largest_half, largest_half);
-    return static_cast<std::uint16_t>(code < 0 ? 0x8000 | -code : code);
 }
 
 void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,

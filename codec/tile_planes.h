@@ -30,9 +30,18 @@ struct TilePlanes {
 
 // The integer that a sample is coded as: unorm8 as it is, half16 on the monotone scale where
 // +x is its 15 bits and -x their negation (both zeros are 0). Precondition: finite.
-std::int32_t sample_code(std::uint16_t sample, SampleType type);
+inline std::int32_t sample_code(std::uint16_t sample, SampleType type) {
+    return type == SampleType::unorm8 || sample < 0x8000 ? sample : -(sample & 0x7FFF);
+}
 // Inverse; clamps to 0..255 or to the finite halves.
-std::uint16_t code_sample(std::int32_t code, SampleType type);
+inline std::uint16_t code_sample(std::int32_t code, SampleType type) {
+    if (type == SampleType::unorm8)
+        return static_cast<std::uint16_t>(code < 0 ? 0 : code > 255 ? 255 : code);
+    constexpr std::int32_t largest_half = 0x7BFF;
+    if (code < 0)
+        return static_cast<std::uint16_t>(0x8000 | (code < -largest_half ? largest_half : -code));
+    return static_cast<std::uint16_t>(code > largest_half ? largest_half : code);
+}
 
 // texels: dense box order (v, u, t, s, channel).
 void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
