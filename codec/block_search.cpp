@@ -165,8 +165,11 @@ void BlockSearch::measure_activity() {
 
 void BlockSearch::estimate_costs() {
     for (int a = 0; a <= angular_depths_; ++a) {
+        bool tried = false;
+        for (int s = 0; s <= spatial_depths_; ++s)
+            tried = tried || (options_.grids >> (s * 8 + a) & 1) != 0;
         const auto s_segments = axis_segments(shape_.n[2], a), t_segments = axis_segments(shape_.n[3], a);
-        for (int plane = 0; plane < coding_.planes; ++plane) {
+        for (int plane = 0; tried && plane < coding_.planes; ++plane) {
             const auto p = static_cast<std::size_t>(plane);
             angular_[p].resize(source_[p].size());
             forward_axis(source_[p].data(), scratch_a_.data(), shape_, 3, t_segments);

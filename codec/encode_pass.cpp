@@ -37,10 +37,11 @@ struct Crew {
                                {},
                                {}});
     }
-    void encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                CodedTile& tile) const;
+    Status encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
+                  CodedTile& tile) const;
 
     const EncodePlan& plan;
+    const bool verifies = !plan.effort.recode; // recoding has its own check
     const TileCoding coding;
     const BitCosts costs;
     std::vector<Worker> workers;
@@ -65,7 +66,7 @@ void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleT
     }
 }
 
-void Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
+Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
                   CodedTile& tile) const {
     const BlockShape shape = tile_shape(box);
     worker.encoder.encode(texels, shape, worker.levels);
@@ -90,6 +91,16 @@ void Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> te
                       ? std::vector<std::vector<std::byte>>{}
                       : encode_corrections(worker.corrections, shape, coding.planes, coding.tables),
                   coding, tile.payload);
+    if (!verifies || !plan.options.verify)
+        return {};
+    // These bytes go to the file as they are: they must hold the levels that were measured.
+    TESSERA_TRY(worker.decoder.parse(tile.payload, shape));
+    return worker.decoder.levels() == worker.levels &&
+                   worker.decoder.corrections() == worker.corrections
+               ? Status()
+               : Status(ErrorCode::runtime,
+                        "self-check failed: the tile of the texels " + to_string(box) +
+                            " does not decode to what was encoded");
 }
 
 PassResult finish(Crew& crew, std::vector<CodedTile> tiles) {
@@ -204,8 +215,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
                 CodedTile& tile = tiles[slab.tiles[i]];
                 const Box4 box = plan.grid.box(slab.tiles[i]);
                 TESSERA_TRY(read_tile(plan, box, worker.texels, tile));
-                crew.encode(worker, box, worker.texels, tile);
-                return {};
+                return crew.encode(worker, box, worker.texels, tile);
             },
             [&](std::size_t i) {
                 if (plan.options.progress)
@@ -224,8 +234,8 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     TESSERA_TRY(parallel_for(
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
-            crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i], tiles[i]);
-            return {};
+            return crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i],
+                               tiles[i]);
         },
         [](std::size_t) {}));
     return finish(crew, std::move(tiles));

@@ -166,28 +166,6 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
     }
 }
 
-template <int width>
-inline void forward_plane_chunk(const float* in, float* out, int n, int inner, const float* basis_t,
-                                int count) {
-    const int w = width > 0 ? width : count;
-    for (int k = 0; k < n; ++k) {
-        float sum[lanes] = {};
-        for (int x = 0; x < n; ++x)
-            for (int i = 0; i < w; ++i)
-                sum[i] += in[x * inner + i] * basis_t[x * n + k];
-        for (int i = 0; i < w; ++i)
-            out[k * inner + i] = sum[i];
-    }
-}
-
-void forward_planes(const float* in, float* out, int n, int inner, const float* basis_t) {
-    int i = 0;
-    for (; i + lanes <= inner; i += lanes)
-        forward_plane_chunk<lanes>(in + i, out + i, n, inner, basis_t, lanes);
-    if (i < inner)
-        forward_plane_chunk<0>(in + i, out + i, n, inner, basis_t, inner - i);
-}
-
 // Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
 inline float one_cost(float a2, float base, float slope) {
     const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
@@ -232,8 +210,8 @@ template <class Vector> inline void store(float* to, const Vector& x) {
 
 // Basis of a butterfly: even[k][x] for frequency 2k, odd[k][x] for 2k + 1, x in the first half; and
 // the same with x outermost.
-template <int n> struct SplitBasis {
-    static constexpr int half = n / 2, kept = forward_kept(n) / 2;
+template <int n, int frequencies> struct SplitBasis {
+    static constexpr int half = n / 2, kept = frequencies / 2;
     float even[kept][half], odd[kept][half];
     float even_t[half][kept], odd_t[half][kept];
     SplitBasis() {
@@ -250,9 +228,9 @@ template <int n> struct SplitBasis {
 };
 
 // One vector of columns of an image: tmp[k][u] for the kept frequencies.
-template <int n, class Vector>
+template <int n, int frequencies, class Vector>
 inline void column_vector(const float* in, int stride, int nu, float* tmp) {
-    using Basis = SplitBasis<n>;
+    using Basis = SplitBasis<n, frequencies>;
     const Basis& b = Basis::get();
     Vector even[Basis::half], odd[Basis::half];
     for (int v = 0; v < Basis::half; ++v) {
@@ -280,14 +258,14 @@ inline void column_vector(const float* in, int stride, int nu, float* tmp) {
 template <int n> void image_columns(const float* in, int stride, int nu, float* tmp) {
     int u = 0;
     for (; u + 8 <= nu; u += 8)
-        column_vector<n, Float8>(in + u, stride, nu, tmp + u);
+        column_vector<n, forward_kept(n), Float8>(in + u, stride, nu, tmp + u);
     for (; u < nu; u += 4)
-        column_vector<n, Float4>(in + u, stride, nu, tmp + u);
+        column_vector<n, forward_kept(n), Float4>(in + u, stride, nu, tmp + u);
 }
 
-// Rows of tmp, two at a time, into even and odd frequencies. Vector holds SplitBasis<n>::kept.
+// Rows of tmp, two at a time, into even and odd frequencies; Vector holds half of those kept.
 template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
-    using Basis = SplitBasis<n>;
+    using Basis = SplitBasis<n, forward_kept(n)>;
     const Basis& b = Basis::get();
     for (int r = 0; r < rows; r += 2, tmp += 2 * n, out += 4 * Basis::kept) {
         Vector e0{}, e1{}, o0{}, o1{};
@@ -302,6 +280,44 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
         store(out + Basis::kept, o0);
         store(out + 2 * Basis::kept, e1);
         store(out + 3 * Basis::kept, o1);
+    }
+}
+
+// Any side, any width: the plain sum.
+void forward_planes_plain(const float* in, float* out, int n, int inner, int begin,
+                          const float* basis_t) {
+    for (int k = 0; k < n; ++k)
+        for (int i = begin; i < inner; ++i) {
+            float sum = 0;
+            for (int x = 0; x < n; ++x)
+                sum += in[x * inner + i] * basis_t[x * n + k];
+            out[k * inner + i] = sum;
+        }
+}
+
+template <int n> int forward_planes_split(const float* in, float* out, int inner) {
+    int i = 0;
+    for (; i + 8 <= inner; i += 8)
+        column_vector<n, n, Float8>(in + i, inner, inner, out + i);
+    for (; i + 4 <= inner; i += 4)
+        column_vector<n, n, Float4>(in + i, inner, inner, out + i);
+    return i;
+}
+
+void forward_planes(const float* in, float* out, int n, int inner, const float* basis_t) {
+    const int done = n == 4    ? forward_planes_split<4>(in, out, inner)
+                     : n == 8  ? forward_planes_split<8>(in, out, inner)
+                     : n == 16 ? forward_planes_split<16>(in, out, inner)
+                     : n == 32 ? forward_planes_split<32>(in, out, inner)
+                               : 0;
+    if (done == 0 && n == 2) {
+        const float half = basis_t[0];
+        for (int i = 0; i < inner; ++i) {
+            out[i] = (in[i] + in[inner + i]) * half;
+            out[inner + i] = (in[i] - in[inner + i]) * half;
+        }
+    } else if (done < inner) {
+        forward_planes_plain(in, out, n, inner, done, basis_t);
     }
 }
 

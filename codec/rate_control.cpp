@@ -74,12 +74,10 @@ private:
     // A whole pass, preceded by one over the sample to learn the tables, and recoded under tables
     // fitted to all of it.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
-        if (plan_.effort.train_on_sample) {
-            const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
-            if (!trained)
-                return trained.status();
-            parameters.parameters = fit_parameters(trained->statistics);
-        }
+        const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
+        if (!trained)
+            return trained.status();
+        parameters.parameters = fit_parameters(trained->statistics);
         ++passes_;
         Result<PassResult> pass = run_pass(plan_, parameters, stage);
         if (pass && plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
@@ -89,7 +87,8 @@ private:
         }
         if (!pass)
             return pass;
-        TESSERA_TRY(recode_with_fitted_tables(plan_, *pass));
+        if (plan_.effort.recode)
+            TESSERA_TRY(recode_with_fitted_tables(plan_, *pass));
         return pass;
     }
 

@@ -18,7 +18,8 @@ EffortSettings EffortSettings::of(int effort) {
     else if (effort <= 3)
         settings.search.grids = grid(0, 0) | grid(0, 1) | grid(1, 0) | grid(1, 1) | grid(1, 2) |
                                 grid(2, 2) | grid(3, 3);
-    settings.train_on_sample = effort >= 3;
+    settings.rotate_colours = effort >= 2;
+    settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;
     settings.quantizer.optimise = effort >= 1;
     return settings;

@@ -15,7 +15,7 @@ namespace tessera {
 struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
-    bool train_on_sample = true; // decide under tables fitted to a sample, not the built-in ones
+    bool recode = true; // code again under tables fitted to all tiles; else those of the sample stay
     bool rotate_colours = true;    // try rotated colour axes for every block
     bool second_pass = false;    // decide again under the tables of the first pass
 

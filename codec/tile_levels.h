@@ -12,13 +12,15 @@ namespace tessera {
 struct NonZero {
     std::uint16_t index = 0; // in the block's scan order
     std::int32_t level = 0;  // not 0, |level| <= max_level
+    bool operator==(const NonZero&) const = default;
 };
 
 // One plane of one block: its first `coded_length` coefficients in scan order are coded.
 struct PlaneLevels {
     std::uint32_t first = 0; // into TileLevels::nonzeros, ascending by index
     std::uint16_t count = 0;
-    std::uint16_t coded_length = 0; // a value of coded_length_of(), see tile_entropy.h
+    std::uint16_t coded_length = 0; // a value of round_up_coded_length(), see tile_entropy.h
+    bool operator==(const PlaneLevels&) const = default;
 };
 
 struct TileLevels {
@@ -29,6 +31,7 @@ struct TileLevels {
     std::vector<PlaneLevels> planes;   // blocks.size() * number of planes
     std::vector<NonZero> nonzeros;
 
+    bool operator==(const TileLevels&) const = default;
     void clear() {
         blocks.clear();
         colours.clear();

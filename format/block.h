@@ -22,6 +22,7 @@ struct Block {
     std::array<std::uint8_t, 4> origin{0, 0, 0, 0}; // in the tile
     BlockShape shape;
     std::uint8_t spatial_depth = 0, angular_depth = 0;
+    bool operator==(const Block&) const = default;
 };
 
 enum class Split : std::uint8_t { none = 0, spatial = 1, angular = 2 };

@@ -1,0 +1,363 @@
+// The tool as a person or a script meets it: the built binary, its exit codes, messages and JSON.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Outcome {
+    int code = -1;
+    std::string out, err;
+};
+
+std::string slurp(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void spit(const fs::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+// Every test works in a folder of its own, which is the tool's current folder.
+class Cli : public testing::Test {
+protected:
+    void SetUp() override {
+        base_ = fs::temp_directory_path() /
+                ("tessera_cli_" + std::to_string(getpid()) + "_" +
+                 testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ = base_ / "work";
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(base_); }
+
+    fs::path at(const std::string& name) const { return folder_ / name; }
+
+    // Runs `tessera <arguments>` through the shell, after `before` (such as "ulimit -f 8;").
+    Outcome run(const std::string& arguments, const std::string& before = "") const {
+        const std::string command =
+            "cd '" + folder_.string() + "' && " + before + " '" + TESSERA_TOOL + "' " + arguments +
+            " >'" + (base_ / "out").string() + "' 2>'" + (base_ / "err").string() + "' </dev/null";
+        const int status = std::system(command.c_str());
+        Outcome outcome;
+        outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        outcome.out = slurp(base_ / "out");
+        outcome.err = slurp(base_ / "err");
+        return outcome;
+    }
+
+    void succeed(const std::string& arguments) const {
+        const Outcome o = run(arguments);
+        EXPECT_EQ(o.code, 0) << arguments << "\n" << o.err;
+        EXPECT_EQ(o.err, "") << arguments;
+    }
+
+    // Fails with one line `tessera <verb>: error: ...` that holds all `words`.
+    void fail(int code, const std::string& arguments, const std::vector<std::string>& words,
+              const std::string& before = "") const {
+        const Outcome o = run(arguments, before);
+        EXPECT_EQ(o.code, code) << arguments << "\n" << o.err;
+        const std::string verb = arguments.substr(0, arguments.find(' '));
+        EXPECT_EQ(o.err.rfind("tessera " + verb + ": error: ", 0), 0u) << o.err;
+        EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+        for (const std::string& word : words)
+            EXPECT_NE(o.err.find(word), std::string::npos) << arguments << "\n" << o.err;
+    }
+
+    Json json(const std::string& arguments) const {
+        const Outcome o = run(arguments);
+        Json parsed = Json::parse(o.out, nullptr, false);
+        EXPECT_TRUE(parsed.is_object()) << arguments << "\n" << o.out << o.err;
+        return parsed;
+    }
+
+    std::vector<std::string> names() const {
+        std::vector<std::string> all;
+        for (const auto& entry : fs::directory_iterator(folder_))
+            all.push_back(entry.path().filename().string());
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+
+    fs::path base_, folder_;
+};
+
+const std::string small_scene = "bake composed --size 32x16x9x5 --spp 2 ";
+
+TEST_F(Cli, ExplainsItself) {
+    for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet"}) {
+        const Outcome help = run(std::string(verb) + " --help");
+        EXPECT_EQ(help.code, 0);
+        EXPECT_NE(help.out.find("Examples:"), std::string::npos) << verb;
+        EXPECT_NE(help.out.find(std::string("tessera ") + verb), std::string::npos);
+        EXPECT_EQ(run(std::string("help ") + verb).out, help.out);
+        EXPECT_NE(run("help").out.find(verb), std::string::npos) << run("help").out;
+    }
+    EXPECT_EQ(run("--help").code, 0);
+    EXPECT_NE(run("version").out.find("file format 0.1"), std::string::npos);
+    EXPECT_EQ(run("--version").out, run("version").out);
+    EXPECT_NE(run("bake --list").out.find("composed"), std::string::npos);
+}
+
+TEST_F(Cli, ReportsWrongUsage) {
+    Outcome o = run("enocde x -o y");
+    EXPECT_EQ(o.code, 1);
+    EXPECT_NE(o.err.find("tessera: error: unknown verb 'enocde'; did you mean 'encode'?"),
+              std::string::npos)
+        << o.err;
+    EXPECT_EQ(run("").code, 1);
+    EXPECT_EQ(run("help enocde").code, 1);
+    fail(1, "encode", {"input"});
+    fail(1, "encode x.rgb", {"--output"});
+    fail(1, "encode x.rgb -o x.tess --quality 0", {"--quality"});
+    fail(1, "encode x.rgb -o x.tess --quality abc", {"--quality"});
+    fail(1, "encode x.rgb -o x.tess --quality 5 --target-psnr 40", {"--"});
+    fail(1, "encode x.rgb -o x.tess --effort 10", {"--effort"});
+    fail(1, "encode x.rgb -o x.tess --frobnicate", {"frobnicate"});
+    fail(1, "encode x.rgb -o x.png", {"x.png"});
+    fail(1, "encode x.rgb -o x.tess", {"x.rgb", "--size"});
+    fail(1, "encode x.rgb -o x.tess --size 3x3x3", {"--size", "3x3x3"});
+    fail(1, "encode x.rgb -o x.tess --size 1048576x1048576x1048576x1048576", {"2^48"});
+    fail(1, "bake nowhere -o x.tess", {"nowhere", "composed"});
+    fail(1, "bake composed -o x.jpeg", {"x.jpeg"});
+    fail(1, small_scene + "-o x.rgb --quality 3", {".tess"});
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(Cli, BakesEncodesDecodesCompares) {
+    succeed(small_scene + "-o a.tess --target-psnr 40 -q");
+    for (const char* name : {"a.rgb", "a.exr", "a_views/"})
+        succeed(small_scene + "-q -o " + name);
+    const Json same = json("compare a.exr a.rgb --json");
+    EXPECT_EQ(same["identical"], true);
+    EXPECT_EQ(json("compare a_views a.exr --json")["identical"], true);
+    const Json coded = json("compare a.rgb a.tess --json");
+    EXPECT_EQ(coded["identical"], false);
+    EXPECT_GE(coded["psnr"].get<double>(), 39.9);
+    EXPECT_GT(coded["ssim"]["mean"].get<double>(), 0.9);
+    EXPECT_EQ(coded["size"], "32x16x9x5");
+    for (const char* name : {"b.rgb", "b.exr", "b_views/"}) {
+        succeed(std::string("decode a.tess -q -o ") + name);
+        EXPECT_EQ(json(std::string("compare a.tess --json --size 32x16x9x5 ") + name)["identical"],
+                  true);
+    }
+    const Outcome encoded = run("encode a_views -o c.tess --quality 50");
+    EXPECT_EQ(encoded.code, 0) << encoded.err;
+    for (const char* word : {"bits per texel", "PSNR", "largest error", "ratio", " s, "})
+        EXPECT_NE(encoded.out.find(word), std::string::npos) << encoded.out;
+    EXPECT_EQ(encoded.err, ""); // no progress in a pipe
+}
+
+TEST_F(Cli, DecodesParts) {
+    succeed(small_scene + "-q -o a.tess --quality 60");
+    succeed("decode a.tess -q -o whole.rgb");
+    succeed("decode a.tess -q -o part.rgb --box 3:31,5:6,:,2:4");
+    const std::string whole = slurp(at("whole.rgb")), part = slurp(at("part.rgb"));
+    ASSERT_EQ(part.size(), 28u * 1 * 9 * 2 * 3);
+    const std::size_t row = 9 * 3, image = 5 * row; // v 5, u 3, t 2 of v, u, t, s
+    for (std::size_t u = 0; u < 28; ++u)
+        EXPECT_EQ(part.substr(u * 2 * row, 2 * row),
+                  whole.substr((5 * 32 + 3 + u) * image + 2 * row, 2 * row));
+    for (const char* name : {"part.exr", "part/"}) {
+        succeed(std::string("decode a.tess -q --box 3:31,5:6,:,2:4 -o ") + name);
+        EXPECT_EQ(json(std::string("compare part.rgb --json ") + name)["identical"], true);
+    }
+    fail(1, "decode a.tess -o x.rgb --box 3:33,:,:,:", {"--box", "u"});
+    fail(1, "decode a.tess -o x.rgb --box 3:4", {"--box"});
+    EXPECT_FALSE(fs::exists(at("x.rgb")));
+}
+
+TEST_F(Cli, KeepsItsPromises) {
+    succeed(small_scene + "-q -o a.rgb");
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess ";
+    succeed(encode + "--max-error 0");
+    EXPECT_EQ(json("compare a.rgb x.tess --json")["identical"], true);
+    succeed(encode + "--max-error 3");
+    EXPECT_LE(json("compare a.rgb x.tess --json")["max_error"].get<int>(), 3);
+    succeed(encode + "--target-psnr 36");
+    EXPECT_GE(json("compare a.rgb x.tess --json")["psnr"].get<double>(), 35.95);
+    succeed(encode + "--target-bytes 6000");
+    EXPECT_LE(fs::file_size(at("x.tess")), 6000u);
+    succeed(encode + "--target-bpt 2");
+    EXPECT_LE(static_cast<double>(fs::file_size(at("x.tess"))) * 8, 2.0 * 32 * 16 * 9 * 5);
+    succeed(encode + "--threads 1");
+    const std::string one = slurp(at("x.tess"));
+    succeed(encode + "--threads 3 --no-verify");
+    EXPECT_EQ(slurp(at("x.tess")), one);
+}
+
+TEST_F(Cli, ComparesAgainstThresholds) {
+    spit(at("a.rgb"), std::string(2 * 2 * 2 * 2 * 3, 'a'));
+    std::string other = slurp(at("a.rgb"));
+    other[7] = 'c';
+    spit(at("b.rgb"), other);
+    const std::string compare = "compare a.rgb b.rgb --size 2x2x2x2 ";
+    succeed(compare + "--min-psnr 40 --max-error 2 --min-ssim 0.5");
+    fail(7, compare + "--min-psnr 90", {"b.rgb", "PSNR", "90"});
+    fail(7, compare + "--max-error 1", {"largest error 2"});
+    fail(7, compare + "--min-ssim 1.1", {"SSIM"});
+    succeed("compare a.rgb a.rgb --size 2x2x2x2 --min-psnr 999 --max-error 0");
+    const Json missed = json(compare + "--json --max-error 1");
+    EXPECT_EQ(missed["passed"], false);
+    EXPECT_EQ(missed["max_error"], 2);
+    EXPECT_EQ(missed["max_error_at"],
+              (Json{{"u", 0}, {"v", 0}, {"s", 0}, {"t", 1}, {"channel", 1}}));
+    EXPECT_NEAR(missed["psnr"].get<double>(), 10 * std::log10(255.0 * 255 * 48 / 4), 1e-9);
+    spit(at("c.gray"), std::string(16, 'a'));
+    fail(7, "compare a.rgb c.gray --size 2x2x2x2", {"channels"});
+}
+
+TEST_F(Cli, TakesOddSizes) {
+    for (const std::string size : {"1x1x1x1", "7x5x3x2", "33x1x9x1"}) {
+        succeed("bake gallery --spp 1 -q -o a.exr --size " + size);
+        succeed("encode a.exr -q -o a.tess");
+        succeed("validate a.tess -q");
+        succeed("decode a.tess -q -o b/");
+        EXPECT_EQ(json("compare a.tess b --json")["identical"], true) << size;
+    }
+}
+
+TEST_F(Cli, HandlesHdr) {
+    succeed("bake lamps -q --spp 1 --size 16x8x4x4 -o a.tess --max-error 4");
+    succeed("bake lamps -q --spp 1 --size 16x8x4x4 -o a.exr");
+    const Json c = json("compare a.exr a.tess --json");
+    EXPECT_LE(c["max_error"].get<int>(), 4);
+    EXPECT_TRUE(c.contains("psnr_pu21") && c.contains("psnr_log2"));
+    EXPECT_EQ(json("info a.tess --json")["type"], "half16");
+    fail(5, "decode a.tess -o views/", {"views", "EXR"});
+    const std::string half("\x00\x7e\x00\x7c\x00\xfc\x00\x3c", 8); // NaN, inf, -inf, 1
+    spit(at("n.gray16f"), half);
+    const Outcome o = run("encode n.gray16f --size 2x2x1x1 -o n.tess --max-error 0");
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_NE(o.out.find("1 NaN replaced by 0, 2 infinities"), std::string::npos) << o.out;
+    fail(3, "encode n.gray16f --size 2x2x1x1 -o m.tess --strict", {"n.gray16f"});
+    EXPECT_FALSE(fs::exists(at("m.tess")));
+}
+
+TEST_F(Cli, DescribesFiles) {
+    succeed(small_scene + "-q -o a.tess --seed 7 --meta Author=me --viewing-radius 4,20");
+    const Json info = json("info a.tess --json");
+    EXPECT_EQ(info["size"], "32x16x9x5");
+    EXPECT_EQ(info["metadata"]["Scene"], "composed");
+    EXPECT_EQ(info["metadata"]["Samples per texel"], "2");
+    EXPECT_EQ(info["metadata"]["Seed"], "7");
+    EXPECT_EQ(info["metadata"]["Author"], "me");
+    EXPECT_EQ(info["description"]["proxy"], "sphere:0,0,0,3.5");
+    EXPECT_EQ(info["description"]["viewing-radius"], "4,20");
+    EXPECT_EQ(info["file_bytes"], fs::file_size(at("a.tess")));
+    // The description survives a detour through pictures, metadata through .tess.
+    succeed("decode a.tess -q -o a.exr");
+    succeed("encode a.exr -q -o b.tess --proxy sphere:1,0,0,2");
+    EXPECT_EQ(json("info b.tess --json")["description"]["transfer"],
+              info["description"]["transfer"]);
+    EXPECT_EQ(json("info b.tess --json")["description"]["proxy"], "sphere:1,0,0,2");
+    succeed("encode a.tess -q -o c.tess --quality 20");
+    EXPECT_EQ(json("info c.tess --json")["metadata"]["Author"], "me");
+    fail(1, "encode a.exr -o x.tess --transfer gamma", {"--transfer", "linear"});
+    fail(1, "encode a.exr -o x.tess --meta novalue", {"--meta"});
+    EXPECT_EQ(run("info a.tess").code, 0);
+}
+
+TEST_F(Cli, ValidatesEveryTruncation) {
+    succeed("bake composed -q --spp 1 --size 9x7x3x2 -o a.tess --quality 30");
+    const std::string good = slurp(at("a.tess"));
+    EXPECT_EQ(json("validate a.tess --json")["valid"], true);
+    for (std::size_t n = 0; n < good.size(); n += 1 + good.size() / 40) {
+        spit(at("t.tess"), good.substr(0, n));
+        const Outcome o = run("validate t.tess --json");
+        EXPECT_EQ(o.code, 3) << n;
+        const Json report = Json::parse(o.out, nullptr, false);
+        ASSERT_TRUE(report.is_object()) << o.out;
+        EXPECT_FALSE(report["findings"].empty());
+        EXPECT_GT(report["findings"][0]["number"].get<int>(), 0);
+        fail(3, "info t.tess", {"t.tess"});
+        fail(3, "decode t.tess -o t.rgb", {"t.tess"});
+    }
+    for (std::size_t i = 0; i < good.size(); i += 1 + good.size() / 40) {
+        std::string bad = good;
+        bad[i] = static_cast<char>(bad[i] ^ 0x40);
+        spit(at("t.tess"), bad);
+        EXPECT_NE(run("validate t.tess").code, 0) << "byte " << i;
+        EXPECT_NE(run("decode t.tess -q -o t.rgb").code, 0) << "byte " << i;
+    }
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.tess", "t.tess"}));
+}
+
+TEST_F(Cli, RefusesBadInput) {
+    spit(at("x.rgb"), std::string(629, 'x'));
+    fail(3, "encode x.rgb --size 7x5x3x2 -o x.tess", {"x.rgb", "630", "629"});
+    fail(2, "encode none.rgb --size 7x5x3x2 -o x.tess", {"none.rgb"});
+    fail(2, "encode none.exr -o x.tess", {"none.exr"});
+    fail(2, "info none.tess", {"none.tess"});
+    spit(at("x.exr"), "not an EXR");
+    fail(3, "encode x.exr -o x.tess", {"x.exr"});
+    spit(at("y.tess"), "not a Tessera file, however long it may be made to look");
+    for (const char* verb : {"info", "validate"})
+        fail(3, std::string(verb) + " y.tess", {"y.tess"});
+    fail(3, "decode y.tess -o y.rgb", {"y.tess"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"x.exr", "x.rgb", "y.tess"}));
+}
+
+TEST_F(Cli, LeavesNoPartialFile) {
+    succeed(small_scene + "-q -o a.tess");
+    const auto before = names();
+    fail(2, small_scene + "-o none/x.tess", {"none/x.tess"});
+    fail(2, "decode a.tess -o none/x.rgb", {"none/x.rgb"});
+    for (const char* output : {"x.tess --max-error 0", "x.rgb", "x.exr"})
+        fail(2, small_scene + "-o " + output, {"x."}, "ulimit -f 4;"); // 2 or 4 kB: a full disk
+    fail(2, "decode a.tess -o x.exr", {"x.exr"}, "ulimit -f 4;");
+    fs::create_directories(at("folder.tess"));
+    fail(1, small_scene + "-o folder.tess/ --quality 5", {".tess"});
+    fs::remove(at("folder.tess"));
+    fs::create_symlink("/dev/full", at("full.rgb"));
+    fail(2, small_scene + "-o full.rgb", {"full.rgb"});
+    fs::remove(at("full.rgb"));
+    EXPECT_EQ(names(), before);
+}
+
+TEST_F(Cli, ReportsFullStandardOutput) {
+    succeed(small_scene + "-q -o a.tess");
+    const std::string command = "cd '" + folder_.string() + "' && '" + TESSERA_TOOL +
+                                "' info a.tess >/dev/full 2>/dev/null";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 2);
+}
+
+TEST_F(Cli, CleansUpWhenInterrupted) {
+    for (const char* output : {"x.tess", "x.rgb", "x.exr", "views/"}) {
+        const Outcome o =
+            run(std::string("bake gallery --spp 64 --size 256x128x16x16 -o ") + output,
+                "timeout --signal=INT --preserve-status 0.5");
+        EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
+        EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
+        EXPECT_TRUE(names().empty()) << output;
+    }
+}
+
+TEST_F(Cli, DrawsSheets) {
+    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + "-q -o a.rgb");
+    succeed("sheet a.rgb a.tess --size 32x16x9x5 -o s.png -q");
+    EXPECT_EQ(slurp(at("s.png")).substr(1, 3), "PNG");
+    succeed("sheet a.tess -o t.png -q --views 1 --angular 0");
+    fail(1, "sheet a.tess -o t.jpg", {".png"});
+    succeed("bake lamps -q --spp 1 --size 4x3x2x1 -o l.exr");
+    succeed("sheet l.exr -o l.png -q");
+    fail(7, "sheet a.tess l.exr -o x.png", {});
+    fail(7, "compare a.tess l.exr", {"32x16x9x5", "4x3x2x1"});
+}
+
+} // namespace

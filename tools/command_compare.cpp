@@ -1,0 +1,202 @@
+#include "codec/metrics.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/json_text.h"
+#include "tools/progress.h"
+#include "tools/texture_arguments.h"
+#include "tools/texture_io.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string a, b;
+    TextureArguments texture;
+    std::optional<double> min_psnr, max_error, min_ssim;
+    bool no_ssim = false, json = false;
+};
+
+struct Inputs {
+    std::unique_ptr<TexelSource> a, b;
+};
+
+// A raw file beside one that knows its geometry needs no --size.
+Result<Inputs> open_both(const Arguments& arguments) {
+    auto hints = make_hints(arguments.texture);
+    if (!hints.ok())
+        return hints.status();
+    const bool raw_first = kind_of(arguments.a) == TextureKind::raw;
+    auto first = open_texture(raw_first ? arguments.b : arguments.a, *hints);
+    if (!first.ok())
+        return first.status();
+    const std::string& other = raw_first ? arguments.a : arguments.b;
+    if (!hints->size && kind_of(other) == TextureKind::raw)
+        hints->size = first->source->desc().size;
+    auto second = open_texture(other, *hints);
+    if (!second.ok())
+        return second.status();
+    if (raw_first)
+        std::swap(first->source, second->source);
+    return Inputs{interruptible(std::move(first->source)),
+                  interruptible(std::move(second->source))};
+}
+
+// Thresholds that were missed, each with its figure.
+std::vector<std::string> missed_thresholds(const Arguments& a, const Comparison& c) {
+    std::vector<std::string> missed;
+    if (a.min_psnr && c.errors.psnr() < *a.min_psnr)
+        missed.push_back("PSNR " + format_number(c.errors.psnr(), 4) + " dB is below " +
+                         format_number(*a.min_psnr, 4));
+    if (a.max_error && c.errors.max_error() > *a.max_error)
+        missed.push_back("the largest error " + std::to_string(c.errors.max_error()) +
+                         " is above " + format_number(*a.max_error, 0));
+    if (a.min_ssim && c.ssim_mean < *a.min_ssim)
+        missed.push_back("SSIM " + format_number(c.ssim_mean, 6) + " is below " +
+                         format_number(*a.min_ssim, 6));
+    return missed;
+}
+
+const char* channel_name(unsigned channels, unsigned c) {
+    if (channels >= 3)
+        return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";
+    return c == 0 ? "Y" : "A";
+}
+
+// null where the textures are the same: JSON has no infinity.
+Json decibels(double db) {
+    return std::isfinite(db) ? Json(db) : Json(nullptr);
+}
+
+Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
+             const std::vector<std::string>& missed, double seconds) {
+    const ErrorSums& e = c.errors;
+    Json json = {{"a", a.a},
+                 {"b", a.b},
+                 {"size", to_string(desc.size)},
+                 {"type", name_of(desc.type)},
+                 {"channels", desc.channels},
+                 {"identical", e.differing_samples() == 0},
+                 {"differing_samples", e.differing_samples()},
+                 {"psnr", decibels(e.psnr())}};
+    for (unsigned i = 0; i < desc.channels; ++i)
+        json["psnr_per_channel"][channel_name(desc.channels, i)] = decibels(e.psnr(i));
+    if (desc.type == SampleType::unorm8) {
+        json["psnr_luma"] = decibels(e.psnr_luma());
+    } else {
+        json["psnr_pu21"] = decibels(e.psnr_pu21());
+        json["psnr_log2"] = decibels(e.psnr_log2());
+        json["non_finite_a"] = e.non_finite(0);
+        json["non_finite_b"] = e.non_finite(1);
+    }
+    const SamplePlace& p = e.max_error_place();
+    json["max_error"] = e.max_error();
+    json["max_error_at"] = {{"u", p.u}, {"v", p.v}, {"s", p.s}, {"t", p.t}, {"channel", p.channel}};
+    if (c.has_ssim)
+        json["ssim"] = {{"mean", c.ssim_mean},
+                        {"worst", c.ssim_worst},
+                        {"worst_view", {{"s", c.worst_s}, {"t", c.worst_t}}},
+                        {"views", c.views}};
+    json["seconds"] = seconds;
+    json["passed"] = missed.empty();
+    json["missed"] = missed;
+    return json;
+}
+
+std::string decibel_text(double db) {
+    return std::isfinite(db) ? format_number(db, 2) + " dB" : "no error";
+}
+
+void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
+    const ErrorSums& e = c.errors;
+    const bool hdr = desc.type == SampleType::half16;
+    std::printf("%s, %d x %s\n", to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
+    std::printf("  PSNR        %s%s", decibel_text(e.psnr()).c_str(),
+                hdr ? " over 16-bit codes" : "");
+    for (unsigned i = 0; i < desc.channels; ++i)
+        std::printf("%s%s %s", i == 0 ? "   (" : ", ", channel_name(desc.channels, i),
+                    decibel_text(e.psnr(i)).c_str());
+    std::printf(")\n");
+    if (hdr) {
+        std::printf("  PU21-PSNR   %s (1.0 = 100 cd/m2)\n", decibel_text(e.psnr_pu21()).c_str());
+        std::printf("  log2-PSNR   %s (floor 1e-4, peak 29.3 stops)\n",
+                    decibel_text(e.psnr_log2()).c_str());
+        if (e.non_finite(0) + e.non_finite(1) > 0)
+            std::printf("  not finite  %llu and %llu samples\n",
+                        static_cast<unsigned long long>(e.non_finite(0)),
+                        static_cast<unsigned long long>(e.non_finite(1)));
+    } else {
+        std::printf("  luma PSNR   %s\n", decibel_text(e.psnr_luma()).c_str());
+    }
+    const SamplePlace& p = e.max_error_place();
+    std::printf("  max error   %u %s", e.max_error(), hdr ? "ulps" : "steps");
+    if (e.max_error() > 0)
+        std::printf(" at u %u, v %u, s %u, t %u, channel %s", p.u, p.v, p.s, p.t,
+                    channel_name(desc.channels, p.channel));
+    std::printf("\n");
+    if (c.has_ssim)
+        std::printf("  SSIM        %.5f over %llu views, worst %.5f at s %u, t %u\n", c.ssim_mean,
+                    static_cast<unsigned long long>(c.views), c.ssim_worst, c.worst_s, c.worst_t);
+    std::printf("  time        %.2f s\n", seconds);
+}
+
+Status run(const Arguments& a) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto inputs = open_both(a);
+    if (!inputs.ok())
+        return inputs.status();
+    Result<Comparison> comparison = Status();
+    {
+        Progress progress("tessera compare", a.texture.quiet);
+        CompareOptions options;
+        options.with_ssim = !a.no_ssim;
+        options.threads = a.texture.threads;
+        options.progress = progress.function();
+        comparison = compare_textures(*inputs->a, *inputs->b, options);
+    }
+    if (!comparison.ok())
+        return comparison.status();
+    if (a.min_ssim && !comparison->has_ssim)
+        return {ErrorCode::unsupported, "the views are too large for SSIM"};
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const TextureDesc& desc = inputs->a->desc();
+    const auto missed = missed_thresholds(a, *comparison);
+    if (a.json)
+        print_json(to_json(a, desc, *comparison, missed, seconds.count()));
+    else if (!a.texture.quiet)
+        print_text(desc, *comparison, seconds.count());
+    if (missed.empty())
+        return {};
+    std::string text = a.b + ": ";
+    for (std::size_t i = 0; i < missed.size(); ++i)
+        text += (i > 0 ? "; " : "") + missed[i];
+    return {ErrorCode::difference, text};
+}
+
+} // namespace
+
+void add_compare_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("a", a.a, "The reference: .tess, .exr, raw, folder/")->required();
+        c.add_option("b", a.b, "What is measured against it")->required();
+        c.add_option("--min-psnr", a.min_psnr, "Exit 7 when PSNR over all samples (dB) is lower");
+        c.add_option("--max-error", a.max_error,
+                     "Exit 7 when a sample is off by more: 8-bit steps, or ulps of half");
+        auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
+        c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
+        c.add_flag("--json", a.json, "Print JSON");
+        add_texture_options(c, a.texture);
+    };
+    add_verb<Arguments>(app, chosen, "compare", "Measure how far two textures are apart",
+                        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
+                        "Examples:\n"
+                        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
+                        "  tessera compare scene.rgb scene.tess --json",
+                        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,71 @@
+#include "tools/command.h"
+#include "tools/encode_arguments.h"
+#include "tools/interrupt.h"
+#include "tools/progress.h"
+#include "tools/texture_arguments.h"
+#include "tools/texture_io.h"
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string input, output;
+    TextureArguments texture;
+    EncodeArguments encode;
+};
+
+// The encoder does not know what its texels came from.
+Status about_file(const Status& status, const std::string& input, const std::string& output) {
+    const bool named = status.message().find(input) != std::string::npos ||
+                       status.message().find(output) != std::string::npos;
+    return named ? status : status.with_context(input);
+}
+
+Status run(const Arguments& a) {
+    if (kind_of(a.output) != TextureKind::tess)
+        return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
+    TESSERA_TRY(check_output_path(a.output));
+    const auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    auto input = open_texture(a.input, *hints);
+    if (!input.ok())
+        return input.status();
+    input->metadata.erase("Software"); // the encoder names itself
+    auto options = make_encode_options(a.encode, a.texture.threads, std::move(input->metadata),
+                                       input->description);
+    if (!options.ok())
+        return options.status();
+    const auto source = interruptible(std::move(input->source));
+    Result<EncodeReport> report = Status();
+    {
+        Progress progress("tessera encode", a.texture.quiet);
+        options->progress = progress.function();
+        report = encode_file(*source, a.output, *options);
+    }
+    if (!report.ok())
+        return about_file(report.status(), a.input, a.output);
+    if (!a.texture.quiet)
+        print_report(a.output, source->desc(), *report);
+    return {};
+}
+
+} // namespace
+
+void add_encode_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("input", a.input, "Texture: .exr, raw (.rgb ...), folder of PNG views, .tess")
+            ->required();
+        c.add_option("-o,--output", a.output, "The .tess file to write")->required();
+        add_texture_options(c, a.texture);
+        add_encode_options(c, a.encode);
+    };
+    add_verb<Arguments>(app, chosen, "encode", "Compress a texture into a .tess file",
+                        "Examples:\n"
+                        "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
+                        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
+                        "  tessera encode views/ -o views.tess --max-error 2 --effort 9",
+                        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,35 @@
+// The options of the encoder, shared by encode and bake, and the summary of what was achieved.
+#pragma once
+
+#include "codec/encoder.h"
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct EncodeArguments {
+    std::optional<double> quality, target_psnr, target_bpt, max_error;
+    std::optional<std::uint64_t> target_bytes;
+    int effort = 5;
+    bool no_verify = false, strict = false;
+    std::string tile;
+    std::vector<std::string> metadata;              // key=value
+    std::map<std::string, std::string> description; // field -> text
+};
+
+void add_encode_options(CLI::App& app, EncodeArguments& arguments);
+
+// `metadata` and `description` are what the input says; the command line overrides them.
+Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsigned threads,
+                                          Metadata metadata, Description description);
+
+// Whether an option was given that only a compressed file understands.
+bool says_how_to_encode(const EncodeArguments& arguments);
+
+void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& report);
+
+} // namespace tessera

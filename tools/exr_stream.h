@@ -1,0 +1,85 @@
+// OpenEXR's streams over ours, and its exceptions as our Status.
+#pragma once
+
+#include "format/byte_source.h"
+#include "format/output_file.h"
+#include "format/status.h"
+
+#include <ImfIO.h>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+namespace tessera {
+
+// Carries a Status through OpenEXR.
+class StatusError : public std::runtime_error {
+public:
+    explicit StatusError(Status s) : std::runtime_error(s.message()), status(std::move(s)) {}
+    Status status;
+};
+
+class ExrInput : public Imf::IStream {
+public:
+    explicit ExrInput(ByteSource& file) : IStream(file.name().c_str()), file_(file) {}
+    bool read(char c[], int n) override {
+        if (n < 0 || position_ > file_.size() ||
+            static_cast<std::uint64_t>(n) > file_.size() - position_)
+            throw std::runtime_error("the file ends too early");
+        const auto count = static_cast<std::size_t>(n);
+        if (Status s = file_.read(position_, {reinterpret_cast<std::byte*>(c), count}); !s.ok())
+            throw StatusError(s);
+        position_ += count;
+        return position_ < file_.size();
+    }
+    std::uint64_t tellg() override { return position_; }
+    void seekg(std::uint64_t position) override { position_ = position; }
+
+private:
+    ByteSource& file_;
+    std::uint64_t position_ = 0;
+};
+
+// OpenEXR writes its last bytes in a destructor and swallows their errors, so the first error is
+// kept here and must be asked for.
+class ExrOutput : public Imf::OStream {
+public:
+    explicit ExrOutput(OutputFile& file) : OStream(file.path().c_str()), file_(file) {}
+    void write(const char c[], int n) override {
+        const auto count = static_cast<std::size_t>(n);
+        if (status_.ok())
+            status_ = file_.write_at(position_, {reinterpret_cast<const std::byte*>(c), count});
+        if (!status_.ok())
+            throw StatusError(status_);
+        position_ += count;
+    }
+    std::uint64_t tellp() override { return position_; }
+    void seekp(std::uint64_t position) override { position_ = position; }
+    const Status& status() const { return status_; }
+
+private:
+    OutputFile& file_;
+    std::uint64_t position_ = 0;
+    Status status_;
+};
+
+// Runs body(), which returns a Status and may call OpenEXR.
+template <class Body> Status guard_exr(const std::string& path, const Body& body) {
+    try {
+        return body();
+    } catch (const StatusError& e) {
+        return e.status;
+    } catch (const std::bad_alloc&) {
+        return {ErrorCode::runtime, path + ": out of memory"};
+    } catch (const std::exception& e) {
+        std::string reason = e.what();
+        for (char& c : reason)
+            if (c == '\n' || c == '\r')
+                c = ' ';
+        return {ErrorCode::invalid_file, path + ": not a readable EXR picture: " + reason};
+    } catch (...) {
+        return {ErrorCode::runtime, path + ": OpenEXR failed"};
+    }
+}
+
+} // namespace tessera

@@ -1,0 +1,16 @@
+// JSON on standard output. Bytes that are not UTF-8 (file names may hold any) are replaced.
+#pragma once
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace tessera {
+
+using Json = nlohmann::ordered_json;
+
+inline void print_json(const Json& json) {
+    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
+    std::printf("%s\n", text.c_str());
+}
+
+} // namespace tessera

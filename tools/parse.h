@@ -1,0 +1,34 @@
+// Text of the command line and of image headers -> numbers, strictly.
+#pragma once
+
+#include "format/status.h"
+#include "format/texture.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+// "512x256x32x32". Errors: bad_argument, with the offending text.
+Result<Extent4> parse_extent(std::string_view text);
+
+// "u0:u1,v0:v1,s0:s1,t0:t1", half-open; a missing number is the end of the axis (":" is all of it).
+// Errors: bad_argument, also for an empty box and for one that leaves `whole`.
+Result<Box4> parse_box(std::string_view text, const Extent4& whole);
+
+// The whole text as a number, nothing before or after it. False where it is not one.
+bool parse_number(std::string_view text, std::uint64_t& out);
+bool parse_number(std::string_view text, double& out);
+
+// "8" or "unorm8"; "16f", "half" or "half16".
+Result<SampleType> parse_sample_type(std::string_view text);
+const char* name_of(SampleType type);
+
+std::string human_bytes(std::uint64_t bytes); // "402.7 MB", powers of 1000
+std::string format_number(double value, int decimals);
+
+// Small edit distance, for "did you mean".
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+} // namespace tessera

@@ -1,0 +1,195 @@
+#include "tools/description_text.h"
+#include "tools/parallel.h"
+#include "tools/parse.h"
+#include "tools/png_file.h"
+#include "tools/png_views_io.h"
+#include "tools/slab_buffer.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+Status write_file(const std::string& path, std::span<const std::byte> bytes) {
+    std::FILE* file = std::fopen(path.c_str(), "wbe");
+    bool good = file != nullptr;
+    int reason = errno;
+    if (file) {
+        good = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+        reason = errno;
+        if (std::fclose(file) != 0 && good) {
+            good = false;
+            reason = errno;
+        }
+    }
+    return good ? Status() : Status(ErrorCode::io, path + ": " + std::strerror(reason));
+}
+
+// Nothing is lost by replacing `folder`: it is not there, empty, or all of it was written by us.
+Status check_replaceable(const std::string& folder) {
+    std::error_code error;
+    const fs::file_status status = fs::status(folder, error);
+    if (!fs::exists(status))
+        return {};
+    if (!fs::is_directory(status))
+        return {ErrorCode::io, folder + ": exists and is not a folder"};
+    bool ours = false;
+    std::string stranger;
+    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+        const std::string name = i->path().filename().string();
+        std::uint32_t s = 0, t = 0;
+        if (name == "tessera.json")
+            ours = true;
+        else if (!parse_view_file_name(name, s, t))
+            stranger = name;
+    }
+    if (error)
+        return {ErrorCode::io, folder + ": " + error.message()};
+    if (!stranger.empty())
+        return {ErrorCode::io, folder + ": holds a file that is no view (" + stranger +
+                                   "); choose an empty or a new folder"};
+    if (!ours && !fs::is_empty(folder, error))
+        return {ErrorCode::io, folder + ": holds views but no tessera.json, so they are not ours "
+                                        "to replace; choose an empty or a new folder"};
+    return {};
+}
+
+class PngViewsSink : public TexelSink {
+public:
+    PngViewsSink(std::string folder, const TextureDesc& desc, const Description& description,
+                 unsigned threads)
+        : folder_(std::move(folder)), temporary_(suffixed(".tmp")), desc_(desc),
+          description_(description), threads_(threads) {}
+
+    ~PngViewsSink() override {
+        std::error_code ignored;
+        if (created_)
+            fs::remove_all(temporary_, ignored);
+    }
+
+    Status open() {
+        TESSERA_TRY(check_replaceable(folder_));
+        std::error_code error;
+        if (!fs::create_directory(temporary_, error))
+            return {ErrorCode::io,
+                    temporary_ + ": " + (error ? error.message() : "exists already")};
+        created_ = true;
+        return {};
+    }
+
+    Locality locality() const override { return Locality::angular_cells; }
+
+    Status begin_slab(const Box4& box) override {
+        if (!spans(box, desc_.size, axis_u, axis_v))
+            return {ErrorCode::runtime,
+                    folder_ + ": slab " + to_string(box) + " does not hold whole views"};
+        return slab_.reset(desc_, box).with_context(folder_);
+    }
+
+    Status write(const Box4& box, std::span<const std::byte> texels) override {
+        return slab_.copy_in(box, texels).with_context(folder_);
+    }
+
+    Status end_slab() override {
+        const Box4& box = slab_.box();
+        const Extent4 e = box.extent();
+        const std::uint64_t count = std::uint64_t{e[axis_s]} * e[axis_t];
+        TESSERA_TRY(parallel_for(count, threads_, [&](std::uint64_t i) {
+            return write_view(box.begin[axis_s] + static_cast<std::uint32_t>(i % e[axis_s]),
+                              box.begin[axis_t] + static_cast<std::uint32_t>(i / e[axis_s]));
+        }));
+        written_ += count;
+        return {};
+    }
+
+    Status finish() override {
+        slab_.clear();
+        if (written_ != std::uint64_t{desc_.size[axis_s]} * desc_.size[axis_t])
+            return {ErrorCode::runtime, folder_ + ": views are missing"};
+        TESSERA_TRY(write_json());
+        return put_in_place();
+    }
+
+private:
+    std::string suffixed(const char* suffix) const {
+        return folder_ + "." + std::to_string(getpid()) + suffix;
+    }
+
+    Status write_view(std::uint32_t s, std::uint32_t t) {
+        const PngShape shape{desc_.size[axis_u], desc_.size[axis_v], desc_.channels};
+        const std::size_t texel = desc_.texel_bytes();
+        std::vector<std::byte> pixels(shape.row_bytes() * shape.height);
+        std::byte* to = pixels.data();
+        for (std::uint32_t v = 0; v < desc_.size[axis_v]; ++v)
+            for (std::uint32_t u = 0; u < desc_.size[axis_u]; ++u, to += texel)
+                std::memcpy(to, slab_.texel(u, v, s, t), texel);
+        const auto png = encode_png(shape, pixels);
+        if (!png.ok())
+            return png.status().with_context(folder_);
+        return write_file(temporary_ + "/" + view_file_name(s, t), *png);
+    }
+
+    Status write_json() const {
+        nlohmann::json json = {{"format", "tessera views"},
+                               {"size", to_string(desc_.size)},
+                               {"type", name_of(desc_.type)},
+                               {"channels", desc_.channels},
+                               {"description", description_to_text(description_)}};
+        const std::string text = json.dump(2) + "\n";
+        return write_file(temporary_ + "/tessera.json", std::as_bytes(std::span(text)));
+    }
+
+    Status put_in_place() {
+        TESSERA_TRY(check_replaceable(folder_)); // minutes may have passed
+        std::error_code error;
+        const std::string old = suffixed(".old");
+        const bool replacing = fs::exists(folder_, error);
+        if (replacing)
+            fs::rename(folder_, old, error);
+        if (!error)
+            fs::rename(temporary_, folder_, error);
+        if (error) {
+            std::error_code ignored;
+            if (replacing && !fs::exists(folder_, ignored))
+                fs::rename(old, folder_, ignored);
+            return {ErrorCode::io, folder_ + ": " + error.message()};
+        }
+        created_ = false;
+        if (replacing)
+            fs::remove_all(old, error);
+        return {};
+    }
+
+    std::string folder_, temporary_;
+    TextureDesc desc_;
+    Description description_;
+    unsigned threads_;
+    bool created_ = false;
+    std::uint64_t written_ = 0;
+    SlabBuffer slab_;
+};
+
+} // namespace
+
+Result<std::unique_ptr<TexelSink>> create_png_views(const std::string& folder,
+                                                    const TextureDesc& desc,
+                                                    const Description& description,
+                                                    unsigned threads) {
+    TESSERA_TRY(check_desc(desc).with_context(folder));
+    if (desc.type != SampleType::unorm8)
+        return Status(ErrorCode::unsupported,
+                      folder + ": PNG views hold 8 bits, this texture is half float; write EXR "
+                               "instead");
+    auto sink = std::make_unique<PngViewsSink>(folder, desc, description, threads);
+    TESSERA_TRY(sink->open());
+    return std::unique_ptr<TexelSink>(std::move(sink));
+}
+
+} // namespace tessera

@@ -1,0 +1,29 @@
+// A line on the terminal that says how far long work has come. Silent in a pipe and with --quiet.
+#pragma once
+
+#include "codec/encoder.h" // ProgressFunction
+
+#include <chrono>
+#include <string>
+
+namespace tessera {
+
+class Progress {
+public:
+    // `title`, usually the verb, begins the line.
+    Progress(std::string title, bool quiet);
+    ~Progress(); // clears the line
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    // For the library; empty when nothing is shown. Valid as long as this object.
+    ProgressFunction function();
+
+private:
+    void show(const char* stage, double done, double total);
+    std::string title_, stage_;
+    bool visible_, drawn_ = false;
+    std::chrono::steady_clock::time_point stage_start_, last_;
+};
+
+} // namespace tessera

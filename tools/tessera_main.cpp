@@ -1,0 +1,139 @@
+// tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
+
+#include "format/version.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/parse.h"
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+namespace tessera {
+namespace {
+
+const char* const verbs[] = {"bake",    "encode", "decode", "info",   "validate",
+                             "compare", "sheet",  "help",   "version"};
+
+std::string version_text() {
+    return std::string("tessera ") + library_version + ", file format " +
+           std::to_string(format_version_major) + "." + std::to_string(format_version_minor);
+}
+
+bool is_verb(const std::string& word) {
+    for (const char* verb : verbs)
+        if (word == verb)
+            return true;
+    return false;
+}
+
+int report(const std::string& verb, const Status& status) {
+    if (status.ok())
+        return 0;
+    std::fprintf(stderr, "tessera%s%s: error: %s\n", verb.empty() ? "" : " ", verb.c_str(),
+                 status.message().c_str());
+    return static_cast<int>(status.code());
+}
+
+Status unknown_verb(const std::string& word) {
+    const char* nearest = verbs[0];
+    for (const char* verb : verbs)
+        if (edit_distance(word, verb) < edit_distance(word, nearest))
+            nearest = verb;
+    std::string text = "unknown verb '" + word + "'";
+    if (edit_distance(word, nearest) <= 3)
+        text += "; did you mean '" + std::string(nearest) + "'?";
+    return {ErrorCode::bad_argument, text + " (tessera help lists all)"};
+}
+
+void add_verbs(CLI::App& app, Invocation& chosen) {
+    add_bake_command(app, chosen);
+    add_encode_command(app, chosen);
+    add_decode_command(app, chosen);
+    add_compare_command(app, chosen);
+    add_info_command(app, chosen);
+    add_validate_command(app, chosen);
+    add_sheet_command(app, chosen);
+    CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
+    auto topic = std::make_shared<std::string>();
+    help->add_option("verb", *topic, "The verb to explain");
+    help->callback([&app, &chosen, topic] {
+        chosen.verb = "help";
+        chosen.run = [&app, topic]() -> Status {
+            if (!topic->empty() && !is_verb(*topic))
+                return unknown_verb(*topic);
+            // Not app.help(): that explains the verb that was called, which is this one.
+            const CLI::App* about = topic->empty() ? &app : app.get_subcommand(*topic);
+            const std::string name = topic->empty() ? "tessera" : "tessera " + *topic;
+            const auto mode = CLI::AppFormatMode::Normal;
+            std::fputs(about->get_formatter()->make_help(about, name, mode).c_str(), stdout);
+            return {};
+        };
+    });
+    app.add_subcommand("version", "Show the versions of tool and file format")->callback([&chosen] {
+        chosen.verb = "version";
+        chosen.run = []() -> Status {
+            std::printf("%s\n", version_text().c_str());
+            return {};
+        };
+    });
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Tessera: a codec for 4D textures (surface light fields), size UxVxSxT",
+                 "tessera");
+    app.set_version_flag("--version", version_text());
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(34);
+    app.footer("tessera VERB --help explains a verb.\n"
+               "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
+               "5 not supported, 7 difference found.");
+    Invocation chosen;
+    add_verbs(app, chosen);
+    const std::string first = argc > 1 ? argv[1] : "";
+    if (!first.empty() && first[0] != '-' && !is_verb(first))
+        return report("", unknown_verb(first));
+    if (first.empty())
+        return report("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
+    const std::string verb = is_verb(first) ? first : "";
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0)
+            return app.exit(e); // --help, --version
+        std::string reason = e.what();
+        for (char& c : reason)
+            if (c == '\n')
+                c = ' ';
+        return report(verb,
+                      {ErrorCode::bad_argument,
+                       reason + " (see tessera " + (verb.empty() ? "" : verb + " ") + "--help)"});
+    }
+    const int code = report(chosen.verb, chosen.run());
+    return std::fflush(stdout) == 0
+               ? code
+               : report(chosen.verb, {ErrorCode::io, "standard output: cannot be written"});
+}
+
+} // namespace
+} // namespace tessera
+
+int main(int argc, char** argv) {
+    int code = static_cast<int>(tessera::ErrorCode::runtime);
+    tessera::install_signal_handlers();
+    try {
+        code = tessera::run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::fputs("tessera: error: out of memory\n", stderr);
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "tessera: error: %s\n", e.what());
+    } catch (...) {
+        std::fputs("tessera: error: unknown failure\n", stderr);
+    }
+    if (const int signal = tessera::interrupted_by(); signal != 0 && code != 0) {
+        std::signal(signal, SIG_DFL); // so that a shell sees why we ended
+        std::raise(signal);
+    }
+    return code;
+}
