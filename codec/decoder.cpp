@@ -43,7 +43,8 @@ Result<Decoder> Decoder::open(ByteSource& source) {
     if (!parameters)
         return parameters.status().with_context(source.name());
     const FileHeader& header = container->header();
-    const ColourCoding colour{header.desc, header.colour, header.background};
+    const ColourCoding colour{header.desc, header.colour, header.background,
+                              (header.required_features & feature_corrections) != 0};
     auto coding =
         std::make_unique<TileCoding>(*parameters, header.desc.type, header.desc.channels);
     return Decoder(std::unique_ptr<State>(

@@ -75,7 +75,7 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
     worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
     const TextureDesc& desc = plan.colour.desc;
     const int error = coding.parameters.correction_error;
-    if (plan.guarantee &&
+    if (plan.colour.corrections &&
         find_corrections(texels, worker.decoded, desc, error, worker.corrections)) {
         apply_corrections(worker.corrections, desc, error, worker.decoded);
         count_corrections(worker.corrections, shape, coding.planes, worker.statistics);

@@ -19,7 +19,6 @@ struct EncodePlan {
     TileGrid grid;
     ColourCoding colour;
     EffortSettings effort;
-    bool guarantee = false; // code corrections for parameters.correction_error
 };
 
 struct CodedTile {

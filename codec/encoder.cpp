@@ -89,7 +89,7 @@ ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
     contents.metadata.try_emplace("Software", std::string("Tessera ") + library_version);
     contents.colour = plan.colour.transform;
     contents.background = plan.colour.background;
-    contents.required_features = plan.guarantee ? feature_corrections : 0;
+    contents.required_features = plan.colour.corrections ? feature_corrections : 0;
     contents.codec_parameters = coding;
     contents.tile = [&pass](std::uint64_t tile) -> std::span<const std::byte> {
         return pass.tiles[tile].payload;
@@ -107,9 +107,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
                     TileGrid(desc.size, options.tile_extent),
                     {desc,
                      desc.channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
-                     {}},
-                    EffortSettings::of(options.effort),
-                    options.rate.kind == RateTarget::Kind::max_error};
+                     {},
+                     options.rate.kind == RateTarget::Kind::max_error},
+                    EffortSettings::of(options.effort)};
     if (plan.grid.tiles() > max_tiles)
         return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
     const Result<Sample> sample = read_sample(plan);

@@ -18,6 +18,7 @@ struct ColourCoding {
     TextureDesc desc;
     ColourTransform transform = ColourTransform::none;
     std::array<std::uint16_t, 4> background{};
+    bool corrections = false; // tiles may end with corrections (required feature 1)
 };
 
 // One array a plane, tile order t, s, v, u with u fastest.

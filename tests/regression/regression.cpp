@@ -5,11 +5,11 @@
 // count).
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "codec/memory_source.h"
 #include "corpus/bake.h"
 
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -23,35 +23,10 @@ double seconds() {
         .count();
 }
 
-// A whole texture in memory.
-class MemorySource : public TexelSource {
-public:
-    MemorySource(const TextureDesc& desc, std::vector<std::byte> texels)
-        : desc_(desc), texels_(std::move(texels)) {}
-    const TextureDesc& desc() const override { return desc_; }
-    Status read(const Box4& box, std::span<std::byte> out) override {
-        const Extent4& n = desc_.size;
-        const std::size_t run = box.extent()[axis_s] * desc_.texel_bytes();
-        std::byte* to = out.data();
-        for (std::uint64_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
-            for (std::uint64_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
-                for (std::uint64_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t, to += run)
-                    std::memcpy(to,
-                                texels_.data() + (((v * n[axis_u] + u) * n[axis_t] + t) * n[axis_s] +
-                                                  box.begin[axis_s]) *
-                                                     desc_.texel_bytes(),
-                                run);
-        return {};
-    }
-
-private:
-    TextureDesc desc_;
-    std::vector<std::byte> texels_;
-};
-
 struct Texture {
     std::string name;
-    std::unique_ptr<TexelSource> source;
+    TextureDesc desc;
+    std::vector<std::byte> texels;
 };
 
 Result<Texture> load_peers(const char* path) {
@@ -61,8 +36,7 @@ Result<Texture> load_peers(const char* path) {
     if (!file.read(reinterpret_cast<char*>(texels.data()),
                    static_cast<std::streamsize>(texels.size())))
         return Status(ErrorCode::io, std::string(path) + ": cannot read 25165824 bytes");
-    return Texture{"peers_composed_128x64x32x32",
-                   std::make_unique<MemorySource>(desc, std::move(texels))};
+    return Texture{"peers_composed_128x64x32x32", desc, std::move(texels)};
 }
 
 // Bakes a scene once, so that every row sees the same texels at no cost.
@@ -74,8 +48,7 @@ Result<Texture> bake(const std::string& scene, const Extent4& size) {
     const Box4 box = Box4::whole(size);
     std::vector<std::byte> texels(desc.box_bytes(box));
     TESSERA_TRY((*baked)->read(box, texels));
-    return Texture{scene + "_" + to_string(size),
-                   std::make_unique<MemorySource>(desc, std::move(texels))};
+    return Texture{scene + "_" + to_string(size), desc, std::move(texels)};
 }
 
 struct Row {
@@ -92,7 +65,8 @@ Result<Row> measure(const Texture& texture, const std::string& label, RateTarget
     options.rate = rate;
     options.effort = effort;
     std::vector<std::byte> file;
-    const auto report = encode_memory(*texture.source, file, options);
+    MemorySource texels_in_memory(texture.desc, texture.texels);
+    const auto report = encode_memory(texels_in_memory, file, options);
     if (!report)
         return report.status();
     Row row{texture.name, label, effort, *report, 0, 0, 0, 0};
