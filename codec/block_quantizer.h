@@ -12,7 +12,7 @@
 namespace tessera {
 
 // Coefficients of one block, each plane dense in block order (t, s, v, u), in sample units
-// (orthonormal).
+// (orthonormal). The arrays may be longer than the block.
 struct BlockCoefficients {
     BlockShape shape;
     std::array<std::vector<float>, max_planes> plane;

@@ -67,6 +67,23 @@ std::vector<Moments> merge_pairs(const std::vector<Moments>& fine, const std::ar
     return merged;
 }
 
+// Four partial sums, a fixed order on every path.
+inline void add_row(const float* row, int n, Moments& m) {
+    float sum[4] = {}, squares[4] = {};
+    int u = 0;
+    for (; u + 4 <= n; u += 4)
+        for (int i = 0; i < 4; ++i) {
+            sum[i] += row[u + i];
+            squares[i] += row[u + i] * row[u + i];
+        }
+    for (; u < n; ++u) {
+        sum[0] += row[u];
+        squares[0] += row[u] * row[u];
+    }
+    m.sum += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    m.squares += (squares[0] + squares[1]) + (squares[2] + squares[3]);
+}
+
 template <class Grid>
 std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& x,
                                     const BlockShape& tile) {
@@ -81,10 +98,7 @@ std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& 
                 for (int v = at(1).begin; v < at(1).begin + at(1).size; ++v) {
                     const float* row =
                         x.data() + ((t * tile.n[2] + s) * tile.n[1] + v) * tile.n[0] + at(0).begin;
-                    for (int u = 0; u < at(0).size; ++u) {
-                        m.sum += row[u];
-                        m.squares += row[u] * row[u];
-                    }
+                    add_row(row, at(0).size, m);
                 }
         m.count = static_cast<float>(at(0).size * at(1).size * at(2).size * at(3).size);
     });
@@ -108,7 +122,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         const auto p = static_cast<std::size_t>(plane);
         source_[p].assign(planes.plane[p].begin(), planes.plane[p].end());
     }
-    scratch_a_.resize(texels);
+    scratch_a_.resize(std::max(scratch_a_.size(), texels));
     coefficients_.resize(texels);
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
@@ -318,7 +332,10 @@ void BlockSearch::transform_block(const Block& block, BlockCoefficients& out) {
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
         std::vector<float>& x = out.plane[p];
-        x.resize(static_cast<std::size_t>(block.shape.texels()));
+        // Both buffers only grow: they change places below, and growing clears memory.
+        const auto texels = static_cast<std::size_t>(block.shape.texels());
+        x.resize(std::max(x.size(), texels));
+        scratch_a_.resize(std::max(scratch_a_.size(), texels));
         float* to = x.data();
         for (int t = 0; t < n[3]; ++t)
             for (int s = 0; s < n[2]; ++s)
@@ -334,7 +351,7 @@ void BlockSearch::transform_block(const Block& block, BlockCoefficients& out) {
             if (n[axis] == 1)
                 continue;
             forward_axis(x.data(), scratch_a_.data(), block.shape, axis, {{0, n[axis]}});
-            std::copy_n(scratch_a_.data(), x.size(), x.data());
+            x.swap(scratch_a_);
         }
     }
 }

@@ -47,6 +47,25 @@ struct Crew {
     std::vector<Worker> workers;
 };
 
+// Squared and largest error of bytes, in runs short enough for 32-bit sums.
+void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, CodedTile& tile) {
+    constexpr std::size_t run = 4096;
+    std::int32_t largest = 0;
+    for (std::size_t begin = 0; begin < a.size(); begin += run) {
+        const std::size_t end = std::min(a.size(), begin + run);
+        std::int32_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::int32_t error =
+                std::to_integer<std::int32_t>(a[i]) - std::to_integer<std::int32_t>(b[i]);
+            const std::int32_t magnitude = error < 0 ? -error : error;
+            sum += error * error;
+            largest = magnitude > largest ? magnitude : largest;
+        }
+        tile.squared_error += static_cast<std::uint64_t>(sum);
+    }
+    tile.max_error = static_cast<std::uint32_t>(largest);
+}
+
 void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
              CodedTile& tile) {
     const std::size_t bytes = sample_bytes(type);
@@ -59,6 +78,8 @@ void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleT
     };
     tile.squared_error = 0;
     tile.max_error = 0;
+    if (type == SampleType::unorm8)
+        return measure_bytes(a, b, tile);
     for (std::size_t i = 0; i < a.size(); i += bytes) {
         const auto error = static_cast<std::uint32_t>(std::abs(code(a, i) - code(b, i)));
         tile.squared_error += std::uint64_t{error} * error;

@@ -143,29 +143,6 @@ void store_ycocg8(const PlaneSet& in, int texels, int images, unsigned char* out
     store_ycocg8_part(in, texels, images, 0, texels, 0, images, out);
 }
 
-template <int width>
-inline void forward_row_chunk(const float* in, float* out, int n, const float* basis_t, int count) {
-    const int w = width > 0 ? width : count;
-    float sum[lanes] = {};
-    for (int x = 0; x < n; ++x)
-        for (int i = 0; i < w; ++i)
-            sum[i] += in[x] * basis_t[x * n + i];
-    for (int i = 0; i < w; ++i)
-        out[i] = sum[i];
-}
-
-void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
-    for (int r = 0; r < rows; ++r) {
-        int k = 0;
-        for (; k + lanes <= n; k += lanes)
-            forward_row_chunk<lanes>(in + r * stride, out + r * stride + k, n, basis_t + k, lanes);
-        if (n - k == 4)
-            forward_row_chunk<4>(in + r * stride, out + r * stride + k, n, basis_t + k, 4);
-        else if (k < n)
-            forward_row_chunk<0>(in + r * stride, out + r * stride + k, n, basis_t + k, n - k);
-    }
-}
-
 // Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
 inline float one_cost(float a2, float base, float slope) {
     const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
@@ -280,6 +257,47 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
         store(out + Basis::kept, o0);
         store(out + 2 * Basis::kept, e1);
         store(out + 3 * Basis::kept, o1);
+    }
+}
+
+// All frequencies of a row in natural order, by even and odd halves.
+template <int n, class Vector>
+void forward_rows_split(const float* in, float* out, int rows, int stride) {
+    using Basis = SplitBasis<n, n>;
+    const Basis& b = Basis::get();
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    for (int r = 0; r < rows; ++r, in += stride, out += stride)
+        for (int k = 0; k < Basis::kept; k += width) {
+            Vector even{}, odd{};
+            for (int x = 0; x < Basis::half; ++x) {
+                even += load<Vector>(b.even_t[x] + k) * (in[x] + in[n - 1 - x]);
+                odd += load<Vector>(b.odd_t[x] + k) * (in[x] - in[n - 1 - x]);
+            }
+            for (int i = 0; i < width; ++i) {
+                out[2 * (k + i)] = even[i];
+                out[2 * (k + i) + 1] = odd[i];
+            }
+        }
+}
+
+void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
+    switch (n) {
+    case 4:
+        return forward_rows_split<4, Float2>(in, out, rows, stride);
+    case 8:
+        return forward_rows_split<8, Float4>(in, out, rows, stride);
+    case 16:
+        return forward_rows_split<16, Float8>(in, out, rows, stride);
+    case 32:
+        return forward_rows_split<32, Float8>(in, out, rows, stride);
+    default:
+        for (int r = 0; r < rows; ++r)
+            for (int k = 0; k < n; ++k) {
+                float sum = 0;
+                for (int x = 0; x < n; ++x)
+                    sum += in[r * stride + x] * basis_t[x * n + k];
+                out[r * stride + k] = sum;
+            }
     }
 }
 
