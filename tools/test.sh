@@ -5,7 +5,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 install_missing
-build build
+build build -- -DTESSERA_TESTS=ON
 say "Testing"
 ctest --test-dir build --output-on-failure -j "$(nproc)"
 

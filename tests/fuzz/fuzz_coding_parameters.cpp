@@ -1,0 +1,30 @@
+// Section CODE: refused, or parameters in range that survive being written again.
+#include "format/coding_parameters.h"
+#include "tests/fuzz/fuzz_target.h"
+
+namespace tessera::fuzz {
+
+std::vector<Bytes> seeds() {
+    CodingParameters changed;
+    changed.colour_rotation = true;
+    changed.correction_error = 3;
+    for (std::size_t i = 0; i < changed.parameters.size(); i += 7)
+        changed.parameters[i] = static_cast<std::uint8_t>(i % 64);
+    return {write_coding_parameters({}), write_coding_parameters(changed)};
+}
+
+} // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tessera;
+    const auto coding = read_coding_parameters({reinterpret_cast<const std::byte*>(data), size});
+    if (!coding)
+        return 0;
+    const auto again = read_coding_parameters(write_coding_parameters(*coding));
+    fuzz::require(again && again->parameters == coding->parameters && again->step == coding->step,
+                  "coding parameters change when written again");
+    const CodeTables tables(coding->parameters);
+    for (const std::uint16_t zero : tables.zero)
+        fuzz::require(zero >= 1 && zero <= 4095, "zero frequency out of range");
+    return 0;
+}

@@ -1,0 +1,104 @@
+// One tile's payload under a few codings: split, entropy decoding, reconstruction, corrections.
+// The first byte of the input picks the coding and the tile's shape.
+#include "codec/tile_decoder.h"
+#include "tests/codec_test_support.h"
+#include "tests/fuzz/fuzz_target.h"
+
+#include <memory>
+
+namespace tessera::fuzz {
+namespace {
+
+constexpr std::array<std::array<std::uint8_t, 4>, 5> shapes = {
+    {{7, 5, 3, 2}, {8, 8, 8, 8}, {32, 32, 8, 8}, {1, 1, 1, 1}, {17, 9, 5, 3}}};
+
+struct Setting {
+    std::unique_ptr<TileCoding> coding;
+    ColourCoding colour;
+    std::unique_ptr<TileDecoder> decoder;
+};
+
+const std::vector<Setting>& settings() {
+    static const std::vector<Setting> all = [] {
+        std::vector<Setting> made;
+        test::Random random(5);
+        for (int i = 0; i < 8; ++i) {
+            CodingParameters parameters;
+            for (StepCode& step : parameters.step)
+                step =
+                    i == 3 ? StepCode{(max_step_exponent << 11) | 2047} : StepCode::nearest(4 + i);
+            parameters.rotated_step = parameters.step[0];
+            parameters.colour_rotation = i % 2 == 1;
+            parameters.correction_error = static_cast<std::uint16_t>(i == 5 ? 65535 : i);
+            if (i >= 4)
+                parameters.parameters = test::random_parameters(random);
+            Setting setting;
+            const int planes = 1 + i % 4;
+            const SampleType type = i % 3 == 2 ? SampleType::half16 : SampleType::unorm8;
+            setting.coding = std::make_unique<TileCoding>(parameters, type, planes);
+            setting.colour = {{{1, 1, 1, 1}, type, static_cast<std::uint8_t>(planes)},
+                              planes >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
+                              {9, 8, 7, 6}};
+            made.push_back(std::move(setting));
+        }
+        // Decoders borrow what no longer moves.
+        for (Setting& setting : made)
+            setting.decoder = std::make_unique<TileDecoder>(*setting.coding, setting.colour);
+        return made;
+    }();
+    return all;
+}
+
+BlockShape shape_of_input(unsigned first) {
+    return {shapes[first / 8 % shapes.size()]};
+}
+
+} // namespace
+
+std::vector<Bytes> seeds() {
+    std::vector<Bytes> all;
+    test::Random random(6);
+    for (unsigned first = 0; first < 40; ++first) {
+        const TileCoding& coding = *settings()[first % 8].coding;
+        const BlockShape shape = shape_of_input(first);
+        const TileLevels tile =
+            test::RandomTile(random, coding, {.split = 0.5, .density = 0.02, .empty = 0.5})
+                .make(shape);
+        std::vector<std::vector<std::byte>> corrections;
+        if (first % 3 == 0) {
+            CorrectionMap map(static_cast<std::size_t>(shape.texels() * coding.planes));
+            map[map.size() / 2] = -2;
+            corrections = encode_corrections(map, shape, coding.planes, coding.tables);
+        }
+        Bytes input{static_cast<std::byte>(first)};
+        encode_levels(tile, corrections, coding, input);
+        all.push_back(input);
+    }
+    return all;
+}
+
+} // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tessera;
+    if (size == 0)
+        return 0;
+    const fuzz::Setting& setting = fuzz::settings()[data[0] % 8];
+    const BlockShape shape = fuzz::shape_of_input(data[0]);
+    // A copy of the exact size, so that the address sanitizer sees a read past the end.
+    const auto* bytes = reinterpret_cast<const std::byte*>(data);
+    const std::vector<std::byte> payload(bytes + 1, bytes + size);
+    std::vector<std::byte> texels(static_cast<std::size_t>(shape.texels()) *
+                                  setting.colour.desc.texel_bytes());
+    const Status status = setting.decoder->decode(payload, shape, texels);
+    fuzz::require(status.ok() || status.code() == ErrorCode::invalid_file, "wrong kind of error");
+    if (!status.ok())
+        return 0;
+    const TileLevels& levels = setting.decoder->levels();
+    fuzz::require(levels.blocks.size() <= max_leaves, "too many blocks");
+    int covered = 0;
+    for (const Block& block : levels.blocks)
+        covered += block.shape.texels();
+    fuzz::require(covered == shape.texels(), "blocks do not tile the tile");
+    return 0;
+}
