@@ -21,7 +21,7 @@ std::vector<Slab> make_slabs(const TileGrid& grid, const Box4& box, Locality loc
     std::array<bool, 4> single{};
     if (locality == Locality::spatial_rows)
         single = {false, true, false, false};
-    else // cells are also a good size where any walk will do
+    else if (locality == Locality::angular_cells)
         single = {false, false, true, true};
     std::vector<Slab> slabs;
     Extent4 at = touched.begin;

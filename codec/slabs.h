@@ -14,8 +14,8 @@ struct Slab {
     std::vector<std::uint64_t> tiles; // of the grid, ascending
 };
 
-// Slabs that cover `box` once each, in ascending order. any: about a thousand tiles each;
-// spatial_rows: one row of tiles in v; angular_cells: one (s, t) cell of tiles.
+// Slabs that cover `box` once each, in ascending order. any: one slab, so that
+// threads never wait for each other; spatial_rows: one row of tiles in v; angular_cells: one (s, t) cell of tiles.
 std::vector<Slab> make_slabs(const TileGrid& grid, const Box4& box, Locality locality);
 
 } // namespace tessera

@@ -207,7 +207,8 @@ public:
         : coding_(parameters(random), type, planes),
           colour_{{{1, 1, 1, 1}, type, static_cast<std::uint8_t>(planes)},
                   planes >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
-                  {1, 2, 3, 4}},
+                  {1, 2, 3, 4},
+                  true},
           decoder_(coding_, colour_) {}
 
     const TileCoding& coding() const { return coding_; }

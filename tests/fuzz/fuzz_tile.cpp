@@ -38,7 +38,8 @@ const std::vector<Setting>& settings() {
             setting.coding = std::make_unique<TileCoding>(parameters, type, planes);
             setting.colour = {{{1, 1, 1, 1}, type, static_cast<std::uint8_t>(planes)},
                               planes >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
-                              {9, 8, 7, 6}};
+                              {9, 8, 7, 6},
+                              true};
             made.push_back(std::move(setting));
         }
         // Decoders borrow what no longer moves.
