@@ -1,6 +1,7 @@
 #include "codec/block_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace tessera {
@@ -41,6 +42,16 @@ struct Moments {
         count += other.count;
     }
 };
+
+// What the DC alone costs, as coding_cost sees it.
+float mean_cost(const Moments& m, float scale, float lambda) {
+    if (m.count == 0)
+        return 0;
+    const float energy = m.sum * m.sum / m.count * scale;
+    const float octaves = energy > 1.0f ? std::log2(energy) : 0.0f;
+    return std::min(energy, rounding_error + lambda * (bits_at_dc +
+                                                       bits_per_octave_of_energy * octaves));
+}
 
 // Merges cells in pairs along `axis` and the next one; cells: entries of each axis before.
 std::vector<Moments> merge_pairs(const std::vector<Moments>& fine, const std::array<int, 4>& cells,
@@ -153,6 +164,7 @@ void BlockSearch::measure_activity() {
                 count *= grid.segments[axis].size();
             }
             grid.activity.assign(count, 0.0f);
+            grid.mean_cost.assign(count, 0.0f);
         }
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -162,8 +174,10 @@ void BlockSearch::measure_activity() {
             std::vector<Moments> moments = finest;
             for (int s = spatial_depths_; s >= 0; --s) {
                 Grid& grid = grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)];
-                for (std::size_t i = 0; i < moments.size(); ++i)
+                for (std::size_t i = 0; i < moments.size(); ++i) {
                     grid.activity[i] += moments[i].about_mean() * scale;
+                    grid.mean_cost[i] += mean_cost(moments[i], scale, options_.lambda);
+                }
                 if (s > 0)
                     moments = merge_pairs(moments, grid.cells, 0);
             }
@@ -201,8 +215,8 @@ void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (grid.activity[i] < flat_activity * options_.lambda)
-            grid.cost[i] = grid.activity[i] +
-                           options_.lambda * (block_overhead_bits + bits_at_dc);
+            grid.cost[i] = grid.activity[i] + grid.mean_cost[i] +
+                           options_.lambda * block_overhead_bits;
         else if (tried)
             grid.cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
     });
@@ -248,7 +262,9 @@ const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {
         const auto& n = shape.n;
         std::vector<float> dense(static_cast<std::size_t>(shape.texels()),
                                  infinite); // beyond the scan's end
-        for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const auto codable =
+            static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
+        for (std::size_t i = 0; i < codable; ++i) {
             const auto& k = order.entry[i].k;
             const int position = order.position_class[i];
             const float bits = position == 0

@@ -37,6 +37,7 @@ private:
         std::array<int, 4> cells{};   // entries of each axis
         std::vector<float> cost;      // of the best way to code each cell
         std::vector<float> activity;  // energy about the cell's mean, in squared steps
+        std::vector<float> mean_cost; // of zeroing or coding the DC of each plane
         std::vector<std::uint8_t> choice; // Split
 
         std::size_t index(const std::array<int, 4>& c) const {
