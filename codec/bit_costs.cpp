@@ -15,9 +15,9 @@ float bits(std::uint32_t frequency) {
 template <int symbols>
 void fill(std::array<float, symbols>& costs, const SymbolTable<symbols>& table) {
     for (int i = 0; i < symbols; ++i)
-        costs[static_cast<std::size_t>(i)] = bits(
-            static_cast<std::uint32_t>(table.start[static_cast<std::size_t>(i) + 1] -
-                                       table.start[static_cast<std::size_t>(i)]));
+        costs[static_cast<std::size_t>(i)] =
+            bits(static_cast<std::uint32_t>(table.start[static_cast<std::size_t>(i) + 1] -
+                                            table.start[static_cast<std::size_t>(i)]));
 }
 
 void add_length_raw_bits(std::array<float, length_tokens>& costs) {

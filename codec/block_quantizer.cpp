@@ -112,8 +112,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
                 const float error = a - (static_cast<float>(m) - offsets[m > 1 ? 1 : 0]);
                 const float candidate =
                     error * error - a * a +
-                    lambda * (flag[1] +
-                              tokens[static_cast<std::size_t>(magnitude_token(m).token)]);
+                    lambda * (flag[1] + tokens[static_cast<std::size_t>(magnitude_token(m).token)]);
                 if (candidate < choice_cost) {
                     choice_cost = candidate;
                     choice = m;

@@ -31,7 +31,8 @@ int length_limit(int planes, int scan_length);
 
 class BlockQuantizer {
 public:
-    BlockQuantizer(const TileCoding& coding, const BitCosts& costs, const QuantizerOptions& options);
+    BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
+                   const QuantizerOptions& options);
 
     // Appends the block's colour, planes and levels to `out` (not the block itself). Returns the
     // cost relative to a block of zeros.

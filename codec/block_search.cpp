@@ -49,8 +49,8 @@ float mean_cost(const Moments& m, float scale, float lambda) {
         return 0;
     const float energy = m.sum * m.sum / m.count * scale;
     const float octaves = energy > 1.0f ? std::log2(energy) : 0.0f;
-    return std::min(energy, rounding_error + lambda * (bits_at_dc +
-                                                       bits_per_octave_of_energy * octaves));
+    return std::min(energy,
+                    rounding_error + lambda * (bits_at_dc + bits_per_octave_of_energy * octaves));
 }
 
 // Merges cells in pairs along `axis` and the next one; cells: entries of each axis before.
@@ -182,11 +182,11 @@ void BlockSearch::measure_activity() {
                     moments = merge_pairs(moments, grid.cells, 0);
             }
             if (a > 0)
-                finest = merge_pairs(finest,
-                                     grids_[static_cast<std::size_t>(
-                                                a * (spatial_depths_ + 1) + spatial_depths_)]
-                                         .cells,
-                                     2);
+                finest = merge_pairs(
+                    finest,
+                    grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + spatial_depths_)]
+                        .cells,
+                    2);
         }
     }
 }
@@ -196,7 +196,8 @@ void BlockSearch::estimate_costs() {
         bool tried = false;
         for (int s = 0; s <= spatial_depths_; ++s)
             tried = tried || (options_.grids >> (s * 8 + a) & 1) != 0;
-        const auto s_segments = axis_segments(shape_.n[2], a), t_segments = axis_segments(shape_.n[3], a);
+        const auto s_segments = axis_segments(shape_.n[2], a),
+                   t_segments = axis_segments(shape_.n[3], a);
         for (int plane = 0; tried && plane < coding_.planes; ++plane) {
             const auto p = static_cast<std::size_t>(plane);
             angular_[p].resize(source_[p].size());
@@ -215,8 +216,8 @@ void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (grid.activity[i] < flat_activity * options_.lambda)
-            grid.cost[i] = grid.activity[i] + grid.mean_cost[i] +
-                           options_.lambda * block_overhead_bits;
+            grid.cost[i] =
+                grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
         else if (tried)
             grid.cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
     });
@@ -262,15 +263,14 @@ const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {
         const auto& n = shape.n;
         std::vector<float> dense(static_cast<std::size_t>(shape.texels()),
                                  infinite); // beyond the scan's end
-        const auto codable =
-            static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
+        const auto codable = static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
         for (std::size_t i = 0; i < codable; ++i) {
             const auto& k = order.entry[i].k;
             const int position = order.position_class[i];
-            const float bits = position == 0
-                                   ? bits_at_dc
-                                   : bits_at_first_class +
-                                         bits_per_class * static_cast<float>(position - 1);
+            const float bits =
+                position == 0
+                    ? bits_at_dc
+                    : bits_at_first_class + bits_per_class * static_cast<float>(position - 1);
             dense[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] =
                 rounding_error + options_.lambda * bits;
         }
@@ -304,8 +304,7 @@ void BlockSearch::combine() {
                     if (grid.segments[axis][static_cast<std::size_t>(c[axis])].size == 1 &&
                         grid.segments[axis + 1][static_cast<std::size_t>(c[axis + 1])].size == 1)
                         continue;
-                    float cost =
-                        options_.lambda * split_bits[static_cast<std::size_t>(split)];
+                    float cost = options_.lambda * split_bits[static_cast<std::size_t>(split)];
                     for (int child = 0; child < 4; ++child) {
                         std::array<int, 4> at = c;
                         at[axis] = 2 * c[axis] + (child & 1);

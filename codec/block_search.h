@@ -34,15 +34,15 @@ private:
     // Costs and choices of all nodes at one pair of depths.
     struct Grid {
         std::array<std::vector<Segment>, 4> segments;
-        std::array<int, 4> cells{};   // entries of each axis
-        std::vector<float> cost;      // of the best way to code each cell
-        std::vector<float> activity;  // energy about the cell's mean, in squared steps
-        std::vector<float> mean_cost; // of zeroing or coding the DC of each plane
+        std::array<int, 4> cells{};       // entries of each axis
+        std::vector<float> cost;          // of the best way to code each cell
+        std::vector<float> activity;      // energy about the cell's mean, in squared steps
+        std::vector<float> mean_cost;     // of zeroing or coding the DC of each plane
         std::vector<std::uint8_t> choice; // Split
 
         std::size_t index(const std::array<int, 4>& c) const {
-            return static_cast<std::size_t>(((c[3] * cells[2] + c[2]) * cells[1] + c[1]) * cells[0] +
-                                            c[0]);
+            return static_cast<std::size_t>(
+                ((c[3] * cells[2] + c[2]) * cells[1] + c[1]) * cells[0] + c[0]);
         }
         bool exists(const std::array<int, 4>& c) const {
             for (int axis = 0; axis < 4; ++axis)

@@ -11,17 +11,7 @@ namespace tessera {
 namespace {
 
 std::int32_t load_code(const std::byte* at, SampleType type) {
-    std::uint16_t sample = std::to_integer<std::uint16_t>(at[0]);
-    if (type == SampleType::half16)
-        sample = static_cast<std::uint16_t>(sample | (std::to_integer<unsigned>(at[1]) << 8));
-    return sample_code(sample, type);
-}
-
-void store_code(std::byte* at, std::int32_t code, SampleType type) {
-    const std::uint16_t sample = code_sample(code, type);
-    at[0] = static_cast<std::byte>(sample & 255);
-    if (type == SampleType::half16)
-        at[1] = static_cast<std::byte>(sample >> 8);
+    return sample_code(load_sample(at, type), type);
 }
 
 // Contexts of a chunk's multipliers: those one step back in s, t and u, and the channel before.
@@ -29,8 +19,9 @@ class ChunkContexts {
 public:
     ChunkContexts(const CorrectionMap& map, const BlockShape& shape, int channels,
                   std::size_t first_texel)
-        : map_(map), channels_(static_cast<std::size_t>(channels)), first_(first_texel),
-          steps_{1, shape.n[2], static_cast<std::size_t>(shape.n[2] * shape.n[3])} {}
+        : map_(map), channels_(static_cast<std::size_t>(channels)),
+          first_(first_texel), steps_{1, shape.n[2],
+                                      static_cast<std::size_t>(shape.n[2] * shape.n[3])} {}
 
     std::size_t context(std::size_t texel, std::size_t channel) const {
         std::int32_t sum = 0;
@@ -111,8 +102,11 @@ void apply_corrections(const CorrectionMap& map, const TextureDesc& desc, int er
         // Multipliers are below 2^17 in any sane file; clamped so that the product cannot overflow.
         const std::int32_t k = std::clamp(map[i], -65536, 65536);
         const std::int64_t code = load_code(at, desc.type) + std::int64_t{k} * step;
-        store_code(at, static_cast<std::int32_t>(std::clamp<std::int64_t>(code, -65536, 65536)),
-                   desc.type);
+        store_sample(
+            at,
+            code_sample(static_cast<std::int32_t>(std::clamp<std::int64_t>(code, -65536, 65536)),
+                        desc.type),
+            desc.type);
     }
 }
 
@@ -165,8 +159,7 @@ Status decode_corrections(const PayloadParts& parts, const BlockShape& shape, in
         const ChunkContexts contexts(map, shape, channels, chunks[i].begin);
         for (std::size_t texel = chunks[i].begin; texel < chunks[i].end; ++texel)
             for (std::size_t channel = 0; channel < c; ++channel) {
-                const int token =
-                    tables.correction[contexts.context(texel, channel)].decode(rans);
+                const int token = tables.correction[contexts.context(texel, channel)].decode(rans);
                 if (token == 0)
                     continue;
                 const std::int32_t magnitude = take_magnitude(rans, token - 1);

@@ -45,10 +45,9 @@ Result<Decoder> Decoder::open(ByteSource& source) {
     const FileHeader& header = container->header();
     const ColourCoding colour{header.desc, header.colour, header.background,
                               (header.required_features & feature_corrections) != 0};
-    auto coding =
-        std::make_unique<TileCoding>(*parameters, header.desc.type, header.desc.channels);
-    return Decoder(std::unique_ptr<State>(
-        new State{std::move(*container), colour, std::move(coding)}));
+    auto coding = std::make_unique<TileCoding>(*parameters, header.desc.type, header.desc.channels);
+    return Decoder(
+        std::unique_ptr<State>(new State{std::move(*container), colour, std::move(coding)}));
 }
 
 const ContainerReader& Decoder::container() const {
@@ -121,8 +120,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
             workers, slab.tiles.size(),
             [&](Worker& worker, std::size_t i) -> Status {
                 const Box4 tile_box = grid.box(slab.tiles[i]);
-                TESSERA_TRY(decode_tile(container, slab.tiles[i], tile_box, Integrity::page,
-                                        worker));
+                TESSERA_TRY(
+                    decode_tile(container, slab.tiles[i], tile_box, Integrity::page, worker));
                 const Box4 part = intersect(tile_box, box);
                 if (part == tile_box)
                     return sink.write(part, worker.texels);

@@ -25,8 +25,7 @@ struct Worker {
 // Coding state of a pass and its workers.
 struct Crew {
     Crew(const EncodePlan& encode_plan, const CodingParameters& parameters)
-        : plan(encode_plan),
-          coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
+        : plan(encode_plan), coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
           costs(coding.tables) {
         for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
             workers.push_back({TileEncoder(coding, costs, plan.colour, plan.effort),
@@ -70,11 +69,7 @@ void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleT
              CodedTile& tile) {
     const std::size_t bytes = sample_bytes(type);
     const auto code = [&](std::span<const std::byte> texels, std::size_t i) {
-        auto sample = std::to_integer<std::uint16_t>(texels[i]);
-        if (type == SampleType::half16)
-            sample = static_cast<std::uint16_t>(sample |
-                                                (std::to_integer<unsigned>(texels[i + 1]) << 8));
-        return sample_code(sample, type);
+        return sample_code(load_sample(texels.data() + i, type), type);
     };
     tile.squared_error = 0;
     tile.max_error = 0;
@@ -88,7 +83,7 @@ void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleT
 }
 
 Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                  CodedTile& tile) const {
+                    CodedTile& tile) const {
     const BlockShape shape = tile_shape(box);
     worker.encoder.encode(texels, shape, worker.levels);
     worker.decoded.resize(texels.size());
@@ -119,9 +114,9 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
     return worker.decoder.levels() == worker.levels &&
                    worker.decoder.corrections() == worker.corrections
                ? Status()
-               : Status(ErrorCode::runtime,
-                        "self-check failed: the tile of the texels " + to_string(box) +
-                            " does not decode to what was encoded");
+               : Status(ErrorCode::runtime, "self-check failed: the tile of the texels " +
+                                                to_string(box) +
+                                                " does not decode to what was encoded");
 }
 
 PassResult finish(Crew& crew, std::vector<CodedTile> tiles) {
@@ -187,8 +182,7 @@ std::uint64_t PassResult::payload_bytes() const {
 
 Result<Sample> read_sample(const EncodePlan& plan) {
     // Sources that are walked in slabs give the tiles of the middle one.
-    const auto slabs =
-        make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    const auto slabs = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
     const bool anywhere = plan.source.locality() == Locality::any;
     const Slab& middle = slabs[slabs.size() / 2];
     const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
@@ -199,9 +193,9 @@ Result<Sample> read_sample(const EncodePlan& plan) {
     for (std::uint64_t i = 0; i < wanted; ++i) {
         // The golden ratio spreads any number of picks over all tiles.
         const double place = 0.6180339887498949 * static_cast<double>(i) + 0.5;
-        const auto pick = std::min(available - 1, static_cast<std::uint64_t>(
-                                                      (place - std::floor(place)) *
-                                                      static_cast<double>(available)));
+        const auto pick =
+            std::min(available - 1, static_cast<std::uint64_t>((place - std::floor(place)) *
+                                                               static_cast<double>(available)));
         sample.tiles.push_back(anywhere ? pick : middle.tiles[pick]);
     }
     std::sort(sample.tiles.begin(), sample.tiles.end());
@@ -255,8 +249,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     TESSERA_TRY(parallel_for(
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
-            return crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i],
-                               tiles[i]);
+            return crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i], tiles[i]);
         },
         [](std::size_t) {}));
     return finish(crew, std::move(tiles));
@@ -274,7 +267,8 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     };
     std::vector<Recoder> workers;
     for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
-        workers.push_back({TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}, {}});
+        workers.push_back(
+            {TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}, {}});
     TESSERA_TRY(parallel_for(
         workers, pass.tiles.size(),
         [&](Recoder& worker, std::size_t i) -> Status {
@@ -285,9 +279,9 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
             worker.payload.clear();
             const CorrectionMap& corrections = worker.from.corrections();
             encode_levels(worker.from.levels(),
-                          corrections.empty() ? std::vector<std::vector<std::byte>>{}
-                                              : encode_corrections(corrections, shape, planes,
-                                                                   after.tables),
+                          corrections.empty()
+                              ? std::vector<std::vector<std::byte>>{}
+                              : encode_corrections(corrections, shape, planes, after.tables),
                           after, worker.payload);
             tile.payload = worker.payload;
             if (!plan.options.verify)

@@ -34,7 +34,8 @@ Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
     case Kind::quality:
         return value >= 1 && value <= 100 ? Status() : bad("quality must be 1 to 100");
     case Kind::psnr:
-        return value > 0 && value <= 120 ? Status() : bad("target PSNR must be above 0, at most 120 dB");
+        return value > 0 && value <= 120 ? Status()
+                                         : bad("target PSNR must be above 0, at most 120 dB");
     case Kind::max_error:
         return value >= 0 && value <= largest_error && value == std::floor(value)
                    ? Status()
@@ -67,9 +68,8 @@ std::array<std::uint16_t, 4> find_background(const Sample& sample, const Texture
             ++run;
         }
     flush();
-    const auto most = std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) {
-        return a.second < b.second;
-    });
+    const auto most = std::max_element(counts.begin(), counts.end(),
+                                       [](auto& a, auto& b) { return a.second < b.second; });
     std::array<std::uint16_t, 4> background{};
     const int bits = 8 * static_cast<int>(sample_bytes(desc.type));
     for (int c = 0; c < desc.channels && most != counts.end(); ++c)
@@ -117,11 +117,10 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
         return sample.status();
     plan.colour.background = find_background(*sample, desc);
 
-    Result<RateOutcome> outcome =
-        control_rate(plan, *sample, [&plan](const PassResult& pass) {
-            const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
-            return container_bytes(contents_of(plan, pass, coding));
-        });
+    Result<RateOutcome> outcome = control_rate(plan, *sample, [&plan](const PassResult& pass) {
+        const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
+        return container_bytes(contents_of(plan, pass, coding));
+    });
     if (!outcome)
         return outcome.status();
     const PassResult& pass = outcome->pass;

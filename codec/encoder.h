@@ -32,27 +32,27 @@ using ProgressFunction = std::function<void(const char* stage, double done, doub
 
 struct EncodeOptions {
     RateTarget rate;
-    int effort = 5;               // 0 fastest .. 9 smallest
-    unsigned threads = 0;         // 0: all cores. Never changes the bytes.
-    bool verify = true;           // decode every tile again and compare before it is written
-    bool strict = false;          // refuse NaN and infinities instead of replacing them
+    int effort = 5;                    // 0 fastest .. 9 smallest
+    unsigned threads = 0;              // 0: all cores. Never changes the bytes.
+    bool verify = true;                // decode every tile again and compare before it is written
+    bool strict = false;               // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent{32, 32, 8, 8}; // largest tile, 1..32 a side
-    Metadata metadata;            // key/values; "Software" is filled in when absent
-    Description description;      // proxy, maps, transfer, primaries
+    Metadata metadata;                 // key/values; "Software" is filled in when absent
+    Description description;           // proxy, maps, transfer, primaries
     ProgressFunction progress;
 };
 
 struct EncodeReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t raw_bytes = 0;
-    double bits_per_texel = 0;    // file_bytes * 8 / texels
-    double psnr = 0;              // dB over all samples (HDR: over the 16-bit codes); 999: lossless
-    double max_error = 0;         // samples: 8-bit steps, or half-float ulps
+    double bits_per_texel = 0; // file_bytes * 8 / texels
+    double psnr = 0;           // dB over all samples (HDR: over the 16-bit codes); 999: lossless
+    double max_error = 0;      // samples: 8-bit steps, or half-float ulps
     double seconds = 0;
-    unsigned passes = 0;          // full passes over the source
+    unsigned passes = 0;              // full passes over the source
     std::uint64_t nan_count = 0;      // replaced by 0
     std::uint64_t infinity_count = 0; // replaced by +-65504
-    std::string note;             // why a target was missed, if it was
+    std::string note;                 // why a target was missed, if it was
 };
 
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).

@@ -15,9 +15,9 @@ Tables make_tables() {
     for (int n = 1; n <= max_tile_side; ++n)
         for (int x = 0; x < n; ++x)
             for (int k = 0; k < n; ++k)
-                tables[static_cast<std::size_t>(n)].push_back(static_cast<float>(
-                    std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
-                    std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
+                tables[static_cast<std::size_t>(n)].push_back(
+                    static_cast<float>(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
+                                       std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
     return tables;
 }
 

@@ -16,8 +16,7 @@ bool avx2_available() {
 const Kernels& kernels() {
     static const Kernels& chosen = []() -> const Kernels& {
         const char* wish = std::getenv("TESSERA_SIMD");
-        [[maybe_unused]] const bool scalar =
-            wish != nullptr && std::string_view(wish) == "scalar";
+        [[maybe_unused]] const bool scalar = wish != nullptr && std::string_view(wish) == "scalar";
 #ifdef TESSERA_AVX2
         if (!scalar && avx2_available())
             return kernels_avx2;

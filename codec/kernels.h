@@ -25,7 +25,9 @@ struct PlaneSet {
 
 // Frequencies that forward_image computes along a side: sides of 32 keep 16, as a block that needs
 // more is always cheaper when cut.
-constexpr int forward_kept(int n) { return n == 32 ? 16 : n; }
+constexpr int forward_kept(int n) {
+    return n == 32 ? 16 : n;
+}
 // Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32), the even ones first.
 constexpr int forward_order(int n, int i) {
     const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32;

@@ -20,7 +20,8 @@ inline std::int32_t clamped(std::int32_t x) {
 // Wrapping sums: signed overflow would be undefined, and a hostile tile may cause it.
 inline std::int32_t combine(std::uint32_t high, std::uint32_t low) {
     constexpr std::uint32_t half = 1u << (basis_bits - 1);
-    const auto carry = static_cast<std::uint32_t>(static_cast<std::int32_t>(low + half) >> low_bits);
+    const auto carry =
+        static_cast<std::uint32_t>(static_cast<std::int32_t>(low + half) >> low_bits);
     return static_cast<std::int32_t>(high + carry) >> (basis_bits - low_bits);
 }
 
@@ -379,7 +380,8 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8, forward_rows, forward_planes, forward_image, coding_cost};
+    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8,
+            forward_rows, forward_planes, forward_image,  coding_cost};
 }
 
 } // namespace

@@ -96,9 +96,8 @@ void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support,
     for (int i = 0; i < inner; i += lanes) {
         const __m256i mask = lane_mask(inner - i);
         const auto load = [&](int k) {
-            return k < support
-                       ? clamp_lanes(_mm256_maskload_epi32(in + k * inner + i, mask))
-                       : zero;
+            return k < support ? clamp_lanes(_mm256_maskload_epi32(in + k * inner + i, mask))
+                               : zero;
         };
         __m256i even_high[max_pairs], even_low[max_pairs], odd_high[max_pairs], odd_low[max_pairs];
         for (int p = 0; p < even_pairs; ++p) {
@@ -194,17 +193,16 @@ __m256i rgb_lanes(const PlaneSet& in, int at) {
     const __m256i b = _mm256_sub_epi32(t, _mm256_srai_epi32(co, 1));
     const __m256i red = clamp(_mm256_add_epi32(b, co));
     const __m256i green = clamp(_mm256_add_epi32(cg, t));
-    return _mm256_or_si256(red, _mm256_or_si256(_mm256_slli_epi32(green, 8),
-                                                _mm256_slli_epi32(clamp(b), 16)));
+    return _mm256_or_si256(
+        red, _mm256_or_si256(_mm256_slli_epi32(green, 8), _mm256_slli_epi32(clamp(b), 16)));
 }
 
 // The low three bytes of eight lanes, contiguous.
 void store_24_bytes(unsigned char* to, __m256i texels) {
     const __m256i bytes = _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
                                            0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
-    const __m256i dense =
-        _mm256_permutevar8x32_epi32(_mm256_shuffle_epi8(texels, bytes),
-                                    _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7));
+    const __m256i dense = _mm256_permutevar8x32_epi32(_mm256_shuffle_epi8(texels, bytes),
+                                                      _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7));
     _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(dense));
     _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), _mm256_extracti128_si256(dense, 1));
 }

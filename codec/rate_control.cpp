@@ -39,8 +39,8 @@ double next_step(std::vector<Point> points, double goal) {
     double next = near.log_step + std::clamp((goal - near.reached) / slope, -4.0, 4.0);
     double low = -1e9, high = 1e9;
     for (const Point& p : points)
-        (p.reached < goal ? low : high) = p.reached < goal ? std::max(low, p.log_step)
-                                                           : std::min(high, p.log_step);
+        (p.reached < goal ? low : high) =
+            p.reached < goal ? std::max(low, p.log_step) : std::min(high, p.log_step);
     if (low < high && high - low < 20) {
         // Where the curve has a cliff the secant creeps; every third step halves the bracket.
         if (points.size() % 3 == 0)
@@ -161,17 +161,19 @@ private:
     Result<RateOutcome> to_goal(double goal) {
         const double tolerance = 0.05 / 6.0206;
         // Aim inside the tolerance, so that one more pass usually ends it.
-        return iterate(goal - tolerance / 2, false, [=](double reached) {
-            return reached <= goal && reached >= goal - tolerance;
-        }, [=](double reached) { return reached <= goal; });
+        return iterate(
+            goal - tolerance / 2, false,
+            [=](double reached) { return reached <= goal && reached >= goal - tolerance; },
+            [=](double reached) { return reached <= goal; });
     }
 
     Result<RateOutcome> to_bytes(double bytes) {
         const double goal = -std::log2(bytes);
         const double tolerance = std::log2(1 / 0.98);
-        return iterate(goal + tolerance / 3, true, [=](double reached) {
-            return reached >= goal && reached <= goal + tolerance;
-        }, [=](double reached) { return reached >= goal; });
+        return iterate(
+            goal + tolerance / 3, true,
+            [=](double reached) { return reached >= goal && reached <= goal + tolerance; },
+            [=](double reached) { return reached >= goal; });
     }
 
     // Passes until `good`; otherwise the admissible pass nearest to the goal.

@@ -86,8 +86,8 @@ int row_start(const Block& block, const BlockShape& tile, int s, int t) {
            block.origin[0];
 }
 
-void store_block(const Block& block, const std::int32_t* values, int shift,
-                 const BlockShape& tile, std::vector<std::int32_t>& plane) {
+void store_block(const Block& block, const std::int32_t* values, int shift, const BlockShape& tile,
+                 std::vector<std::int32_t>& plane) {
     const auto& n = block.shape.n;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s, values += n[0] * n[1])

@@ -30,7 +30,7 @@ public:
     const CodingParameters parameters;
     const CodeTables tables;
     const SampleType type;
-    const int planes; // one a channel
+    const int planes;   // one a channel
     const bool rotates; // blocks carry a colour symbol
 
     const ScaleSet& scales(const ShapeCoding& shape, int plane, int colour) const {
@@ -59,6 +59,8 @@ private:
     std::vector<std::pair<BlockShape, const ShapeCoding*>> recent_;
 };
 
-constexpr int plane_class(int plane) { return plane == 0 ? 0 : 1; }
+constexpr int plane_class(int plane) {
+    return plane == 0 ? 0 : 1;
+}
 
 } // namespace tessera

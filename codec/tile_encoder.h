@@ -15,9 +15,10 @@ namespace tessera {
 struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
-    bool recode = true; // code again under tables fitted to all tiles; else those of the sample stay
-    bool rotate_colours = true;    // try rotated colour axes for every block
-    bool second_pass = false;    // decide again under the tables of the first pass
+    bool recode =
+        true; // code again under tables fitted to all tiles; else those of the sample stay
+    bool rotate_colours = true; // try rotated colour axes for every block
+    bool second_pass = false;   // decide again under the tables of the first pass
 
     static EffortSettings of(int effort); // 0..9
 };

@@ -10,20 +10,21 @@ struct StatisticsVisitor {
 
     void split(int spatial, int angular, int kind) {
         statistics.chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
-              split_kinds - 1, split_kinds, kind);
+                         split_kinds - 1, split_kinds, kind);
     }
     void first_length(int size, int token) {
-        statistics.chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1, length_tokens,
-              token);
+        statistics.chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1,
+                         length_tokens, token);
     }
     void other_length(int previous, int token) {
         statistics.chain(other_length_offset + previous * (length_tokens - 1), length_tokens - 1,
-              length_tokens, token);
+                         length_tokens, token);
     }
     void zero(int parameter, bool is_zero) { statistics.decide(parameter, !is_zero); }
     void magnitude(int p_class, int context, int token) {
-        statistics.chain(magnitude_offset + (p_class * magnitude_contexts + context) * magnitude_chain,
-              magnitude_chain, magnitude_tokens, token);
+        statistics.chain(magnitude_offset +
+                             (p_class * magnitude_contexts + context) * magnitude_chain,
+                         magnitude_chain, magnitude_tokens, token);
     }
     void colour(bool rotated, int kind) {
         statistics.chain(colour_offset + rotated * (colour_kinds - 1), colour_kinds - 1,
@@ -65,9 +66,9 @@ void put_u16(std::vector<std::byte>& out, std::size_t value) {
 int block_work(const TileLevels& tile, std::size_t block, int planes) {
     int work = planes;
     for (int plane = 0; plane < planes; ++plane)
-        work += tile.planes[block * static_cast<std::size_t>(planes) +
-                            static_cast<std::size_t>(plane)]
-                    .coded_length;
+        work +=
+            tile.planes[block * static_cast<std::size_t>(planes) + static_cast<std::size_t>(plane)]
+                .coded_length;
     return work;
 }
 
@@ -125,8 +126,8 @@ void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte
     }
 
     if (segments.size() > 1 || !corrections.empty()) {
-        out.push_back(static_cast<std::byte>((segments.size() - 1) |
-                                             (corrections.empty() ? 0u : 128u)));
+        out.push_back(
+            static_cast<std::byte>((segments.size() - 1) | (corrections.empty() ? 0u : 128u)));
         for (std::size_t i = 1; i < segments.size(); ++i) {
             put_u16(out, first[i]);
             put_u16(out, segments[i].size() / 2);

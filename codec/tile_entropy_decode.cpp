@@ -21,9 +21,10 @@ public:
             last_colour_ = ColourMemory{};
             if (i == 0 && !node(Block{{0, 0, 0, 0}, shape, 0, 0}))
                 return damaged(i, "more than 4096 blocks");
-            const std::size_t end = i + 1 < parts.segments.size()
-                                        ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
-                                        : out_.blocks.size();
+            const std::size_t end =
+                i + 1 < parts.segments.size()
+                    ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
+                    : out_.blocks.size();
             if (end > out_.blocks.size() ||
                 (i > 0 && end <= static_cast<std::size_t>(parts.segments[i].first_block)))
                 return damaged(i, "segment begins past the last block");

@@ -25,19 +25,6 @@ void inverse_ycocg(Texel& c) {
     c = {b + c[1], g, b, c[3]};
 }
 
-std::uint16_t load(const std::byte* at, SampleType type) {
-    const auto low = std::to_integer<std::uint16_t>(at[0]);
-    return type == SampleType::unorm8
-               ? low
-               : static_cast<std::uint16_t>(low | (std::to_integer<unsigned>(at[1]) << 8));
-}
-
-void store(std::byte* at, std::uint16_t sample, SampleType type) {
-    at[0] = static_cast<std::byte>(sample & 255);
-    if (type == SampleType::half16)
-        at[1] = static_cast<std::byte>(sample >> 8);
-}
-
 Texel background_planes(const ColourCoding& colour) {
     Texel texel{};
     for (int c = 0; c < colour.desc.channels; ++c)
@@ -67,7 +54,7 @@ void to_planes(std::span<const std::byte> texels, const Texel& background, const
                    [&](std::size_t i, const std::byte* at) {
                        Texel c{};
                        for (int k = 0; k < channels; ++k)
-                           c[k] = sample_code(load(at + k * sample_bytes(type), type), type);
+                           c[k] = sample_code(load_sample(at + k * sample_bytes(type), type), type);
                        if constexpr (ycocg)
                            forward_ycocg(c);
                        for (int k = 0; k < channels; ++k)
@@ -85,7 +72,7 @@ void to_texels(const TilePlanes& planes, const Texel& background, std::span<std:
                        if constexpr (ycocg)
                            inverse_ycocg(c);
                        for (int k = 0; k < channels; ++k)
-                           store(at + k * sample_bytes(type), code_sample(c[k], type), type);
+                           store_sample(at + k * sample_bytes(type), code_sample(c[k], type), type);
                    });
 }
 
@@ -145,10 +132,10 @@ void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
     if (colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
         colour.transform == ColourTransform::ycocg_r) {
         const auto& [nu, nv, ns, nt] = planes.shape.n;
-        kernels().store_ycocg8({{planes.plane[0].data(), planes.plane[1].data(),
-                                 planes.plane[2].data()},
-                                {background[0], background[1], background[2]}},
-                               nu * nv, ns * nt, reinterpret_cast<unsigned char*>(texels.data()));
+        kernels().store_ycocg8(
+            {{planes.plane[0].data(), planes.plane[1].data(), planes.plane[2].data()},
+             {background[0], background[1], background[2]}},
+            nu * nv, ns * nt, reinterpret_cast<unsigned char*>(texels.data()));
         return;
     }
     dispatch<ToTexels>(colour, planes, background, texels);

@@ -29,6 +29,18 @@ struct TilePlanes {
     void resize(const BlockShape& new_shape, int planes);
 };
 
+// One sample of texels in memory, little-endian.
+inline std::uint16_t load_sample(const std::byte* at, SampleType type) {
+    const auto low = std::to_integer<unsigned>(at[0]);
+    return static_cast<std::uint16_t>(
+        type == SampleType::unorm8 ? low : low | (std::to_integer<unsigned>(at[1]) << 8));
+}
+inline void store_sample(std::byte* at, std::uint16_t sample, SampleType type) {
+    at[0] = static_cast<std::byte>(sample & 255);
+    if (type == SampleType::half16)
+        at[1] = static_cast<std::byte>(sample >> 8);
+}
+
 // The integer that a sample is coded as: unorm8 as it is, half16 on the monotone scale where
 // +x is its 15 bits and -x their negation (both zeros are 0). Precondition: finite.
 inline std::int32_t sample_code(std::uint16_t sample, SampleType type) {

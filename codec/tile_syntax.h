@@ -18,7 +18,9 @@ namespace tessera {
 constexpr int length_token(int coded_length) {
     return static_cast<int>(std::bit_width(static_cast<unsigned>(coded_length)));
 }
-constexpr int length_raw_bits(int token) { return token <= 1 ? 0 : token == 2 ? 1 : 2; }
+constexpr int length_raw_bits(int token) {
+    return token <= 1 ? 0 : token == 2 ? 1 : 2;
+}
 
 constexpr int size_class(const BlockShape& shape) {
     const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));

@@ -28,7 +28,9 @@ struct Block {
 enum class Split : std::uint8_t { none = 0, spatial = 1, angular = 2 };
 constexpr int split_kinds = 3;
 
-constexpr int first_axis(Split split) { return split == Split::spatial ? 0 : 2; }
+constexpr int first_axis(Split split) {
+    return split == Split::spatial ? 0 : 2;
+}
 
 // Whether `split` divides at least one side.
 inline bool can_split(const BlockShape& shape, Split split) {

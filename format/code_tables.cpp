@@ -40,7 +40,8 @@ std::uint32_t stop_frequency(std::uint8_t parameter) {
 
 CodeTables::CodeTables(const Parameters& parameters) {
     for (int i = 0; i < zero_parameters; ++i)
-        zero[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(stop_frequency(parameters[i]));
+        zero[static_cast<std::size_t>(i)] =
+            static_cast<std::uint16_t>(stop_frequency(parameters[i]));
     const std::uint8_t* next = parameters.data() + magnitude_offset;
     for (auto& plane : magnitude)
         for (auto& table : plane) {

@@ -22,9 +22,9 @@ namespace tessera {
 constexpr int parameter_count_of_odds = 64;
 std::uint32_t stop_frequency(std::uint8_t parameter);
 
-constexpr int plane_classes = 2;     // first plane of a leaf; the others
+constexpr int plane_classes = 2; // first plane of a leaf; the others
 constexpr int neighbour_classes = 10;
-constexpr int cross_classes = 3;     // magnitudes at the same place in earlier planes: 0, 1, more
+constexpr int cross_classes = 3; // magnitudes at the same place in earlier planes: 0, 1, more
 constexpr int magnitude_contexts = neighbour_classes + 1; // the last one is DC's
 constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
 constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
@@ -32,7 +32,7 @@ constexpr int length_tokens = 14;    // 0, then bit length of the coded length (
 constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
 constexpr int depth_classes = max_split_depth + 1;
 
-constexpr int colour_kinds = 3; // plain, as the last rotated block, another rotation
+constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
 constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
 constexpr int correction_chain = magnitude_chain + 1;
@@ -51,7 +51,8 @@ constexpr int split_parameters = depth_classes * depth_classes * 2;
 constexpr int correction_offset = split_offset + split_parameters;
 constexpr int correction_parameters = correction_contexts * correction_chain;
 constexpr int colour_offset = correction_offset + correction_parameters;
-constexpr int colour_parameters = 2 * (colour_kinds - 1); // after a plain block, after a rotated one
+constexpr int colour_parameters =
+    2 * (colour_kinds - 1); // after a plain block, after a rotated one
 constexpr int parameter_count = colour_offset + colour_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;

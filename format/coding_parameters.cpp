@@ -57,8 +57,8 @@ void walk(const Parameters& parameters, Decide decide, Sign sign) {
 std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     std::array<double, 3> stops{}, goes{};
     walk(
-        coding.parameters,
-        [&](std::size_t which, bool go) { (go ? goes : stops)[which] += 1.0; }, [](bool) {});
+        coding.parameters, [&](std::size_t which, bool go) { (go ? goes : stops)[which] += 1.0; },
+        [](bool) {});
     DifferenceModel model;
     for (std::size_t i = 0; i < model.parameter.size(); ++i)
         model.parameter[i] = fit(stops[i], goes[i]);
@@ -142,7 +142,8 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         while (difference < parameter_count_of_odds - 1 &&
                decoder.bit(stop_frequency(model.parameter[more])))
             ++difference;
-        const int value = default_parameters()[i] + (decoder.raw(1) != 0 ? -difference : difference);
+        const int value =
+            default_parameters()[i] + (decoder.raw(1) != 0 ? -difference : difference);
         if (value < 0 || value >= parameter_count_of_odds)
             return damaged("table parameter out of range");
         coding.parameters[i] = static_cast<std::uint8_t>(value);

@@ -40,8 +40,8 @@ std::vector<RotationMatrix> make_matrices() {
             const auto [r, g, b] = axes[i];
             const Vector planes = {(r + 2 * g + b) / 4, r - b, g - (r + b) / 2};
             for (std::size_t plane = 0; plane < 3; ++plane)
-                matrix[plane][i] =
-                    static_cast<std::int32_t>(std::lround(std::ldexp(planes[plane], rotation_bits)));
+                matrix[plane][i] = static_cast<std::int32_t>(
+                    std::lround(std::ldexp(planes[plane], rotation_bits)));
         }
         matrices.push_back(matrix);
     }

@@ -15,9 +15,9 @@ Tables make_tables() {
     for (int n = 1; n <= max_tile_side; ++n)
         for (int k = 0; k < n; ++k)
             for (int x = 0; x < n; ++x)
-                tables[static_cast<std::size_t>(n)].push_back(static_cast<std::int32_t>(
-                    std::lround(std::ldexp(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)),
-                                           basis_bits))));
+                tables[static_cast<std::size_t>(n)].push_back(
+                    static_cast<std::int32_t>(std::lround(std::ldexp(
+                        std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)), basis_bits))));
     return tables;
 }
 

@@ -26,8 +26,8 @@ double StepCode::value() const {
 
 StepCode StepCode::nearest(double step) {
     step = std::clamp(step, 0.5, std::ldexp(4095.0, max_step_exponent - 12));
-    int exponent = std::clamp(static_cast<int>(std::floor(std::log2(step))) + 1, 0,
-                              max_step_exponent);
+    int exponent =
+        std::clamp(static_cast<int>(std::floor(std::log2(step))) + 1, 0, max_step_exponent);
     long scaled = std::lround(std::ldexp(step, 12 - exponent));
     if (scaled > 4095 && exponent < max_step_exponent)
         scaled = std::lround(std::ldexp(step, 12 - ++exponent));

@@ -10,7 +10,9 @@
 namespace tessera {
 
 // Coefficients and intermediate values count in 2^-fraction_bits of a sample step.
-constexpr int fraction_bits(SampleType type) { return type == SampleType::unorm8 ? 14 : 8; }
+constexpr int fraction_bits(SampleType type) {
+    return type == SampleType::unorm8 ? 14 : 8;
+}
 
 constexpr std::int32_t max_level = (1 << 20) - 1;
 constexpr std::int32_t coefficient_limit = 1 << 26; // |coefficient| stays below or at this
@@ -54,8 +56,7 @@ inline std::int32_t dequantize(std::int32_t magnitude, Scale scale,
         const std::uint32_t half = 1u << (-scale.exponent - 1);
         const std::uint32_t rounded =
             (static_cast<std::uint32_t>(product) + half) >> -scale.exponent;
-        return rounded > coefficient_limit ? coefficient_limit
-                                           : static_cast<std::int32_t>(rounded);
+        return rounded > coefficient_limit ? coefficient_limit : static_cast<std::int32_t>(rounded);
     }
     return scale.exponent > 26 || product > (coefficient_limit >> scale.exponent)
                ? coefficient_limit

@@ -31,9 +31,9 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
         for (int s = 0; s < shape.n[2]; ++s)
             for (int v = 0; v < shape.n[1]; ++v)
                 for (int u = 0; u < shape.n[0]; ++u) {
-                    const ScanEntry entry{{static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
-                                           static_cast<std::uint8_t>(s),
-                                           static_cast<std::uint8_t>(t)}};
+                    const ScanEntry entry{
+                        {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
+                         static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
                     all.push_back({scan_cost(entry, shape, weights),
                                    static_cast<std::uint32_t>(all.size()), entry});
                 }

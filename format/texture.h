@@ -19,11 +19,15 @@ namespace tessera {
 
 enum class SampleType : std::uint8_t { unorm8 = 0, half16 = 1 };
 
-constexpr std::size_t sample_bytes(SampleType type) { return type == SampleType::unorm8 ? 1 : 2; }
+constexpr std::size_t sample_bytes(SampleType type) {
+    return type == SampleType::unorm8 ? 1 : 2;
+}
 
 // The four axes in the order in which sizes are written.
 enum Axis { axis_u = 0, axis_v = 1, axis_s = 2, axis_t = 3 };
-constexpr char axis_name(int axis) { return "uvst"[axis]; }
+constexpr char axis_name(int axis) {
+    return "uvst"[axis];
+}
 
 // Number of texels along u, v, s, t.
 using Extent4 = std::array<std::uint32_t, 4>;
@@ -53,7 +57,7 @@ struct Box4 {
     bool operator==(const Box4&) const = default;
 };
 
-std::string to_string(const Box4& box); // "u0:u1,v0:v1,s0:s1,t0:t1"
+std::string to_string(const Box4& box);       // "u0:u1,v0:v1,s0:s1,t0:t1"
 Box4 intersect(const Box4& a, const Box4& b); // empty (end == begin) where they do not meet
 // Whether begin < end on every axis and end fits `extent`.
 bool is_inside(const Box4& box, const Extent4& extent);

@@ -140,8 +140,8 @@ int main(int argc, char** argv) {
     if (!peers)
         return fail(peers.status());
     for (const double psnr : {35.0, 38.0, 41.0})
-        if (const int bad = add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)),
-                                {Kind::psnr, psnr}, 5))
+        if (const int bad =
+                add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)), {Kind::psnr, psnr}, 5))
             return bad;
     for (int effort = 0; effort <= 9; effort += quick ? 4 : 1)
         if (const int bad = add(*peers, "quality62", {Kind::quality, 62}, effort))
@@ -151,9 +151,8 @@ int main(int argc, char** argv) {
             if (const int bad = add(*peers, "max_error" + std::to_string(static_cast<int>(error)),
                                     {Kind::max_error, error}, 5))
                 return bad;
-        for (const char* scene :
-             {"composed", "aliasing-near", "aliasing-far", "gallery", "mirror", "lamps", "lambert",
-              "hard"}) {
+        for (const char* scene : {"composed", "aliasing-near", "aliasing-far", "gallery", "mirror",
+                                  "lamps", "lambert", "hard"}) {
             Result<Texture> texture = bake(scene, {64, 32, 16, 16});
             if (!texture)
                 return fail(texture.status());
