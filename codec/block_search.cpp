@@ -116,6 +116,13 @@ std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& 
     return moments;
 }
 
+int finest_cells(const BlockShape& tile, int spatial, int angular) {
+    int cells = 1;
+    for (int axis = 0; axis < 4; ++axis)
+        cells *= std::min<int>(tile.n[axis], 1 << (axis < 2 ? spatial : angular));
+    return cells;
+}
+
 // Halvings until both sides are at most `smallest`, or cannot be cut.
 int depths(int a, int b, int smallest) {
     int depth = 0;
@@ -137,6 +144,8 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     coefficients_.resize(texels);
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
+    while (finest_cells(shape_, spatial_depths_, angular_depths_) > max_leaves)
+        --angular_depths_; // unusual tiles, 32x1x32x32 for one; spatial cells alone are at most 1024
     grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     out.clear();
     out.shape = shape_;

@@ -34,7 +34,8 @@ public:
     Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 1,
                       Integrity integrity = Integrity::page) const;
 
-    // Streams `box` into `sink` slab by slab in bounded memory; calls sink.finish().
+    // Streams `box` into `sink` slab by slab in bounded memory, in coordinates of the whole
+    // texture; calls sink.finish().
     Status decode(const Box4& box, TexelSink& sink, unsigned threads = 0,
                   const ProgressFunction& progress = {}) const;
 

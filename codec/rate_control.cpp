@@ -159,7 +159,8 @@ private:
     }
 
     Result<RateOutcome> to_goal(double goal) {
-        const double tolerance = 0.05 / 6.0206;
+        // Another pass over a baker costs minutes, so it has to buy more.
+        const double tolerance = (plan_.source.cheap_to_reread() ? 0.05 : 0.15) / 6.0206;
         // Aim inside the tolerance, so that one more pass usually ends it.
         return iterate(
             goal - tolerance / 2, false,

@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// What an effort level switches on; figures in tests/regression/effort.md.
+// What an effort level switches on; figures in tests/regression/results.csv.
 struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
