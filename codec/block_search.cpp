@@ -165,7 +165,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
 void BlockSearch::measure_activity() {
     for (int a = 0; a <= angular_depths_; ++a)
         for (int s = 0; s <= spatial_depths_; ++s) {
-            Grid& grid = grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)];
+            Grid& grid = grids_[grid_index(s, a)];
             std::size_t count = 1;
             for (int axis = 0; axis < 4; ++axis) {
                 grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? s : a);
@@ -182,7 +182,7 @@ void BlockSearch::measure_activity() {
         for (int a = angular_depths_; a >= 0; --a) {
             std::vector<Moments> moments = finest;
             for (int s = spatial_depths_; s >= 0; --s) {
-                Grid& grid = grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)];
+                Grid& grid = grids_[grid_index(s, a)];
                 for (std::size_t i = 0; i < moments.size(); ++i) {
                     grid.activity[i] += moments[i].about_mean() * scale;
                     grid.mean_cost[i] += mean_cost(moments[i], scale, options_.lambda);
@@ -191,11 +191,7 @@ void BlockSearch::measure_activity() {
                     moments = merge_pairs(moments, grid.cells, 0);
             }
             if (a > 0)
-                finest = merge_pairs(
-                    finest,
-                    grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + spatial_depths_)]
-                        .cells,
-                    2);
+                finest = merge_pairs(finest, grids_[grid_index(spatial_depths_, a)].cells, 2);
         }
     }
 }
@@ -204,7 +200,7 @@ void BlockSearch::estimate_costs() {
     for (int a = 0; a <= angular_depths_; ++a) {
         bool tried = false;
         for (int s = 0; s <= spatial_depths_; ++s)
-            tried = tried || (options_.grids >> (s * 8 + a) & 1) != 0;
+            tried = tried || is_tried(s, a);
         const auto s_segments = axis_segments(shape_.n[2], a),
                    t_segments = axis_segments(shape_.n[3], a);
         for (int plane = 0; tried && plane < coding_.planes; ++plane) {
@@ -214,14 +210,14 @@ void BlockSearch::estimate_costs() {
             forward_axis(scratch_a_.data(), angular_[p].data(), shape_, 2, s_segments);
         }
         for (int s = 0; s <= spatial_depths_; ++s)
-            estimate_grid(grids_[static_cast<std::size_t>(a * (spatial_depths_ + 1) + s)], s, a);
+            estimate_grid(grids_[grid_index(s, a)], s, a);
     }
 }
 
 void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
     grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
     grid.cost.assign(grid.activity.size(), infinite);
-    const bool tried = (options_.grids >> (spatial * 8 + angular) & 1) != 0;
+    const bool tried = is_tried(spatial, angular);
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (grid.activity[i] < flat_activity * options_.lambda)
@@ -245,7 +241,7 @@ float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
     const int count = kept * shape.n[2] * shape.n[3];
     const float* base = base_costs(shape).data();
     const Kernels& k = kernels();
-    float cost = 0, energy = 0, seen = 0;
+    float cost = 0, seen = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
         float* to = coefficients_.data();
@@ -261,7 +257,7 @@ float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
         seen += sum.energy - dc * dc;
     }
     // Frequencies that were not computed are zeroed: they cost their energy.
-    energy = grid.activity[grid.index(c)];
+    const float energy = grid.activity[grid.index(c)];
     return kept < shape.n[0] * shape.n[1] ? cost + std::max(0.0f, energy - seen) : cost;
 }
 
@@ -294,10 +290,9 @@ const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {
 
 // Deepest nodes first, so that children are final before their parents ask.
 void BlockSearch::combine() {
-    const int stride = spatial_depths_ + 1;
     for (int a = angular_depths_; a >= 0; --a)
         for (int s = spatial_depths_; s >= 0; --s) {
-            Grid& grid = grids_[static_cast<std::size_t>(a * stride + s)];
+            Grid& grid = grids_[grid_index(s, a)];
             grid.for_each_cell([&](const std::array<int, 4>& c) {
                 const std::size_t i = grid.index(c);
                 const auto& split_bits =
@@ -307,8 +302,8 @@ void BlockSearch::combine() {
                     const bool spatial = split == Split::spatial;
                     if (spatial ? s == spatial_depths_ : a == angular_depths_)
                         continue;
-                    const Grid& finer = grids_[static_cast<std::size_t>(
-                        spatial ? a * stride + s + 1 : (a + 1) * stride + s)];
+                    const Grid& finer =
+                        spatial ? grids_[grid_index(s + 1, a)] : grids_[grid_index(s, a + 1)];
                     const int axis = first_axis(split);
                     if (grid.segments[axis][static_cast<std::size_t>(c[axis])].size == 1 &&
                         grid.segments[axis + 1][static_cast<std::size_t>(c[axis + 1])].size == 1)
@@ -332,7 +327,7 @@ void BlockSearch::combine() {
 
 void BlockSearch::emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
                        TileLevels& out) const {
-    const Grid& grid = grids_[static_cast<std::size_t>(angular * (spatial_depths_ + 1) + spatial)];
+    const Grid& grid = grids_[grid_index(spatial, angular)];
     const auto split = static_cast<Split>(grid.choice[grid.index(cell)]);
     out.splits.push_back(static_cast<std::uint8_t>(split));
     if (split == Split::none) {

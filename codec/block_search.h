@@ -61,6 +61,13 @@ private:
         }
     };
 
+    std::size_t grid_index(int spatial, int angular) const {
+        return static_cast<std::size_t>(angular * (spatial_depths_ + 1) + spatial);
+    }
+    bool is_tried(int spatial, int angular) const {
+        return (options_.grids >> (spatial * 8 + angular) & 1) != 0;
+    }
+
     void estimate_costs();
     void estimate_grid(Grid& grid, int spatial, int angular);
     void combine();

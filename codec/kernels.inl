@@ -31,36 +31,34 @@ inline std::uint32_t wide(std::int32_t x) {
 
 constexpr int lanes = 8;
 
-// One vector of `lanes` outputs of a row.
+// Up to `lanes` outputs of a row; width 0 takes the number from `count`.
+template <int width>
 inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, const std::int32_t* b,
-                      int n, int width) {
+                      int n, int count) {
+    const int w = width > 0 ? width : count;
     std::uint32_t high[lanes] = {}, low[lanes] = {};
     for (int k = 0; k < support; ++k) {
         const std::int32_t x = clamped(in[k]);
         const std::uint32_t h = wide(x >> low_bits), l = wide(x & low_mask);
         const std::int32_t* row = b + k * n;
-        if (width == lanes) {
-            for (int i = 0; i < lanes; ++i) {
-                high[i] += h * wide(row[i]);
-                low[i] += l * wide(row[i]);
-            }
-        } else {
-            for (int i = 0; i < width; ++i) {
-                high[i] += h * wide(row[i]);
-                low[i] += l * wide(row[i]);
-            }
+        for (int i = 0; i < w; ++i) {
+            high[i] += h * wide(row[i]);
+            low[i] += l * wide(row[i]);
         }
     }
-    for (int i = 0; i < width; ++i)
+    for (int i = 0; i < w; ++i)
         out[i] = combine(high[i], low[i]);
 }
 
 void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
     const std::int32_t* b = basis(n);
-    for (int r = 0; r < rows; ++r)
-        for (int x = 0; x < n; x += lanes)
-            row_chunk(in + r * support, out + r * n + x, support, b + x, n,
-                      n - x < lanes ? n - x : lanes);
+    for (int r = 0; r < rows; ++r, in += support, out += n) {
+        int x = 0;
+        for (; x + lanes <= n; x += lanes)
+            row_chunk<lanes>(in, out + x, support, b + x, n, lanes);
+        if (x < n)
+            row_chunk<0>(in, out + x, support, b + x, n, n - x);
+    }
 }
 
 // Outputs x and n - 1 - x share their products: basis rows are even or odd about the middle.
@@ -71,24 +69,19 @@ inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, 
     for (int x = 0; x <= n - 1 - x; ++x) {
         std::uint32_t even_high[lanes] = {}, even_low[lanes] = {};
         std::uint32_t odd_high[lanes] = {}, odd_low[lanes] = {};
-        for (int k = 0; k < support; k += 2) {
+        const auto add = [&](int k, std::uint32_t* high, std::uint32_t* low) {
             const std::int32_t* row = in + k * inner;
             const std::uint32_t c = wide(b[k * n + x]);
             for (int i = 0; i < w; ++i) {
                 const std::int32_t value = clamped(row[i]);
-                even_high[i] += wide(value >> low_bits) * c;
-                even_low[i] += wide(value & low_mask) * c;
+                high[i] += wide(value >> low_bits) * c;
+                low[i] += wide(value & low_mask) * c;
             }
-        }
-        for (int k = 1; k < support; k += 2) {
-            const std::int32_t* row = in + k * inner;
-            const std::uint32_t c = wide(b[k * n + x]);
-            for (int i = 0; i < w; ++i) {
-                const std::int32_t value = clamped(row[i]);
-                odd_high[i] += wide(value >> low_bits) * c;
-                odd_low[i] += wide(value & low_mask) * c;
-            }
-        }
+        };
+        for (int k = 0; k < support; k += 2)
+            add(k, even_high, even_low);
+        for (int k = 1; k < support; k += 2)
+            add(k, odd_high, odd_low);
         std::int32_t* head = out + x * inner;
         std::int32_t* tail = out + (n - 1 - x) * inner;
         for (int i = 0; i < w; ++i) {

@@ -43,32 +43,20 @@ CodeTables::CodeTables(const Parameters& parameters) {
         zero[static_cast<std::size_t>(i)] =
             static_cast<std::uint16_t>(stop_frequency(parameters[i]));
     const std::uint8_t* next = parameters.data() + magnitude_offset;
+    const auto build_next = [&next](auto& tables, int chain_length) {
+        for (auto& table : tables) {
+            build(table, next, chain_length);
+            next += chain_length;
+        }
+    };
     for (auto& plane : magnitude)
-        for (auto& table : plane) {
-            build(table, next, magnitude_chain);
-            next += magnitude_chain;
-        }
-    for (auto& table : first_length) {
-        build(table, next, length_tokens - 1);
-        next += length_tokens - 1;
-    }
-    for (auto& table : other_length) {
-        build(table, next, length_tokens - 1);
-        next += length_tokens - 1;
-    }
+        build_next(plane, magnitude_chain);
+    build_next(first_length, length_tokens - 1);
+    build_next(other_length, length_tokens - 1);
     for (auto& row : split)
-        for (auto& table : row) {
-            build(table, next, split_kinds - 1);
-            next += split_kinds - 1;
-        }
-    for (auto& table : correction) {
-        build(table, next, correction_chain);
-        next += correction_chain;
-    }
-    for (auto& table : colour) {
-        build(table, next, colour_kinds - 1);
-        next += colour_kinds - 1;
-    }
+        build_next(row, split_kinds - 1);
+    build_next(correction, correction_chain);
+    build_next(colour, colour_kinds - 1);
 }
 
 } // namespace tessera
