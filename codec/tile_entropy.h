@@ -3,6 +3,7 @@
 
 #include "codec/tile_coding.h"
 #include "codec/tile_levels.h"
+#include "format/payload.h"
 
 #include <algorithm>
 #include <array>
@@ -39,18 +40,6 @@ void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics&
 // ones allowed, or nothing at all.
 void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
                    const TileCoding& coding, std::vector<std::byte>& out);
-
-// A payload cut into its streams, checked.
-struct PayloadParts {
-    struct Segment {
-        int first_block = 0;
-        std::span<const std::byte> bytes;
-    };
-    std::vector<Segment> segments; // at least one, the first with the split tree
-    // One per chunk of correction_chunk texels; empty: no corrections there.
-    std::vector<std::span<const std::byte>> corrections;
-};
-Status split_payload(std::span<const std::byte> payload, int tile_texels, PayloadParts& parts);
 
 // Decodes all levels of a tile. Errors: invalid_file, with the segment. On any bytes it ends and
 // stays in bounds. Replaces `out`.

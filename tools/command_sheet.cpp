@@ -1,8 +1,6 @@
-#include "format/output_file.h"
 #include "tools/command.h"
 #include "tools/contact_sheet.h"
 #include "tools/interrupt.h"
-#include "tools/png_file.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
 
@@ -16,17 +14,6 @@ struct Arguments {
     TextureArguments texture;
     SheetOptions sheet;
 };
-
-Status write_png(const std::string& path, const Picture& picture) {
-    const auto png = encode_png({picture.width, picture.height, 3}, picture.rgb);
-    if (!png.ok())
-        return png.status().with_context(path);
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    TESSERA_TRY(file->append(*png));
-    return file->commit();
-}
 
 Status run(const Arguments& a) {
     if (std::filesystem::path(a.output).extension() != ".png")

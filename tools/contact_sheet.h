@@ -3,10 +3,9 @@
 #pragma once
 
 #include "format/texture.h"
+#include "tools/picture.h"
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 namespace tessera {
 
@@ -14,11 +13,6 @@ struct SheetOptions {
     unsigned views = 3, angular_images = 8; // how many of each
     double amplify = 8;                     // of the difference
     std::string name_a = "A", name_b = "B";
-};
-
-struct Picture {
-    std::uint32_t width = 0, height = 0;
-    std::vector<std::byte> rgb; // 8-bit, rows from the top
 };
 
 // `b` may be null: then there is nothing to compare. Grey shows as grey, alpha not at all; half

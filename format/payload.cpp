@@ -1,4 +1,8 @@
-#include "codec/tile_entropy.h"
+#include "format/payload.h"
+
+#include "format/limits.h"
+
+#include <string>
 
 namespace tessera {
 namespace {

@@ -1,0 +1,283 @@
+#include "decoder_glsl/decode_tables.h"
+
+#include "decoder_glsl/shader_layout.h"
+#include "format/code_tables.h"
+#include "format/coding_parameters.h"
+#include "format/colour_rotation.h"
+#include "format/dct_basis.h"
+
+#include <algorithm>
+#include <bit>
+#include <set>
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+using Words = std::vector<std::uint32_t>;
+
+std::uint32_t signed_word(std::int32_t value) {
+    return static_cast<std::uint32_t>(value);
+}
+
+// The starts c[1], c[2], ... of a table in pairs, padded with starts that no slot reaches.
+template <int symbols>
+void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int count) {
+    for (int i = 0; i < count; ++i) {
+        const auto start = [&](int symbol) {
+            return symbol < symbols ? std::uint32_t{table.start[static_cast<std::size_t>(symbol)]}
+                                    : probability_total;
+        };
+        words[static_cast<std::size_t>(at + i)] = start(2 * i + 1) | (start(2 * i + 2) << 16);
+    }
+}
+
+void put_code_tables(const CodeTables& tables, Words& words) {
+    for (std::size_t i = 0; i < tables.zero.size(); ++i)
+        words[tsr_t_zero + i] = tables.zero[i];
+    const auto put = [&](const auto& list, int at) {
+        for (const auto& table : list) {
+            put_symbols(table, words, at, tsr_symbol_words);
+            at += tsr_symbol_words;
+        }
+    };
+    put(tables.magnitude[0], tsr_t_magnitude);
+    put(tables.magnitude[1], tsr_t_magnitude + magnitude_contexts * tsr_symbol_words);
+    put(tables.first_length, tsr_t_first_length);
+    put(tables.other_length, tsr_t_other_length);
+    put(tables.correction, tsr_t_correction);
+    int at = tsr_t_split;
+    for (const auto& row : tables.split)
+        for (const auto& table : row)
+            put_symbols(table, words, at++, 1);
+    at = tsr_t_kind;
+    for (const auto& table : tables.colour)
+        put_symbols(table, words, at++, 1);
+}
+
+void put_transform_tables(Words& words) {
+    std::size_t at = tsr_t_rotation;
+    for (int i = 0; i < rotation_count; ++i)
+        for (const auto& row : rotation_matrix(i))
+            for (const std::int32_t x : row)
+                words[at++] = signed_word(x);
+    at = tsr_t_basis;
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int i = 0; i < n * n; ++i)
+            words[at++] = signed_word(basis(n)[i]);
+}
+
+// The background as planes; the forward colour transform of FORMAT.md 4.5.
+std::array<std::int32_t, 4> background_planes(const FileHeader& header) {
+    std::array<std::int32_t, 4> c{};
+    for (std::size_t i = 0; i < header.desc.channels; ++i) {
+        const std::int32_t bits = header.background[i];
+        const bool negative = header.desc.type == SampleType::half16 && bits >= 0x8000;
+        c[i] = negative ? -(bits & 0x7FFF) : bits;
+    }
+    if (header.colour == ColourTransform::ycocg_r) {
+        const std::int32_t co = c[0] - c[2];
+        const std::int32_t t = c[2] + (co >> 1);
+        const std::int32_t cg = c[1] - t;
+        c = {t + (cg >> 1), co, cg, c[3]};
+    }
+    return c;
+}
+
+// The background as the four stored channels of shaders/colour.glsl.
+std::array<std::uint32_t, 4> background_texel(const FileHeader& header) {
+    const bool bytes = header.desc.type == SampleType::unorm8;
+    const auto sample = [&](std::size_t i) -> std::uint32_t {
+        return header.background[i] == 0x8000 && !bytes ? 0u : header.background[i];
+    };
+    const std::uint32_t one = bytes ? 255u : 0x3C00u;
+    switch (header.desc.channels) {
+    case 1:
+        return {sample(0), sample(0), sample(0), one};
+    case 2:
+        return {sample(0), sample(0), sample(0), sample(1)};
+    case 3:
+        return {sample(0), sample(1), sample(2), one};
+    default:
+        return {sample(0), sample(1), sample(2), sample(3)};
+    }
+}
+
+void put_header(const FileHeader& header, const CodingParameters& coding, Words& words) {
+    const auto& desc = header.desc;
+    words[tsr_t_sample_type] = desc.type == SampleType::half16;
+    words[tsr_t_planes] = desc.channels;
+    words[tsr_t_colour] = header.colour == ColourTransform::ycocg_r;
+    words[tsr_t_rotates] = coding.colour_rotation && desc.channels >= 3;
+    const auto planes = background_planes(header);
+    for (std::size_t i = 0; i < 4; ++i)
+        words[tsr_t_background + i] = signed_word(planes[i]);
+    words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
+    words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
+    for (std::size_t i = 0; i < 4; ++i)
+        words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];
+    const auto texel = background_texel(header);
+    const bool bytes = desc.type == SampleType::unorm8;
+    words[tsr_t_background_texel] =
+        bytes ? texel[0] | (texel[1] << 8) | (texel[2] << 16) | (texel[3] << 24)
+              : texel[0] | (texel[1] << 16);
+    words[tsr_t_background_texel + 1] = bytes ? 0 : texel[2] | (texel[3] << 16);
+}
+
+// Scan indices of a block's frequencies, and of the earlier neighbours of each (FORMAT.md 3.4).
+class NeighbourLists {
+public:
+    explicit NeighbourLists(const ScanOrder& order)
+        : order_(order), rank_(static_cast<std::size_t>(order.shape.texels()), unknown) {
+        for (std::size_t i = 0; i < order.entry.size(); ++i)
+            rank_[raster(order.entry[i].k[0], order.entry[i].k[1], order.entry[i].k[2],
+                         order.entry[i].k[3])] = static_cast<std::uint16_t>(i);
+    }
+
+    // The four that count double first; the coefficient itself, not yet decoded, where there is none.
+    std::array<std::uint16_t, 12> of(std::size_t index) const {
+        static constexpr int steps[12][4] = {{1, 0, 0, 0},  {0, 1, 0, 0},  {0, 0, 1, 0},
+                                             {0, 0, 0, 1},  {1, 0, 1, 0},  {1, 0, -1, 0},
+                                             {-1, 0, 1, 0}, {0, 1, 0, 1},  {0, 1, 0, -1},
+                                             {0, -1, 0, 1}, {1, 1, 0, 0},  {0, 0, 1, 1}};
+        std::array<std::uint16_t, 12> list;
+        for (std::size_t i = 0; i < 12; ++i) {
+            const std::uint16_t found = before(order_.entry[index], steps[i]);
+            list[i] = found < index ? found : static_cast<std::uint16_t>(index);
+        }
+        return list;
+    }
+
+private:
+    static constexpr std::uint16_t unknown = 0xFFFF;
+
+    std::size_t raster(int u, int v, int s, int t) const {
+        const auto& n = order_.shape.n;
+        return static_cast<std::size_t>(((t * n[2] + s) * n[1] + v) * n[0] + u);
+    }
+    std::uint16_t before(const ScanEntry& entry, const int (&step)[4]) const {
+        std::array<int, 4> k;
+        for (std::size_t axis = 0; axis < 4; ++axis) {
+            k[axis] = entry.k[axis] - step[axis];
+            if (k[axis] < 0 || k[axis] >= order_.shape.n[axis])
+                return unknown;
+        }
+        return rank_[raster(k[0], k[1], k[2], k[3])];
+    }
+
+    const ScanOrder& order_;
+    std::vector<std::uint16_t> rank_;
+};
+
+void append_scan(const ScanOrder& order, Words& words) {
+    const NeighbourLists neighbours(order);
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const auto& k = order.entry[i].k;
+        words.push_back(k[0] | (std::uint32_t{k[1]} << 5) | (std::uint32_t{k[2]} << 10) |
+                        (std::uint32_t{k[3]} << 15) |
+                        (std::uint32_t{order.position_class[i]} << 20));
+        const auto list = neighbours.of(i);
+        for (std::size_t j = 0; j < 12; j += 2)
+            words.push_back(list[j] | (std::uint32_t{list[j + 1]} << 16));
+        words.push_back(0);
+    }
+}
+
+std::uint32_t scale_word(const Scale& scale) {
+    return static_cast<std::uint32_t>(scale.mantissa) |
+           (static_cast<std::uint32_t>(scale.exponent + 128) << 16);
+}
+
+void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleType type,
+                std::uint32_t* record) {
+    for (std::size_t set = 0; set < 5; ++set) {
+        const ScaleSet scales =
+            make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape, type);
+        for (std::size_t axes = 0; axes < 5; ++axes)
+            record[tsr_s_scales + set * 5 + axes] = scale_word(scales[axes]);
+    }
+}
+
+std::uint32_t size_class(const BlockShape& shape) {
+    const int bits = std::bit_width(static_cast<unsigned>(shape.texels()));
+    return static_cast<std::uint32_t>(std::min(bits / 2, size_classes - 1));
+}
+
+} // namespace
+
+void DecodeTables::add_subtree(const BlockShape& shape) {
+    if (!ids_.try_emplace(shape, static_cast<std::uint32_t>(ids_.size())).second)
+        return;
+    for (const Split split : {Split::spatial, Split::angular})
+        if (can_split(shape, split)) {
+            const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, split);
+            for (int i = 0; i < children.count; ++i)
+                add_subtree(children.block[static_cast<std::size_t>(i)].shape);
+        }
+}
+
+void DecodeTables::add_shapes(const TileGrid& grid) {
+    // Extents along an axis differ by one at most: the first tile and the last show them all.
+    std::array<std::set<std::uint8_t>, 4> sides;
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        for (std::uint64_t i = 0; i < grid.count()[axis]; ++i) {
+            const std::uint64_t n = grid.count()[axis], size = grid.size()[axis];
+            sides[axis].insert(static_cast<std::uint8_t>((i + 1) * size / n - i * size / n));
+            if (sides[axis].size() == 2)
+                break;
+        }
+    for (const auto u : sides[0])
+        for (const auto v : sides[1])
+            for (const auto s : sides[2])
+                for (const auto t : sides[3])
+                    add_subtree({{u, v, s, t}});
+}
+
+Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
+    const auto coding = read_coding_parameters(reader.codec_parameters());
+    if (!coding.ok())
+        return coding.status().with_context(reader.name());
+    const FileHeader& header = reader.header();
+    DecodeTables tables;
+    tables.planes_ = header.desc.channels;
+    tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
+    tables.add_shapes(reader.grid());
+    Words& words = tables.words_;
+    words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
+    put_header(header, *coding, words);
+    put_code_tables(CodeTables(coding->parameters), words);
+    put_transform_tables(words);
+    words[tsr_t_shape_count] = static_cast<std::uint32_t>(tables.ids_.size());
+    words[tsr_t_shapes] = tsr_t_end;
+    for (const auto& [shape, id] : tables.ids_) {
+        const ScanOrder order = make_scan_order(shape, coding->scan_weights);
+        const std::size_t scan_at = words.size();
+        append_scan(order, words);
+        if (words.size() > (std::size_t{128} << 20) / 4)
+            return Status{ErrorCode::unsupported,
+                          reader.name() + ": tables of more than 128 MiB for the GPU"};
+        std::uint32_t* record = words.data() + tsr_t_end + std::size_t{id} * tsr_shape_words;
+        const auto& n = shape.n;
+        record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
+                              (std::uint32_t{n[3]} << 24);
+        record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
+        record[tsr_s_coded] = static_cast<std::uint32_t>(order.length());
+        record[tsr_s_size_class] = size_class(shape);
+        put_scales(shape, *coding, header.desc.type, record);
+        for (int split = 0; split < 2; ++split) {
+            std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
+            if (can_split(shape, static_cast<Split>(split + 1))) {
+                const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0},
+                                                      static_cast<Split>(split + 1));
+                for (int i = 0; i < children.count; ++i)
+                    ids[static_cast<std::size_t>(i)] =
+                        tables.ids_.at(children.block[static_cast<std::size_t>(i)].shape);
+            }
+            record[tsr_s_children + 2 * split] = ids[0] | (ids[1] << 16);
+            record[tsr_s_children + 2 * split + 1] = ids[2] | (ids[3] << 16);
+        }
+    }
+    return tables;
+}
+
+} // namespace tessera

@@ -1,0 +1,38 @@
+// What the shaders need to know of a file: the words of binding 0 (shaders/layout.glsl).
+#pragma once
+
+#include "format/block.h"
+#include "format/container_reader.h"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// Immutable, so thread-safe.
+class DecodeTables {
+public:
+    // Reads section CODE; makes the scan tables of every block shape that a tile of the file can be
+    // split into (36 shapes, 2 MB for tiles of one shape; at most 576, some 50 MB). Errors:
+    // invalid_file (CODE); unsupported (tables above 128 MiB).
+    static Result<DecodeTables> make(const ContainerReader& reader);
+
+    std::span<const std::uint32_t> words() const { return words_; }
+    // Precondition: the shape of a tile of the file's grid.
+    std::uint32_t shape_id(const BlockShape& shape) const { return ids_.at(shape); }
+    unsigned planes() const { return planes_; }
+    bool has_corrections() const { return has_corrections_; }
+
+private:
+    void add_shapes(const TileGrid& grid);
+    void add_subtree(const BlockShape& shape);
+
+    std::vector<std::uint32_t> words_;
+    std::map<BlockShape, std::uint32_t> ids_;
+    unsigned planes_ = 0;
+    bool has_corrections_ = false;
+};
+
+} // namespace tessera

@@ -1,0 +1,366 @@
+// On feedback: a tile cache with a page table, filled by what frames mark.
+#include "decoder_glsl/cache_borders.h"
+#include "decoder_glsl/gl_error.h"
+#include "decoder_glsl/gl_residency.h"
+#include "decoder_glsl/shader_layout.h"
+
+#include <algorithm>
+#include <set>
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+
+// Marks on their way back: the copy of a frame's marks and the fence behind it.
+struct MarksInFlight {
+    GlBuffer copy;
+    std::optional<GlFence> fence;
+};
+
+class CachedTexture final : public Resident {
+public:
+    CachedTexture(TextureFile& file, const SampledTextureOptions& options)
+        : file_(file), grid_(file.reader.grid()), jobs_per_update_(options.jobs_per_update),
+          borders_(options.hardware_filter), coarse_(options.coarse) {}
+
+    Status load() {
+        TESSERA_TRY(find_background());
+        TESSERA_TRY(plan_memory());
+        TESSERA_TRY(create_objects());
+        if (coarse_)
+            TESSERA_TRY(make_coarse());
+        return drop_cache();
+    }
+
+    void bind() const override {
+        parameters_.bind_storage(4);
+        marks_.bind_storage(5);
+        texels_.bind_texture(0);
+    }
+    std::uint64_t bytes() const override {
+        std::uint64_t sum = texels_.bytes() + parameters_.bytes() + marks_.bytes() + strips_.bytes() +
+                            file_.decoder.bytes();
+        for (const MarksInFlight& m : in_flight_)
+            sum += m.copy.bytes();
+        return sum;
+    }
+    std::uint64_t damaged_tiles() const override { return damaged_; }
+    std::uint64_t slots() const override { return cache_->slots(); }
+    const TileCacheStats* stats() const override { return &cache_->stats(); }
+
+    Status drop_cache() override {
+        auto cache = TileCache::create(slots_, grid_.tiles());
+        if (!cache.ok())
+            return cache.status();
+        cache_.emplace(std::move(*cache));
+        std::copy(empty_pages_.begin(), empty_pages_.end(), words_.begin() + tsr_p_pages);
+        TESSERA_TRY(parameters_.upload(tsr_p_pages * 4, std::as_bytes(std::span(empty_pages_))));
+        for (MarksInFlight& m : in_flight_)
+            m.fence.reset();
+        return marks_.clear(0);
+    }
+
+    Result<UpdateReport> update(bool wait) override {
+        UpdateReport report;
+        TESSERA_TRY(send_marks());
+        TESSERA_TRY(take_marks(wait, report.current));
+        if (touched_.empty())
+            return report;
+        report.touched = static_cast<std::uint32_t>(touched_.size());
+        cache_->begin_frame();
+        const auto jobs = cache_->touch(
+            touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
+        if (!jobs.ok())
+            return jobs.status();
+        const std::vector<DecodeJob> list(jobs->begin(), jobs->end());
+        report.decoded = static_cast<std::uint32_t>(list.size());
+        report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
+        TESSERA_TRY(decode(list));
+        TESSERA_TRY(upload_pages());
+        if (borders_)
+            TESSERA_TRY(fill_borders(list));
+        TESSERA_TRY(take_gl_errors("filling the tile cache"));
+        return report;
+    }
+
+private:
+    // Tiles without bytes are all background: they are never decoded.
+    Status find_background() {
+        empty_pages_.assign(grid_.tiles(), tsr_page_missing);
+        for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
+            const auto location = file_.reader.locate(tile);
+            if (!location.ok())
+                return location.status();
+            if (location->length == 0)
+                empty_pages_[tile] = tsr_page_background;
+            else
+                ++full_tiles_;
+        }
+        return {};
+    }
+
+    // How many slots the budget leaves after everything else.
+    Status plan_memory() {
+        const Extent4& most = grid_.tile_extent();
+        stride_s_ = std::min(most[2], grid_.size()[2]) + 1;
+        stride_t_ = std::min(most[3], grid_.size()[3]) + 1;
+        slot_width_ = std::min(most[0], grid_.size()[0]) * stride_s_;
+        slot_height_ = std::min(most[1], grid_.size()[1]) * stride_t_;
+        const std::uint64_t slot_bytes =
+            std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format());
+        const std::uint64_t tile_bytes = grid_.tiles() * 4;
+        const std::uint64_t coarse_bytes =
+            coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
+        work_bytes_ = std::clamp<std::uint64_t>(file_.budget / 6, 2ull << 20, 96ull << 20);
+        const std::uint64_t fixed = file_.decoder.bytes() + work_bytes_ +
+                                    (1 + 1 + std::size(in_flight_)) * tile_bytes + coarse_bytes +
+                                    (1ull << 16);
+        if (file_.budget < fixed + slot_bytes)
+            return {ErrorCode::unsupported,
+                    file_.reader.name() + ": a tile cache of one tile takes " +
+                        mebibytes(fixed + slot_bytes) + ", the budget is " +
+                        mebibytes(file_.budget)};
+        slots_ = std::min((file_.budget - fixed) / slot_bytes, std::max<std::uint64_t>(full_tiles_, 1));
+        columns_ = static_cast<std::uint32_t>(
+            std::min<std::uint64_t>(slots_, std::max(2048u / slot_width_, 1u)));
+        std::uint64_t lines = slots_ / columns_;
+        rows_ = static_cast<std::uint32_t>((lines + 2047) / 2048);
+        const std::uint64_t layers = lines / rows_;
+        if (slot_width_ > 2048 || slot_height_ * rows_ > 2048)
+            return {ErrorCode::unsupported,
+                    file_.reader.name() + ": more tiles than a texture array takes; lower the budget"};
+        slots_ = layers * rows_ * columns_;
+        shape_ = {columns_ * slot_width_, rows_ * slot_height_, static_cast<std::uint32_t>(layers)};
+        return {};
+    }
+
+    Status create_objects() {
+        auto texels = GlTexture::create(file_.format(), shape_, "tile cache");
+        if (!texels.ok())
+            return texels.status();
+        texels_ = std::move(*texels);
+        // What a filter may touch beside a tile's texels must be numbers.
+        texels_.clear();
+        TESSERA_TRY(texels_.interpolate(borders_));
+
+        words_ = sampler_words(file_.reader, file_.tables);
+        words_[tsr_p_columns] = columns_;
+        words_[tsr_p_rows] = rows_;
+        words_[tsr_p_slot_width] = slot_width_;
+        words_[tsr_p_slot_height] = slot_height_;
+        words_[tsr_p_stride_s] = stride_s_;
+        words_[tsr_p_stride_t] = stride_t_;
+        words_[tsr_p_width] = shape_.width;
+        words_[tsr_p_height] = shape_.height;
+        words_[tsr_p_has_coarse] = coarse_;
+        words_[tsr_p_coarse_at] = static_cast<std::uint32_t>(tsr_p_pages + grid_.tiles());
+        words_.insert(words_.end(), empty_pages_.begin(), empty_pages_.end());
+        const std::uint64_t coarse_words = coarse_ ? grid_.tiles() * tsr_coarse_texels * 2 : 0;
+        TESSERA_TRY(grow_buffer(parameters_, (words_.size() + coarse_words) * 4, BufferUse::upload,
+                                "sampler parameters"));
+        TESSERA_TRY(parameters_.clear(0));
+        TESSERA_TRY(parameters_.upload(0, std::as_bytes(std::span(words_))));
+        TESSERA_TRY(grow_buffer(marks_, grid_.tiles() * 4, BufferUse::device, "marks"));
+        for (MarksInFlight& m : in_flight_)
+            TESSERA_TRY(grow_buffer(m.copy, grid_.tiles() * 4, BufferUse::device, "marks copy"));
+        if (borders_) {
+            const auto defines = file_.output_defines();
+            auto program = compute_program("border.comp.glsl", defines);
+            if (!program.ok())
+                return program.status();
+            border_program_ = std::move(*program);
+        }
+        return {};
+    }
+
+    TexelPlan plan() const {
+        TexelPlan p;
+        p.stride_s = stride_s_;
+        p.stride_t = stride_t_;
+        return p;
+    }
+    TexelPlace place_of(std::uint32_t slot) const {
+        const std::uint32_t line = slot / columns_;
+        return {slot % columns_ * slot_width_, line % rows_ * slot_height_, line / rows_, 0, 0};
+    }
+
+    Status decode(const std::vector<DecodeJob>& jobs) {
+        BatchFeed feed(file_, plan(), limits_within(work_bytes_), false, [&](DecodeBatch& batch) {
+            damaged_ += batch.damaged.size();
+            return file_.decoder.decode(batch, texels_);
+        });
+        for (const DecodeJob& job : jobs)
+            TESSERA_TRY(feed.add(job.tile, place_of(job.slot)));
+        return feed.finish();
+    }
+
+    // Every tile once through the cache, a cache full at a time.
+    Status make_coarse() {
+        const auto defines = file_.output_defines();
+        const auto program = compute_program("coarse.comp.glsl", defines);
+        if (!program.ok())
+            return program.status();
+        std::vector<DecodeJob> jobs;
+        const auto flush = [&]() -> Status {
+            if (jobs.empty())
+                return {};
+            TESSERA_TRY(decode(jobs));
+            TESSERA_TRY(average(jobs, *program));
+            jobs.clear();
+            return {};
+        };
+        const std::uint64_t most = std::min<std::uint64_t>(slots_, 1024);
+        for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
+            if (empty_pages_[tile] == tsr_page_background)
+                continue;
+            jobs.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(jobs.size())});
+            if (jobs.size() == most)
+                TESSERA_TRY(flush());
+        }
+        return flush();
+    }
+
+    Status average(const std::vector<DecodeJob>& jobs, const GlProgram& program) {
+        std::vector<std::uint32_t> words;
+        for (const DecodeJob& job : jobs) {
+            const Extent4 n = grid_.box(job.tile).extent();
+            const std::uint32_t at =
+                words_[tsr_p_coarse_at] + job.tile * static_cast<std::uint32_t>(tsr_coarse_texels * 2);
+            words.insert(words.end(), {job.slot, at, n[0], n[1], n[2], n[3], 0, 0});
+        }
+        TESSERA_TRY(upload_list(words));
+        parameters_.bind_storage(4);
+        texels_.bind_texture(0);
+        program.use();
+        glDispatchCompute(static_cast<GLuint>(jobs.size()), 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        return {};
+    }
+
+    // Words at binding 1, for the small passes.
+    Status upload_list(const std::vector<std::uint32_t>& words) {
+        TESSERA_TRY(grow_buffer(strips_, words.size() * 4, BufferUse::upload, "cache jobs"));
+        TESSERA_TRY(strips_.upload(0, std::as_bytes(std::span(words))));
+        strips_.bind_storage(1);
+        return {};
+    }
+
+    // Sends this frame's marks on their way and clears them for the next one.
+    Status send_marks() {
+        MarksInFlight& next = in_flight_[send_];
+        if (next.fence) // the oldest: a ring full of unfinished frames
+            TESSERA_TRY(next.fence->wait(10000));
+        if (next.fence)
+            TESSERA_TRY(read_marks(next));
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        glCopyNamedBufferSubData(marks_.id(), next.copy.id(), 0, 0,
+                                 static_cast<GLsizeiptr>(marks_.bytes()));
+        TESSERA_TRY(marks_.clear(0));
+        auto fence = GlFence::insert();
+        if (!fence.ok())
+            return fence.status();
+        next.fence.emplace(std::move(*fence));
+        send_ = (send_ + 1) % std::size(in_flight_);
+        return {};
+    }
+
+    // The tiles that finished frames touched, ascending.
+    Status take_marks(bool wait, bool& current) {
+        for (std::size_t i = 0; i < std::size(in_flight_); ++i) {
+            MarksInFlight& m = in_flight_[(send_ + i) % std::size(in_flight_)];
+            if (!m.fence)
+                continue;
+            if (wait)
+                TESSERA_TRY(m.fence->wait(60000));
+            else if (!m.fence->passed())
+                break;
+            // Later marks replace earlier ones: the newest frame is what will be drawn next.
+            TESSERA_TRY(read_marks(m));
+            current = i + 1 == std::size(in_flight_);
+        }
+        return {};
+    }
+
+    Status read_marks(MarksInFlight& m) {
+        m.fence.reset();
+        std::vector<std::uint32_t> marks(grid_.tiles());
+        TESSERA_TRY(m.copy.read(0, std::as_writable_bytes(std::span(marks))));
+        touched_.clear();
+        for (std::uint32_t tile = 0; tile < marks.size(); ++tile)
+            if (marks[tile] != 0 && empty_pages_[tile] != tsr_page_background)
+                touched_.push_back(tile);
+        return {};
+    }
+
+    Status upload_pages() {
+        std::size_t first = SIZE_MAX, last = 0;
+        for (const PageChange& change : cache_->take_changes()) {
+            const std::size_t at = tsr_p_pages + std::size_t{change.tile};
+            words_[at] = change.slot == no_slot ? tsr_page_missing : change.slot;
+            first = std::min(first, at);
+            last = std::max(last, at);
+        }
+        if (first > last)
+            return {};
+        return parameters_.upload(
+            first * 4, std::as_bytes(std::span(words_).subspan(first, last - first + 1)));
+    }
+
+    Status fill_borders(const std::vector<DecodeJob>& jobs) {
+        std::vector<std::uint32_t> tiles;
+        for (const DecodeJob& job : jobs)
+            tiles.push_back(job.tile);
+        const auto page_of = [&](std::uint64_t tile) { return words_[tsr_p_pages + tile]; };
+        const BorderList list = border_strips(grid_, tiles, page_of);
+        // Rows of 32,768 strips at most: any device's dispatch.
+        constexpr std::size_t most = 32768;
+        for (std::size_t first = 0; first < list.strips(); first += most) {
+            const std::size_t count = std::min(most, list.strips() - first);
+            TESSERA_TRY(upload_list({list.words.begin() + static_cast<std::ptrdiff_t>(first * 6),
+                                     list.words.begin() +
+                                         static_cast<std::ptrdiff_t>((first + count) * 6)}));
+            const TexelFormat words = file_.half ? TexelFormat::rgba16ui : TexelFormat::r32ui;
+            TESSERA_TRY(texels_.bind_image(0, GL_WRITE_ONLY, words));
+            TESSERA_TRY(texels_.bind_image(1, GL_READ_ONLY, words));
+            parameters_.bind_storage(4);
+            border_program_.use();
+            glDispatchCompute((list.most_pixels + 63) / 64, static_cast<GLuint>(count), 1);
+            glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+        }
+        return {};
+    }
+
+    TextureFile& file_;
+    const TileGrid grid_;
+    const std::uint32_t jobs_per_update_;
+    const bool borders_, coarse_;
+
+    std::vector<std::uint32_t> empty_pages_; // background or missing
+    std::uint64_t full_tiles_ = 0;
+    std::uint32_t stride_s_ = 0, stride_t_ = 0, slot_width_ = 0, slot_height_ = 0; // pixels
+    std::uint32_t columns_ = 0, rows_ = 0;
+    std::uint64_t slots_ = 0, work_bytes_ = 0;
+    TextureShape shape_;
+
+    GlTexture texels_;
+    GlBuffer parameters_, marks_, strips_;
+    GlProgram border_program_;
+    std::array<MarksInFlight, 3> in_flight_;
+    std::size_t send_ = 0;               // the next one to send, which is the oldest
+    std::vector<std::uint32_t> words_;   // of parameters_, up to the coarse texels
+    std::vector<std::uint32_t> touched_; // tiles of the newest frame known
+    std::optional<TileCache> cache_;
+    std::uint64_t damaged_ = 0;
+};
+
+} // namespace
+
+Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
+                                                      const SampledTextureOptions& options) {
+    auto texture = std::make_unique<CachedTexture>(file, options);
+    TESSERA_TRY(texture->load());
+    return std::unique_ptr<Resident>(std::move(texture));
+}
+
+} // namespace tessera

@@ -1,0 +1,89 @@
+// On load: every tile decoded into an ordinary texture.
+#include "decoder_glsl/gl_residency.h"
+#include "decoder_glsl/shader_layout.h"
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+
+class PlainTexture final : public Resident {
+public:
+    void bind() const override {
+        parameters_.bind_storage(4);
+        texels_.bind_texture(0);
+    }
+    std::uint64_t bytes() const override { return texels_.bytes() + parameters_.bytes(); }
+    std::uint64_t damaged_tiles() const override { return damaged_; }
+
+    Status load(TextureFile& file, bool hardware_filter) {
+        const PlainLayout plain = plain_layout(file.reader.desc().size);
+        const std::uint64_t needed = decoded_bytes(file.reader);
+        constexpr std::uint64_t least_work = 4ull << 20;
+        if (needed + least_work > file.budget)
+            return {ErrorCode::unsupported,
+                    file.reader.name() + ": decoded as a whole it takes " + mebibytes(needed) +
+                        " and some work memory, the budget is " + mebibytes(file.budget) +
+                        "; a tile cache (on feedback) fits"};
+        auto texels = GlTexture::create(file.format(), plain.shape, "decoded texels");
+        if (!texels.ok())
+            return texels.status();
+        texels_ = std::move(*texels);
+        TESSERA_TRY(texels_.interpolate(hardware_filter));
+        TESSERA_TRY(put_parameters(file, plain));
+
+        const std::uint64_t fixed = bytes() + file.decoder.bytes();
+        const std::uint64_t left = file.budget > fixed ? file.budget - fixed : 0;
+        BatchFeed feed(file, plain.plan, limits_within(std::min(left, std::uint64_t{256} << 20)),
+                       false, [&](DecodeBatch& batch) { return decode(file, batch); });
+        const TileGrid& grid = file.reader.grid();
+        for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
+            const Box4 box = grid.box(tile);
+            TESSERA_TRY(feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
+        }
+        return feed.finish();
+    }
+
+private:
+    Status decode(TextureFile& file, const DecodeBatch& batch) {
+        TESSERA_TRY(file.decoder.decode(batch, texels_));
+        const auto counts = file.decoder.counts(batch);
+        if (!counts.ok())
+            return counts.status();
+        damaged_ += batch.damaged.size();
+        for (const TileCounts& tile : *counts)
+            damaged_ += tile.damaged != 0;
+        return {};
+    }
+
+    Status put_parameters(const TextureFile& file, const PlainLayout& plain) {
+        auto words = sampler_words(file.reader, file.tables);
+        words[tsr_p_fold_u] = plain.plan.fold_u;
+        words[tsr_p_fold_v] = plain.plan.fold_v;
+        words[tsr_p_folds_u] = plain.plan.folds_u;
+        words[tsr_p_stride_s] = plain.plan.stride_s;
+        words[tsr_p_stride_t] = plain.plan.stride_t;
+        words[tsr_p_width] = plain.shape.width;
+        words[tsr_p_height] = plain.shape.height;
+        auto made = GlBuffer::create(std::as_bytes(std::span(words)), "sampler parameters");
+        if (!made.ok())
+            return made.status();
+        parameters_ = std::move(*made);
+        return {};
+    }
+
+    GlTexture texels_;
+    GlBuffer parameters_;
+    std::uint64_t damaged_ = 0;
+};
+
+} // namespace
+
+Result<std::unique_ptr<Resident>> make_plain_texture(TextureFile& file, bool hardware_filter) {
+    auto texture = std::make_unique<PlainTexture>();
+    TESSERA_TRY(texture->load(file, hardware_filter));
+    file.decoder.free_work();
+    return std::unique_ptr<Resident>(std::move(texture));
+}
+
+} // namespace tessera

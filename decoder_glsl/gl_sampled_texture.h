@@ -1,0 +1,83 @@
+// A compressed texture that shaders sample: the host side of shaders/sample.glsl, for OpenGL 4.5.
+//
+// Three ways to be resident give the same picture:
+//   on load      all tiles are decoded into an ordinary texture: fastest to sample, most memory;
+//   on feedback  sampling marks the tiles that it touches, and update() decodes the missing ones into
+//                a tile cache of fixed size; until then their coarse texels are drawn;
+//   on sample    nothing is decoded but the entropy coding: the shader evaluates texels from the
+//                coefficients, exactly. Least memory, slowest.
+#pragma once
+
+#include "decoder_glsl/gl_tile_decoder.h"
+#include "decoder_glsl/tile_cache.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+enum class Residency { on_load, on_feedback, on_sample };
+const char* name_of(Residency residency); // "load", "feedback", "sample"
+
+struct SampledTextureOptions {
+    Residency residency = Residency::on_feedback;
+    std::uint64_t budget = 256ull << 20; // bytes on the device, all buffers; never exceeded
+    bool hardware_filter = true;         // let the texture unit mix angular neighbours
+    bool coarse = true;                  // on_feedback: decode all once for coarse texels
+    std::uint32_t jobs_per_update = 0;   // on_feedback: tiles decoded at a time at most; 0: no limit
+};
+
+// The residency that suits a file and a budget: everything decoded where that fits, else a cache.
+Residency choose_residency(const ContainerReader& reader, std::uint64_t budget);
+
+// Bytes of all texels of a file in an ordinary texture, as on_load holds them.
+std::uint64_t decoded_bytes(const ContainerReader& reader);
+
+struct UpdateReport {
+    std::uint32_t touched = 0; // tiles that the frames since the last update sampled
+    std::uint32_t decoded = 0; // tiles decoded now
+    std::uint32_t waiting = 0; // tiles that found no slot, or wait for the next update
+    bool current = false;      // the marks of the last frame were looked at, not only older ones
+};
+
+// Needs a current OpenGL 4.5 context at every call, as its destructor does; one thread.
+class SampledTexture {
+public:
+    // `reader` must outlive it. Errors: unsupported (the device lacks something: all of it is named;
+    // the file is too large for the residency or the budget: with what would do), invalid_file, io.
+    static Result<SampledTexture> create(const ContainerReader& reader,
+                                         const SampledTextureOptions& options);
+    SampledTexture(SampledTexture&&) noexcept;
+    SampledTexture& operator=(SampledTexture&&) noexcept;
+    ~SampledTexture();
+
+    // Macros for shaders that include sample.glsl.
+    std::vector<ShaderDefine> defines() const;
+    // Binds what sample.glsl declares, at its default bindings.
+    void bind() const;
+
+    // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
+    // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
+    // never stalls: the marks may be those of one or two frames ago. Tiles that cannot be decoded are
+    // drawn as background and counted in damaged_tiles(). Errors: io, invalid_file, runtime.
+    Result<UpdateReport> update(bool wait);
+    // Forgets all cached tiles, as if nothing had been drawn.
+    Status drop_cache();
+
+    std::uint64_t bytes() const; // held on the device
+    std::uint64_t damaged_tiles() const;
+    std::uint64_t cache_slots() const; // on_feedback; else 0
+    const TileCacheStats* cache_stats() const;
+    void set_stage_hook(GlTileDecoder::StageHook hook);
+
+private:
+    struct State;
+    explicit SampledTexture(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+} // namespace tessera

@@ -1,0 +1,89 @@
+// The decoder's four buffers and checked access to them: nothing here reads or writes outside,
+// whatever an index holds.
+#ifndef TSR_BUFFERS
+#define TSR_BUFFERS
+#include "dialect.glsl"
+#include "layout.glsl"
+
+#if !defined(__cplusplus) && !defined(TSR_READ_ONLY)
+layout(std430, binding = 0) readonly buffer TesseraTables { uint tsr_tables[]; };
+layout(std430, binding = 1) readonly buffer TesseraBatch { uint tsr_batch[]; };
+layout(std430, binding = 2) buffer TesseraWork { uint tsr_work[]; };
+layout(std430, binding = 3) buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
+#define TSR_ATOMIC_ADD(index, value) atomicAdd(tsr_work[index], value)
+#define TSR_ATOMIC_OR(index, value) atomicOr(tsr_work[index], value)
+#define TSR_ATOMIC_MAX(index, value) atomicMax(tsr_work[index], value)
+#endif
+
+uint tsr_table(uint at) {
+    return at < uint(tsr_tables.length()) ? tsr_tables[at] : 0u;
+}
+uint tsr_table(int at) {
+    return tsr_table(uint(at));
+}
+uint tsr_shape(uint shape, int field) {
+    return tsr_table(tsr_table(tsr_t_shapes) + shape * uint(tsr_shape_words) + uint(field));
+}
+// At most 32 each, whatever the shape is.
+ivec4 tsr_sides_of(uint shape) {
+    uint sides = tsr_shape(shape, tsr_s_sides);
+    return min(ivec4(int(sides & 255u), int((sides >> 8) & 255u), int((sides >> 16) & 255u),
+                     int(sides >> 24)),
+               32);
+}
+
+// Sampling only reads tables and coefficients, and declares them itself.
+#ifndef TSR_READ_ONLY
+uint tsr_batch_word(uint at) {
+    return at < uint(tsr_batch.length()) ? tsr_batch[at] : 0u;
+}
+uint tsr_header(int field) {
+    return tsr_batch_word(uint(field));
+}
+uint tsr_work_word(uint at) {
+    return at < uint(tsr_work.length()) ? tsr_work[at] : 0u;
+}
+void tsr_set_work(uint at, uint value) {
+    if (at < uint(tsr_work.length()))
+        tsr_work[at] = value;
+}
+
+uint tsr_tile(uint tile, int field) {
+    return tsr_batch_word(tsr_header(tsr_b_tile_at) + tile * uint(tsr_tile_words) + uint(field));
+}
+uint tsr_segment(uint segment, int field) {
+    return tsr_batch_word(tsr_header(tsr_b_segment_at) + segment * uint(tsr_segment_words) +
+                          uint(field));
+}
+uint tsr_state_at(uint tile) {
+    return uint(tsr_w_state) + tile * uint(tsr_state_words);
+}
+uint tsr_block_at(uint tile, uint block) {
+    return uint(tsr_w_state) + tsr_header(tsr_b_capacity) * uint(tsr_state_words) +
+           (tile * uint(tsr_max_blocks) + block) * uint(tsr_block_words);
+}
+uint tsr_item_at(uint item) {
+    return uint(tsr_w_state) +
+           tsr_header(tsr_b_capacity) *
+               uint(tsr_state_words + tsr_max_blocks * tsr_block_words) +
+           item * uint(tsr_item_words);
+}
+void tsr_damage(uint tile, uint what) {
+    uint at = tsr_state_at(tile) + uint(tsr_st_damaged);
+    if (at < uint(tsr_work.length()))
+        TSR_ATOMIC_OR(at, what);
+}
+
+// A little-endian 16-bit word of the payloads, at any byte.
+uint tsr_payload_word(uint byte_at) {
+    uint at = tsr_header(tsr_b_payload_at) + (byte_at >> 2);
+    uint shift = (byte_at & 3u) * 8u;
+    uint word = tsr_batch_word(at) >> shift;
+    if (shift == 24u)
+        word |= tsr_batch_word(at + 1u) << 8;
+    return word & 0xFFFFu;
+}
+
+#endif
+
+#endif

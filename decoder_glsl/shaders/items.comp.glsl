@@ -1,0 +1,55 @@
+// Pass 4, 64 invocations a tile: cuts the blocks into items, the work of one group of the next pass.
+// A damaged tile becomes one block of no coefficients: the background.
+#include "buffers.glsl"
+#include "patch.glsl"
+
+// `room`: items that this invocation may still make; blocks of a sound tile never need more.
+void tsr_cut_block(uint tile, uint block, uint place, uint rest, TSR_INOUT(uint) room) {
+    TsrPatch patch_of = tsr_patch(place >> 20, rest);
+    uint positions = uint(patch_of.sides.x * patch_of.sides.y);
+    uint size = uint(patch_of.positions);
+    uint items = min((positions + size - 1u) / size, room);
+    room -= items;
+    if (uint(tsr_w_items) >= uint(tsr_work.length()))
+        return;
+    uint first = TSR_ATOMIC_ADD(uint(tsr_w_items), items);
+    for (uint i = 0u; i < items; ++i) {
+        TSR_LOOP;
+        uint at = tsr_item_at(first + i);
+        uint begin = i * size;
+        tsr_set_work(at, (tile << 12) | block);
+        tsr_set_work(at + 1u, begin | (min(size, positions - begin) << 16));
+    }
+}
+
+void tsr_cut_tile(uint tile, uint lane) {
+    if (tile >= tsr_header(tsr_b_tiles))
+        return;
+    uint state = tsr_state_at(tile);
+    uint room = uint(tsr_max_items);
+    if (tsr_work_word(state + uint(tsr_st_damaged)) != 0u) {
+        if (lane == 0u) {
+            uint at = tsr_block_at(tile, 0u);
+            uint place = tsr_tile(tile, tsr_tile_shape) << 20;
+            tsr_set_work(at + uint(tsr_k_place), place);
+            tsr_set_work(at + uint(tsr_k_counts), 0u);
+            tsr_set_work(at + uint(tsr_k_rest), 0u);
+            tsr_cut_block(tile, 0u, place, 0u, room);
+        }
+        return;
+    }
+    uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
+    for (uint block = lane; block < blocks; block += 64u) {
+        TSR_LOOP;
+        uint at = tsr_block_at(tile, block);
+        tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_place)),
+                      tsr_work_word(at + uint(tsr_k_rest)), room);
+    }
+}
+
+#ifndef __cplusplus
+layout(local_size_x = 64) in;
+void main() {
+    tsr_cut_tile(gl_WorkGroupID.x, gl_LocalInvocationIndex);
+}
+#endif

@@ -1,0 +1,134 @@
+// Where things lie in the four buffers of the decoder, in 32-bit words. Shared by shaders and host.
+#ifndef TSR_LAYOUT
+#define TSR_LAYOUT
+
+// Limits of the format (FORMAT.md 3.1).
+const int tsr_max_blocks = 4096;
+const int tsr_max_nodes = 8192;
+const int tsr_max_work = 16000;
+const int tsr_max_coded = 4096;
+const int tsr_correction_chunk = 4096; // texels
+
+// ---- Binding 0, tables: one a file, read only.
+const int tsr_t_sample_type = 0; // 0 unorm8, 1 half16
+const int tsr_t_planes = 1;      // 1..4
+const int tsr_t_colour = 2;      // 1: YCoCg-R
+const int tsr_t_rotates = 3;
+const int tsr_t_background = 4; // four planes, signed
+const int tsr_t_fraction = 8;
+const int tsr_t_correction_step = 9; // 2 E + 1
+const int tsr_t_offsets = 10;        // plane 0: magnitude 1, larger; the other planes: the same
+const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_pack
+const int tsr_t_shape_count = 16;
+const int tsr_t_shapes = 17; // word of the first shape record
+const int tsr_t_zero = 32;   // frequencies of 0: [4][20][10]
+const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
+const int tsr_t_magnitude = 832;     // [2][11] symbol tables
+const int tsr_t_first_length = 1096; // [9]
+const int tsr_t_other_length = 1204; // [14]
+const int tsr_t_correction = 1372;   // [21]
+const int tsr_t_split = 1624;        // [6][6] words c[1] | c[2] << 16
+const int tsr_t_kind = 1660;         // [2] likewise: the kind of a block's colour
+const int tsr_t_rotation = 1664;     // [49][9] signed
+const int tsr_t_basis = 2112;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + k n + x, signed
+const int tsr_t_end = 13552;         // shape records and their scans follow
+
+// A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest) | position << 20,
+// then the 12 earlier neighbours as 16-bit scan indices, the four that count double first; the entry's
+// own index where there is none. Its last word is free.
+const int tsr_shape_words = 36;
+const int tsr_s_sides = 0; // nu | nv << 8 | ns << 16 | nt << 24
+const int tsr_s_scan = 1;  // word of its first scan entry
+const int tsr_s_coded = 2; // number of scan entries
+const int tsr_s_size_class = 3;
+const int tsr_s_children = 4; // two words a split: four 16-bit shapes, 0xFFFF none
+const int tsr_s_scales = 8;   // [planes 0..3, rotated][axes 0..4] mantissa | exponent + 128 << 16
+const int tsr_scan_words = 8;
+
+// ---- Binding 1, batch: what to decode and the payloads; read only.
+const int tsr_b_tiles = 0;
+const int tsr_b_segments = 1;
+const int tsr_b_raw_chunks = 2; // of 64 raw levels
+const int tsr_b_corrections = 3;
+const int tsr_b_tile_at = 4; // words where the records begin
+const int tsr_b_segment_at = 5;
+const int tsr_b_raw_chunk_at = 6; // the segment of each raw chunk
+const int tsr_b_correction_at = 7;
+const int tsr_b_payload_at = 8;
+const int tsr_b_fold_u = 9; // where texels go: see tsr_place in texels.comp.glsl
+const int tsr_b_fold_v = 10;
+const int tsr_b_folds_u = 11;
+const int tsr_b_stride_s = 12;
+const int tsr_b_stride_t = 13;
+const int tsr_b_keep_nodes = 14; // 1: the split trees are kept for sampling
+const int tsr_b_capacity = 15;   // tiles that the work buffer is laid out for
+const int tsr_b_raw_at = 16;     // words in the work buffer
+const int tsr_b_multipliers_at = 17;
+const int tsr_b_node_at = 18;
+const int tsr_b_payload_bytes = 19;
+const int tsr_b_counts_at = 20; // in the work buffer: how many raw levels each segment gave
+const int tsr_batch_words = 32;
+
+const int tsr_tile_words = 8;
+const int tsr_tile_shape = 0;
+const int tsr_tile_segment = 1; // its first one
+const int tsr_tile_segments = 2;
+const int tsr_tile_x = 3; // pixel of its first texel
+const int tsr_tile_y = 4;
+const int tsr_tile_layer = 5;
+const int tsr_tile_origin = 6;      // its first u | v << 16, when texels are folded over layers
+const int tsr_tile_multipliers = 7; // of its corrections, from tsr_b_multipliers_at; or none
+
+const int tsr_segment_words = 8;
+const int tsr_seg_tile = 0;
+const int tsr_seg_byte = 1;  // of the payload area
+const int tsr_seg_size = 2;  // 16-bit words
+const int tsr_seg_first = 3; // first block
+const int tsr_seg_end = 4;   // one past its last block; tsr_none: all that are left
+const int tsr_seg_raw = 5;   // its first raw level
+const int tsr_seg_room = 6;  // raw levels there is room for
+const int tsr_seg_sorted = 7; // where its sorted coefficients go, in entries
+
+const int tsr_correction_words = 4; // tile, byte, 16-bit words, chunk
+
+const uint tsr_none = 0xFFFFFFFFu;
+
+// ---- Binding 2, work: what the passes hand to each other.
+const int tsr_w_groups = 0; // arguments of the indirect dispatch of texels.comp, three words
+const int tsr_w_items = 3;  // number of items
+const int tsr_w_state = 8;  // tile states, tsr_b_capacity of them
+const int tsr_state_words = 8;
+const int tsr_st_blocks = 0;
+const int tsr_st_rans = 1;  // where segment 0 goes on after the tree
+const int tsr_st_left = 2;  // 16-bit words
+const int tsr_st_nodes = 3;
+const int tsr_st_damaged = 4; // 0: sound; else a bit for what was wrong
+const int tsr_st_levels = 5;  // coefficients of the tile
+const int tsr_st_largest = 6; // most coefficients of one block
+// Then the blocks, tsr_max_blocks a tile, then the items, tsr_max_items a tile; then what the batch
+// header places.
+const int tsr_block_words = 4;
+const int tsr_k_place = 0; // origin (5 bits each, u lowest) | shape << 20
+const int tsr_k_first = 1; // its first level, counted in its segment
+const int tsr_k_counts = 2; // of planes 0 to 2 | of plane 3 << 16
+const int tsr_k_rest = 3;   // colour | largest ks << 8 | largest kt << 16 | segment of the tile << 24
+// An item is a run of positions of one block: tile << 12 | block, then its first position and the
+// number of positions << 16. Every item but a block's last covers 64 texels or more, so a tile has at
+// most its blocks + (65,536 - blocks) / 64.
+const int tsr_max_items = 5056;
+const int tsr_item_words = 2;
+
+const uint tsr_damage_tree = 1u;
+const uint tsr_damage_segments = 2u;
+const uint tsr_damage_levels = 4u;
+const uint tsr_damage_end = 8u;
+const uint tsr_damage_corrections = 16u;
+
+// ---- Binding 3, coefficients: sorted by t, s, v, u frequency, four words each: frequency, planes 0..2.
+const int tsr_coefficient_words = 4;
+
+// ---- Page table of the sampler: a slot of the tile cache, or one of these.
+const uint tsr_page_missing = 0xFFFFFFFFu;
+const uint tsr_page_background = 0xFFFFFFFEu;
+
+#endif

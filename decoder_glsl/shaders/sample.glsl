@@ -1,0 +1,131 @@
+// tessera_sample(): the colour that leaves a textured surface in a direction. For any stage.
+//
+//     #define TESSERA_RESIDENT_CACHE 1         or _COEFFICIENTS; without either, a plain texture
+//     #define TESSERA_HARDWARE_FILTER 1        4 filtered fetches instead of 16; not of coefficients
+//     #include "sample.glsl"
+//     vec4 colour = tessera_sample(from_centre, direction);
+//
+//   from_centre   from the sphere's centre to the place on its surface; any length above 0
+//   direction     of unit length, from the surface to the observer
+//   result        linear mix of texels as they are stored (no transfer function undone); grey in all
+//                 three colours, alpha 1 where the texture has none
+//
+// Bindings (define others before the include where these are taken;
+// in Vulkan set 0, but textures set 2):
+//   TESSERA_BINDING_SAMPLER  4  storage buffer: sizes, page table, coarse texels
+//   TESSERA_BINDING_MARKS    5  storage buffer, written: CACHE only, one word a tile
+//   TESSERA_BINDING_DIRECTORY 6, 0 (tables) and 3 (coefficients): COEFFICIENTS only
+//   TESSERA_UNIT_TEXELS      0  sampler2DArray: not of coefficients
+// The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
+//
+// CACHE: a tile that is not there yet gives its coarse texels, and is marked so that the host
+// decodes it; COEFFICIENTS evaluates every texel from its block's coefficients, exactly.
+#ifndef TSR_SAMPLE
+#define TSR_SAMPLE
+#ifndef TESSERA_BINDING_SAMPLER
+#define TESSERA_BINDING_SAMPLER 4
+#endif
+#ifndef TESSERA_BINDING_MARKS
+#define TESSERA_BINDING_MARKS 5
+#endif
+#ifndef TESSERA_UNIT_TEXELS
+#define TESSERA_UNIT_TEXELS 0
+#endif
+#include "dialect.glsl"
+#include "layout.glsl"
+#include "sampler_layout.glsl"
+#include "surface.glsl"
+
+layout(std430, binding = TESSERA_BINDING_SAMPLER) readonly buffer TesseraSampler {
+    uint tsr_sampler[];
+};
+
+uint tsr_parameter(int field) {
+    return tsr_sampler[field];
+}
+ivec4 tsr_four(int field) {
+    return ivec4(int(tsr_sampler[field]), int(tsr_sampler[field + 1]), int(tsr_sampler[field + 2]),
+                 int(tsr_sampler[field + 3]));
+}
+
+// A texel of two packed words: 8-bit samples in the first, or four halves.
+vec4 tsr_unpack(uint low, uint high) {
+    if (tsr_parameter(tsr_p_half) != 0u) {
+        vec2 a = unpackHalf2x16(low);
+        vec2 b = unpackHalf2x16(high);
+        return vec4(a.x, a.y, b.x, b.y);
+    }
+    return unpackUnorm4x8(low);
+}
+
+// Where a texel is among the tiles: FORMAT.md part 2, in 32 bits since hosts refuse larger grids.
+int tsr_tile_on_axis(int texel, int size, int tiles) {
+    return int(((uint(texel) + 1u) * uint(tiles) - 1u) / uint(size));
+}
+int tsr_tile_begin(int tile, int size, int tiles) {
+    return int((uint(tile) * uint(size)) / uint(tiles));
+}
+
+struct TsrTexel {
+    ivec4 at;   // in the texture
+    ivec4 tile; // of the tile grid
+    uint number;
+};
+
+TsrTexel tsr_texel(ivec4 at) {
+    ivec4 size = tsr_four(tsr_p_size);
+    ivec4 tiles = tsr_four(tsr_p_tiles);
+    TsrTexel x;
+    x.at = at;
+    x.tile = ivec4(tsr_tile_on_axis(at.x, size.x, tiles.x), tsr_tile_on_axis(at.y, size.y, tiles.y),
+                   tsr_tile_on_axis(at.z, size.z, tiles.z), tsr_tile_on_axis(at.w, size.w, tiles.w));
+    x.number = uint(((x.tile.w * tiles.z + x.tile.z) * tiles.y + x.tile.y) * tiles.x + x.tile.x);
+    return x;
+}
+ivec4 tsr_begin_of_tile(ivec4 tile) {
+    ivec4 size = tsr_four(tsr_p_size);
+    ivec4 tiles = tsr_four(tsr_p_tiles);
+    return ivec4(
+        tsr_tile_begin(tile.x, size.x, tiles.x), tsr_tile_begin(tile.y, size.y, tiles.y),
+        tsr_tile_begin(tile.z, size.z, tiles.z), tsr_tile_begin(tile.w, size.w, tiles.w));
+}
+
+vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
+    return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
+}
+
+#ifdef TESSERA_RESIDENT_COEFFICIENTS
+#include "sample_coefficients.glsl"
+#else
+layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
+// The mix of four neighbouring pixels by the texture unit. Where the footprint was clamped both
+// texels are the same one, and the weight must not reach for its neighbour.
+vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
+    vec2 offset = vec2(f.low.x == f.high.x ? 0.0 : f.weight.x, f.low.y == f.high.y ? 0.0 : f.weight.y);
+    vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
+    vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + offset) / size;
+    return textureLod(tsr_texels, vec3(place.x, place.y, float(pixel.z)), 0.0);
+}
+#ifdef TESSERA_RESIDENT_CACHE
+#include "sample_cache.glsl"
+#else
+#include "sample_plain.glsl"
+#endif
+#endif
+
+vec4 tessera_sample(vec3 from_centre, vec3 direction) {
+    ivec4 size = tsr_four(tsr_p_size);
+    ivec2 surface = ivec2(size.x, size.y);
+    ivec2 angular = ivec2(size.z, size.w);
+    TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, surface);
+    vec4 corner[4];
+    // Each of the four surface texels has its own frame, hence its own angles.
+    for (int i = 0; i < 4; ++i) {
+        ivec2 texel = ivec2((i & 1) == 0 ? f.low.x : f.high.x, i < 2 ? f.low.y : f.high.y);
+        corner[i] = tsr_angular_image(texel,
+                                      tsr_angular_footprint(texel, surface, angular, direction));
+    }
+    return tsr_mix4(corner[0], corner[1], corner[2], corner[3], f.weight);
+}
+
+#endif

@@ -1,0 +1,145 @@
+// Where a 2+2D texture is sampled: the geometry of FORMAT.md part 5, "Sampling", in single
+// precision. format/sampler.h is the same in double precision and judges this.
+//
+// GLSL 4.50, GLSL ES 3.10 and, with GLM, C++: no swizzles, no array constructors. The built-in
+// trigonometric functions may be off by 2^-11, more than a texel of a large texture, so this file
+// has its own; their coefficients are minimax (Remez) for the stated ranges.
+
+const float tsr_pi = 3.14159265f;
+// Below this, the direction of a vector computed from unit vectors is rounding noise.
+const float tsr_no_direction = 1e-6f;
+
+// The four surface texels around a place: u is low.x or high.x, v low.y or high.y.
+struct TsrSurfaceFootprint {
+    ivec2 low;
+    ivec2 high;
+    vec2 weight; // of high
+};
+
+// The four texels of an angular image around a direction: s is low.x or high.x, t low.y or high.y.
+struct TsrAngularFootprint {
+    ivec2 low;
+    ivec2 high;
+    vec2 weight; // of high
+};
+
+// The local frame at a surface texel, as sine (x) and cosine (y) of its place's two angles.
+struct TsrFrame {
+    vec2 longitude;
+    vec2 latitude;
+};
+
+// As the standard atan2, of numbers whose sum does not overflow; 0 for (0, 0). Error below 2e-7,
+// most of it the last rounding.
+float tsr_atan2(float y, float x) {
+    float lesser = min(abs(x), abs(y));
+    float greater = max(abs(x), abs(y));
+    if (greater <= 0.0f)
+        return 0.0f;
+    // With a <= b, atan(a / b) = pi/4 + atan((a - b) / (a + b)): the polynomial only spans
+    // |z| <= tan(pi/8). The mirrors that follow only count eighths of a turn and change the sign.
+    bool beyond = lesser > 0.41421356f * greater;
+    float z = beyond ? (lesser - greater) / (lesser + greater) : lesser / greater;
+    float w = z * z;
+    float angle =
+        z + z * w * (-0.33332757f + w * (0.19971879f + w * (-0.13824454f + w * 0.079025984f)));
+    float eighths = beyond ? 1.0f : 0.0f;
+    if (abs(y) > abs(x)) {
+        eighths = 2.0f - eighths;
+        angle = -angle;
+    }
+    if (x < 0.0f) {
+        eighths = 4.0f - eighths;
+        angle = -angle;
+    }
+    // pi/4 in two parts, of which the first times 0..4 is exact.
+    angle = eighths * 0.78515625f + (eighths * 0.0002419134f + angle);
+    return y < 0.0f ? -angle : angle;
+}
+
+// Sine (x) and cosine (y) of pi * numerator / denominator, for |numerator| <= denominator <= 2^21.
+// Reduced to an eighth of a turn in integers, hence without error. Error below 1.5e-7.
+vec2 tsr_sincos(int numerator, int denominator) {
+    int eighths = 4 * (numerator + 2 * denominator); // a whole turn on: never negative
+    int quarter = (eighths + denominator) / (2 * denominator);
+    int rest = eighths / 2 - quarter * denominator;
+    float x = float(rest) / float(denominator); // in quarter turns, -1/2..1/2
+    float w = x * x;
+    float sine = x * (1.5707963f + w * (-0.64596294f + w * (0.079675903f + w * -0.0045922891f)));
+    float cosine =
+        1.0f + w * (-1.2337005f + w * (0.25366924f + w * (-0.020860289f + w * 0.00090402171f)));
+    int turned = quarter & 3;
+    if (turned == 1)
+        return vec2(cosine, -sine);
+    if (turned == 2)
+        return vec2(-sine, -cosine);
+    if (turned == 3)
+        return vec2(-cosine, sine);
+    return vec2(sine, cosine);
+}
+
+// (u, v) of the surface place in direction n from the centre. n has any length whose square is a
+// normal number; on the axis u = 1/2. The arc tangent for v, too: the arc sine loses half the
+// digits near the poles.
+vec2 tsr_sphere_place(vec3 n) {
+    float u = tsr_atan2(n.x, n.z) / (2.0f * tsr_pi) + 0.5f;
+    float v = tsr_atan2(n.y, sqrt(n.x * n.x + n.z * n.z)) / tsr_pi + 0.5f;
+    return vec2(u >= 1.0f ? 0.0f : u, v);
+}
+
+// size: texels along u and v. u wraps around, v ends at its first and last texel.
+TsrSurfaceFootprint tsr_surface_footprint(vec3 n, ivec2 size) {
+    vec2 place = tsr_sphere_place(n);
+    float across = place.x * float(size.x) - 0.5f;
+    float up = place.y * float(size.y) - 0.5f;
+    int i = int(floor(across));
+    int j = int(floor(up));
+    TsrSurfaceFootprint f;
+    f.weight = vec2(across - float(i), up - float(j));
+    f.low = ivec2(i < 0 ? size.x - 1 : i, clamp(j, 0, size.y - 1));
+    f.high = ivec2(i + 1 >= size.x ? 0 : i + 1, clamp(j + 1, 0, size.y - 1));
+    return f;
+}
+
+// The frame at the centre of a surface texel.
+TsrFrame tsr_frame(ivec2 texel, ivec2 size) {
+    TsrFrame f;
+    f.longitude = tsr_sincos(2 * texel.x + 1 - size.x, size.x);
+    f.latitude = tsr_sincos(2 * texel.y + 1 - size.y, 2 * size.y);
+    return f;
+}
+
+// (s, t) in 0..1 of direction d, pointing away from the surface; its length does not matter.
+//     ez = (sin l cos p, sin p, cos l cos p)    ex = (cos l, 0, -sin l)    ey = ez x ex
+// for longitude l and latitude p.
+vec2 tsr_angles(TsrFrame frame, vec3 d) {
+    float x = frame.longitude.y * d.x - frame.longitude.x * d.z;
+    float outward = frame.longitude.x * d.x + frame.longitude.y * d.z;
+    float z = frame.latitude.y * outward + frame.latitude.x * d.y;
+    float y = frame.latitude.y * d.y - frame.latitude.x * outward;
+    float planar = sqrt(x * x + z * z);
+    float s = 0.5f;
+    if (planar > tsr_no_direction) {
+        if (z < 0.0f)
+            s = x < 0.0f ? 0.0f : 1.0f;
+        else
+            s = tsr_atan2(x, z) / tsr_pi + 0.5f;
+    }
+    return vec2(s, tsr_atan2(y, planar) / tsr_pi + 0.5f);
+}
+
+// Where the angular image of one surface texel is read for the unit direction d, which points from
+// the surface to the observer. Sizes are texels along u and v, and along s and t.
+TsrAngularFootprint tsr_angular_footprint(ivec2 texel, ivec2 surface_size, ivec2 angular_size,
+                                          vec3 d) {
+    vec2 angles = tsr_angles(tsr_frame(texel, surface_size), d);
+    float across = angles.x * float(angular_size.x) - 0.5f;
+    float up = angles.y * float(angular_size.y) - 0.5f;
+    int i = int(floor(across));
+    int j = int(floor(up));
+    TsrAngularFootprint f;
+    f.weight = vec2(across - float(i), up - float(j));
+    f.low = ivec2(clamp(i, 0, angular_size.x - 1), clamp(j, 0, angular_size.y - 1));
+    f.high = ivec2(clamp(i + 1, 0, angular_size.x - 1), clamp(j + 1, 0, angular_size.y - 1));
+    return f;
+}

@@ -1,0 +1,301 @@
+// Pass 5, one group of 64 an item: the inverse transform of some positions of a block, and the texels
+// they give (FORMAT.md part 4).
+//
+// Stage 1: an invocation a position walks all coefficients, u and v. Stage 2 sums along s. Stage 3
+// sums along t, all planes of a texel at once, and writes it. All invocations read the same
+// coefficients at the same time, and the shared arrays are laid out with positions innermost.
+#include "colour.glsl"
+#include "patch.glsl"
+#include "walk.glsl"
+
+#ifndef __cplusplus
+shared int tsr_patch_memory[tsr_patch_words];
+#ifdef TSR_OUTPUT_HALF
+layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    imageStore(tsr_image, at, samples);
+}
+#else
+layout(r32ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    uint word = samples.x | (samples.y << 8) | (samples.z << 16) | (samples.w << 24);
+    imageStore(tsr_image, at, uvec4(word, 0u, 0u, 0u));
+}
+#endif
+#endif
+
+struct TsrItem {
+    bool real;
+    uint tile;
+    uint block;
+    uint first; // position
+    int positions;
+    TsrPatch patch_of;
+    ivec4 origin;      // of the block in the tile
+    uint coefficients; // the first one
+    uint colour_count;
+    uint alpha_count;
+    uint multipliers; // of the tile's corrections, or none
+    int later; // word of the shared memory where the values after pass s begin
+};
+
+TsrItem tsr_item(uint number) {
+    TsrItem item;
+    item.real = number < tsr_work_word(uint(tsr_w_items));
+    uint at = tsr_item_at(number);
+    uint who = item.real ? tsr_work_word(at) : 0u;
+    uint range = item.real ? tsr_work_word(at + 1u) : 0u;
+    item.tile = who >> 12;
+    item.block = who & 0xFFFu;
+    uint block = tsr_block_at(item.tile, item.block);
+    uint place = tsr_work_word(block + uint(tsr_k_place));
+    uint counts = tsr_work_word(block + uint(tsr_k_counts));
+    uint rest = tsr_work_word(block + uint(tsr_k_rest));
+    item.patch_of = tsr_patch(place >> 20, rest);
+    item.first = min(range & 0xFFFFu, 1023u);
+    item.positions = min(int(range >> 16), item.patch_of.positions);
+    item.origin = ivec4(int(place & 31u), int((place >> 5) & 31u), int((place >> 10) & 31u),
+                        int((place >> 15) & 31u));
+    uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);
+    item.coefficients =
+        tsr_segment(segment, tsr_seg_sorted) + tsr_work_word(block + uint(tsr_k_first));
+    item.colour_count = min(counts & 0xFFFFu, 3u * uint(tsr_max_coded));
+    item.alpha_count = min(counts >> 16, uint(tsr_max_coded));
+    // What a damaged tile has decoded of its corrections does not show.
+    bool damaged = tsr_work_word(tsr_state_at(item.tile) + uint(tsr_st_damaged)) != 0u;
+    item.multipliers = damaged ? tsr_none : tsr_tile(item.tile, tsr_tile_multipliers);
+    item.later = item.patch_of.planes * item.patch_of.support_t * item.patch_of.support_s *
+                 item.positions;
+    return item;
+}
+
+// Word of a value before pass s: [plane][kt][ks][position], and after it: [plane][kt][s][position].
+int tsr_before_s(TsrItem item, int plane, int kt, int ks, int position) {
+    return ((plane * item.patch_of.support_t + kt) * item.patch_of.support_s + ks) *
+               item.positions +
+           position;
+}
+int tsr_after_s(TsrItem item, int plane, int kt, int s, int position) {
+    return item.later +
+           ((plane * item.patch_of.support_t + kt) * item.patch_of.sides.z + s) * item.positions +
+           position;
+}
+int tsr_get(int at) {
+    return at >= 0 && at < tsr_patch_words ? tsr_patch_memory[at] : 0;
+}
+void tsr_put(int at, int value) {
+    if (at >= 0 && at < tsr_patch_words)
+        tsr_patch_memory[at] = value;
+}
+
+// Planes 0 to 2, or plane 3 alone.
+void tsr_put_column(TsrItem item, int first_plane, int position, uint key, ivec3 value) {
+    int ks = min(int((key >> 10) & 31u), item.patch_of.support_s - 1);
+    int kt = min(int(key >> 15), item.patch_of.support_t - 1);
+    tsr_put(tsr_before_s(item, first_plane, kt, ks, position), value.x);
+    if (first_plane == 0 && item.patch_of.planes > 1)
+        tsr_put(tsr_before_s(item, 1, kt, ks, position), value.y);
+    if (first_plane == 0 && item.patch_of.planes > 2)
+        tsr_put(tsr_before_s(item, 2, kt, ks, position), value.z);
+}
+
+void tsr_step(TsrItem item, TSR_INOUT(TsrWalk) w, int first_plane, int position, uint at, uint end) {
+    if (at >= end)
+        return;
+    uvec4 coefficient = tsr_coefficient_at(at);
+    if ((coefficient.x >> 10) != (w.key >> 10)) {
+        uint key = w.key;
+        tsr_put_column(item, first_plane, position, key, tsr_end_column(w));
+        w.key = coefficient.x;
+    }
+    tsr_walk_on(w, coefficient);
+}
+
+void tsr_walk_run(TsrItem item, int first_plane, int position, uint begin, uint count) {
+    if (count == 0u)
+        return;
+    int place = int(item.first) + position;
+    int nu = max(item.patch_of.sides.x, 1);
+    TsrWalk w = tsr_start_walk(item.patch_of.sides, ivec2(place % nu, place / nu));
+    w.key = tsr_coefficient_at(begin).x;
+    // Four a round, so that the longest runs stay far below the bound on rounds.
+    for (uint i = 0u; i < count; i += 4u) {
+        TSR_LOOP;
+        uint at = begin + i;
+        tsr_step(item, w, first_plane, position, at, begin + count);
+        tsr_step(item, w, first_plane, position, at + 1u, begin + count);
+        tsr_step(item, w, first_plane, position, at + 2u, begin + count);
+        tsr_step(item, w, first_plane, position, at + 3u, begin + count);
+    }
+    uint key = w.key;
+    tsr_put_column(item, first_plane, position, key, tsr_end_column(w));
+}
+
+// Stage 0: columns without a coefficient are 0.
+void tsr_clear_patch(TsrItem item, int lane) {
+    if (!item.real)
+        return;
+    for (int i = lane; i < item.later; i += 64) {
+        TSR_LOOP;
+        tsr_put(i, 0);
+    }
+}
+
+// Stage 1.
+void tsr_sum_u_v(TsrItem item, int lane) {
+    if (!item.real || lane >= item.positions)
+        return;
+    tsr_walk_run(item, 0, lane, item.coefficients, item.colour_count);
+    tsr_walk_run(item, 3, lane, item.coefficients + item.colour_count, item.alpha_count);
+}
+
+// The values of a column in all planes; plane 3 is apart, since sums take three.
+ivec3 tsr_get_before(TsrItem item, int kt, int ks, int position) {
+    return ivec3(tsr_get(tsr_before_s(item, 0, kt, ks, position)),
+                 item.patch_of.planes > 1 ? tsr_get(tsr_before_s(item, 1, kt, ks, position)) : 0,
+                 item.patch_of.planes > 2 ? tsr_get(tsr_before_s(item, 2, kt, ks, position)) : 0);
+}
+ivec3 tsr_get_after(TsrItem item, int kt, int s, int position) {
+    return ivec3(tsr_get(tsr_after_s(item, 0, kt, s, position)),
+                 item.patch_of.planes > 1 ? tsr_get(tsr_after_s(item, 1, kt, s, position)) : 0,
+                 item.patch_of.planes > 2 ? tsr_get(tsr_after_s(item, 2, kt, s, position)) : 0);
+}
+
+// Stage 2, for one position, s and kt.
+void tsr_sum_s_at(TsrItem item, int kt, int s, int position) {
+    int ns = item.patch_of.sides.z;
+    int basis = tsr_basis_of(ns) + s;
+    TsrSum sum = tsr_no_sum();
+    TsrSum alpha = tsr_no_sum();
+    ivec3 value = ivec3(0);
+    ivec3 alpha_value = ivec3(0);
+    bool has_alpha = item.patch_of.planes > 3;
+    for (int ks = 0; ks < item.patch_of.support_s; ++ks) {
+        TSR_LOOP;
+        uint b = tsr_table(basis + ks * ns);
+        value = tsr_get_before(item, kt, ks, position);
+        tsr_add(sum, b, value);
+        if (has_alpha) {
+            alpha_value = ivec3(tsr_get(tsr_before_s(item, 3, kt, ks, position)), 0, 0);
+            tsr_add(alpha, b, alpha_value);
+        }
+    }
+    if (ns > 1) {
+        value = tsr_rounded(sum);
+        alpha_value = tsr_rounded(alpha);
+    }
+    tsr_put(tsr_after_s(item, 0, kt, s, position), value.x);
+    if (item.patch_of.planes > 1)
+        tsr_put(tsr_after_s(item, 1, kt, s, position), value.y);
+    if (item.patch_of.planes > 2)
+        tsr_put(tsr_after_s(item, 2, kt, s, position), value.z);
+    if (has_alpha)
+        tsr_put(tsr_after_s(item, 3, kt, s, position), alpha_value.x);
+}
+
+void tsr_sum_s(TsrItem item, int lane) {
+    if (!item.real)
+        return;
+    int ns = item.patch_of.sides.z;
+    int work = item.positions * ns * item.patch_of.support_t;
+    for (int i = lane; i < work; i += 64) {
+        TSR_LOOP;
+        int row = i / item.positions;
+        tsr_sum_s_at(item, row / ns, row % ns, i - row * item.positions);
+    }
+}
+
+// The pixel of a texel of the tile. Tiles of a plain texture are folded over layers where the
+// angular images side by side would be wider than a texture may be; the folds of a cache are wider
+// than any tile.
+ivec3 tsr_place(uint tile, int u, int v, int s, int t) {
+    uint origin = tsr_tile(tile, tsr_tile_origin);
+    uint fold_u = max(tsr_header(tsr_b_fold_u), 1u);
+    uint fold_v = max(tsr_header(tsr_b_fold_v), 1u);
+    uint all_u = (origin & 0xFFFFu) + uint(u);
+    uint all_v = (origin >> 16) + uint(v);
+    uint column = all_u / fold_u;
+    uint row = all_v / fold_v;
+    uint x = (all_u - column * fold_u) * tsr_header(tsr_b_stride_s) + uint(s);
+    uint y = (all_v - row * fold_v) * tsr_header(tsr_b_stride_t) + uint(t);
+    uint layer = row * tsr_header(tsr_b_folds_u) + column;
+    return ivec3(int(tsr_tile(tile, tsr_tile_x) + x), int(tsr_tile(tile, tsr_tile_y) + y),
+                 int(tsr_tile(tile, tsr_tile_layer) + layer));
+}
+
+ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
+    if (item.multipliers == tsr_none)
+        return codes;
+    ivec4 sides = tsr_sides_of(tsr_tile(item.tile, tsr_tile_shape));
+    int planes = int(tsr_table(tsr_t_planes));
+    uint texel = uint(((v * sides.x + u) * sides.w + t) * sides.z + s);
+    uint at = tsr_header(tsr_b_multipliers_at) + item.multipliers + texel * uint(planes);
+    ivec4 multiplier =
+        ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
+              planes > 2 ? int(tsr_work_word(at + 2u)) : 0,
+              planes > 3 ? int(tsr_work_word(at + 3u)) : 0);
+    // Steps are below 2^17 and a product that large leaves the range of codes anyway.
+    int step = int(tsr_table(tsr_t_correction_step));
+    ivec4 limit = ivec4(65536 / max(step, 1) + 1);
+    return clamp(codes + clamp(multiplier, -limit, limit) * step, tsr_smallest_code(),
+                 tsr_largest_code());
+}
+
+// Stage 3, for one texel.
+void tsr_sum_t_at(TsrItem item, int s, int t, int position) {
+    int nt = item.patch_of.sides.w;
+    int basis = tsr_basis_of(nt) + t;
+    TsrSum sum = tsr_no_sum();
+    TsrSum alpha = tsr_no_sum();
+    ivec3 value = ivec3(0);
+    ivec3 alpha_value = ivec3(0);
+    for (int kt = 0; kt < item.patch_of.support_t; ++kt) {
+        TSR_LOOP;
+        uint b = tsr_table(basis + kt * nt);
+        value = tsr_get_after(item, kt, s, position);
+        tsr_add(sum, b, value);
+        if (item.patch_of.planes > 3) {
+            alpha_value = ivec3(tsr_get(tsr_after_s(item, 3, kt, s, position)), 0, 0);
+            tsr_add(alpha, b, alpha_value);
+        }
+    }
+    if (nt > 1) {
+        value = tsr_rounded(sum);
+        alpha_value = tsr_rounded(alpha);
+    }
+    int place = int(item.first) + position;
+    int nu = max(item.patch_of.sides.x, 1);
+    int u = item.origin.x + place % nu;
+    int v = item.origin.y + place / nu;
+    ivec4 codes = tsr_codes(ivec4(value.x, value.y, value.z, alpha_value.x));
+    codes = tsr_corrected(item, codes, u, v, item.origin.z + s, item.origin.w + t);
+    tsr_write_texel(tsr_place(item.tile, u, v, item.origin.z + s, item.origin.w + t),
+                    tsr_samples(codes));
+}
+
+void tsr_sum_t(TsrItem item, int lane) {
+    if (!item.real)
+        return;
+    int ns = item.patch_of.sides.z;
+    int work = item.positions * ns * item.patch_of.sides.w;
+    for (int i = lane; i < work; i += 64) {
+        TSR_LOOP;
+        int row = i / item.positions;
+        tsr_sum_t_at(item, row % ns, row / ns, i - row * item.positions);
+    }
+}
+
+#ifndef __cplusplus
+layout(local_size_x = 64) in;
+void main() {
+    TsrItem item = tsr_item(gl_WorkGroupID.y * 1024u + gl_WorkGroupID.x);
+    int lane = int(gl_LocalInvocationIndex);
+    tsr_clear_patch(item, lane);
+    barrier();
+    tsr_sum_u_v(item, lane);
+    barrier();
+    tsr_sum_s(item, lane);
+    barrier();
+    tsr_sum_t(item, lane);
+}
+#endif

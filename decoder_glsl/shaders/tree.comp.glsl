@@ -1,0 +1,96 @@
+// Pass 1, one invocation a tile: the split tree, which gives the tile's blocks (FORMAT.md 3.4).
+#include "rans.glsl"
+
+struct TsrNode {
+    uint place;  // origin | shape << 20, as in tsr_k_place
+    uint depths; // spatial | angular << 4 | slot of its own in the kept tree << 8
+};
+
+// Child number `child` of a node split along both axes of a pair, or along the only one of them that
+// is longer than 1. `first_slot` is where the children's slots begin.
+TsrNode tsr_child(TsrNode parent, int split, uint child, uint first_slot) {
+    uint shape = parent.place >> 20;
+    ivec4 sides = tsr_sides_of(shape);
+    int side_a = split == 1 ? sides.x : sides.z;
+    int side_b = split == 1 ? sides.y : sides.w;
+    uint a = side_a > 1 ? child & 1u : 0u;
+    uint b = side_a > 1 ? child >> 1 : child;
+    // The first half of a side is the larger one.
+    uint moved = a * uint((side_a + 1) / 2) + ((b * uint((side_b + 1) / 2)) << 5);
+    uint ids = tsr_shape(shape, tsr_s_children + 2 * (split - 1) + int(child >> 1));
+    uint id = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
+    TsrNode node;
+    node.place = (((parent.place & 0xFFFFFu) + (moved << (split == 1 ? 0u : 10u))) & 0xFFFFFu) |
+                 (id << 20);
+    node.depths = (parent.depths & 255u) + (split == 1 ? 1u : 16u) + ((first_slot + child) << 8);
+    return node;
+}
+
+void tsr_store_node(uint tile, uint slot, uint value) {
+    if (tsr_header(tsr_b_keep_nodes) != 0u && slot < uint(tsr_max_nodes))
+        tsr_set_work(tsr_header(tsr_b_node_at) + tile * uint(tsr_max_nodes) + slot, value);
+}
+
+void tsr_decode_tree(uint tile) {
+    if (tile >= tsr_header(tsr_b_tiles))
+        return;
+    uint segment = tsr_tile(tile, tsr_tile_segment);
+    TsrRans r = tsr_begin(tsr_segment(segment, tsr_seg_byte), tsr_segment(segment, tsr_seg_size));
+    // Younger siblings wait here for the subtrees of the elder: at most 3 a level, of 10 levels.
+    TsrNode stack[36];
+    stack[0].place = tsr_tile(tile, tsr_tile_shape) << 20;
+    stack[0].depths = 0u;
+    int waiting = 1;
+    uint blocks = 0u;
+    uint nodes = 0u;
+    uint slots = 1u;
+    for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {
+        TSR_LOOP;
+        TsrNode node = stack[waiting - 1];
+        uint spatial = min(node.depths & 15u, 5u);
+        uint angular = min((node.depths >> 4) & 15u, 5u);
+        int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * 6u + angular);
+        nodes += 1u;
+        if (split == 0) {
+            if (blocks >= uint(tsr_max_blocks))
+                break;
+            waiting -= 1;
+            tsr_set_work(tsr_block_at(tile, blocks), node.place);
+            tsr_store_node(tile, node.depths >> 8, 0x80000000u | blocks);
+            blocks += 1u;
+            continue;
+        }
+        int children = tsr_s_children + 2 * (split - 1);
+        uint ids = tsr_shape(node.place >> 20, children);
+        // Sides of 1 cannot be split; no stack of a legal tree grows past 31.
+        if ((ids & 0xFFFFu) == 0xFFFFu || waiting > 32)
+            break;
+        tsr_store_node(tile, node.depths >> 8, (uint(split) << 28) | slots);
+        waiting -= 1;
+        bool four = (tsr_shape(node.place >> 20, children + 1) & 0xFFFFu) != 0xFFFFu;
+        if (four) {
+            stack[waiting] = tsr_child(node, split, 3u, slots);
+            stack[waiting + 1] = tsr_child(node, split, 2u, slots);
+            waiting += 2;
+        }
+        stack[waiting] = tsr_child(node, split, 1u, slots);
+        stack[waiting + 1] = tsr_child(node, split, 0u, slots);
+        waiting += 2;
+        slots += four ? 4u : 2u;
+    }
+    uint at = tsr_state_at(tile);
+    tsr_set_work(at + uint(tsr_st_blocks), blocks);
+    tsr_set_work(at + uint(tsr_st_rans), r.state);
+    tsr_set_work(at + uint(tsr_st_left), r.left);
+    tsr_set_work(at + uint(tsr_st_nodes), nodes);
+    tsr_set_work(at + uint(tsr_st_damaged), waiting > 0 ? tsr_damage_tree : 0u);
+    tsr_set_work(at + uint(tsr_st_levels), 0u);
+    tsr_set_work(at + uint(tsr_st_largest), 0u);
+}
+
+#ifndef __cplusplus
+layout(local_size_x = 16) in;
+void main() {
+    tsr_decode_tree(gl_GlobalInvocationID.x);
+}
+#endif

@@ -1,0 +1,24 @@
+// A pinhole camera outside a textured sphere, which is a window onto what lies behind it.
+layout(std140, TSR_UNIFORMS(0)) uniform TesseraView {
+    vec4 tsr_eye;     // xyz relative to the centre of the sphere; w its radius
+    vec4 tsr_right;   // half the picture's width, at distance 1
+    vec4 tsr_up;      // half its height
+    vec4 tsr_forward; // unit length
+    vec4 tsr_outside; // colour where the sphere is missed
+    ivec4 tsr_pixels; // width, height
+};
+
+// The picture's colour at a pixel, row 0 at the top.
+vec4 tsr_view_colour(ivec2 pixel) {
+    vec2 at = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5)) /
+                  vec2(float(tsr_pixels.x), float(tsr_pixels.y)) * 2.0 -
+              vec2(1.0);
+    vec3 ray = normalize(tsr_forward.xyz + at.x * tsr_right.xyz - at.y * tsr_up.xyz);
+    // The nearest point to the centre first: the usual quadratic loses digits from afar.
+    float along = -dot(tsr_eye.xyz, ray);
+    vec3 nearest = tsr_eye.xyz + along * ray;
+    float rest = tsr_eye.w * tsr_eye.w - dot(nearest, nearest);
+    if (along <= 0.0 || rest < 0.0)
+        return tsr_outside;
+    return tessera_sample(nearest - sqrt(rest) * ray, -ray);
+}

@@ -1,0 +1,70 @@
+// The first two passes of the inverse transform at one (u, v) of a block, straight from its sorted
+// coefficients: each line along u is summed and rounded when the next line begins, each column along
+// v likewise. So a column's value is exact and nothing is held but two sums.
+#ifndef TSR_WALK
+#define TSR_WALK
+#include "transform.glsl"
+
+struct TsrWalk {
+    ivec4 sides;  // of the block
+    ivec2 place;  // u, v
+    int basis_u;  // words of the tables of both sides
+    int basis_v;
+    uint key;     // frequency of the coefficient before
+    TsrSum line;
+    TsrSum column;
+    ivec3 line_value;   // in place of the sum, along a side of 1: no pass there
+    ivec3 column_value;
+};
+
+TsrWalk tsr_start_walk(ivec4 sides, ivec2 place) {
+    TsrWalk w;
+    w.sides = sides;
+    w.place = place;
+    w.basis_u = tsr_basis_of(sides.x) + place.x;
+    w.basis_v = tsr_basis_of(sides.y) + place.y;
+    w.key = 0u;
+    w.line = tsr_no_sum();
+    w.column = tsr_no_sum();
+    w.line_value = ivec3(0);
+    w.column_value = ivec3(0);
+    return w;
+}
+
+void tsr_end_line(TSR_INOUT(TsrWalk) w) {
+    ivec3 value = w.sides.x > 1 ? tsr_rounded(w.line) : w.line_value;
+    int k = int((w.key >> 5) & 31u);
+    if (w.sides.y > 1)
+        tsr_add(w.column, tsr_table(w.basis_v + k * w.sides.y), value);
+    else
+        w.column_value = value;
+    w.line = tsr_no_sum();
+    w.line_value = ivec3(0);
+}
+
+// The value at (u, v) of the angular frequency of w.key.
+ivec3 tsr_end_column(TSR_INOUT(TsrWalk) w) {
+    tsr_end_line(w);
+    ivec3 value = w.sides.y > 1 ? tsr_rounded(w.column) : w.column_value;
+    w.column = tsr_no_sum();
+    w.column_value = ivec3(0);
+    return value;
+}
+
+// Adds a coefficient whose column is the current one.
+void tsr_walk_on(TSR_INOUT(TsrWalk) w, uvec4 coefficient) {
+    if ((coefficient.x >> 5) != (w.key >> 5))
+        tsr_end_line(w);
+    w.key = coefficient.x;
+    ivec3 value = ivec3(int(coefficient.y), int(coefficient.z), int(coefficient.w));
+    if (w.sides.x > 1)
+        tsr_add(w.line, tsr_table(w.basis_u + int(coefficient.x & 31u) * w.sides.x), value);
+    else
+        w.line_value = ivec3(uvec3(w.line_value) + uvec3(value)); // wraps in every language
+}
+
+uvec4 tsr_coefficient_at(uint at) {
+    return at < uint(tsr_coefficients.length()) ? tsr_coefficients[at] : uvec4(0u);
+}
+
+#endif

@@ -1,0 +1,25 @@
+// The streams inside a tile's payload (FORMAT.md 3.2).
+#pragma once
+
+#include "format/status.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// A payload cut into its streams, checked.
+struct PayloadParts {
+    struct Segment {
+        int first_block = 0;
+        std::span<const std::byte> bytes;
+    };
+    std::vector<Segment> segments; // at least one, the first with the split tree
+    // One per chunk of correction_chunk texels; empty: no corrections there.
+    std::vector<std::span<const std::byte>> corrections;
+};
+// Errors: invalid_file. Replaces `parts`.
+Status split_payload(std::span<const std::byte> payload, int tile_texels, PayloadParts& parts);
+
+} // namespace tessera

@@ -1,0 +1,86 @@
+#include "format/sampler.h"
+
+#include "format/half.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace tessera {
+namespace {
+
+// Two neighbours on one axis.
+struct Neighbours {
+    std::uint32_t texel[2];
+    double weight[2];
+};
+
+// `coordinate` in 0..1; texel i of n lies at (i + 0.5) / n.
+Neighbours neighbours(double coordinate, std::uint32_t n, bool wraps) {
+    const double position = coordinate * n - 0.5;
+    const double low = std::floor(position);
+    Neighbours out{};
+    out.weight[1] = position - low;
+    out.weight[0] = 1 - out.weight[1];
+    for (int i = 0; i < 2; ++i) {
+        const auto texel = static_cast<std::int64_t>(low) + i; // -1..n
+        const std::int64_t last = std::int64_t{n} - 1;
+        out.texel[i] = static_cast<std::uint32_t>(wraps ? (texel < 0 ? last : texel % n)
+                                                        : std::clamp<std::int64_t>(texel, 0, last));
+    }
+    return out;
+}
+
+} // namespace
+
+Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
+                           const glm::dvec3& d) {
+    const glm::dvec3 unit = glm::normalize(d);
+    const glm::dvec2 place = sphere_place(from_centre);
+    const Neighbours u = neighbours(place.x, size[axis_u], true);
+    const Neighbours v = neighbours(place.y, size[axis_v], false);
+    Footprint out;
+    std::size_t next = 0;
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const SurfaceFrame frame = surface_frame(sphere_normal(
+                (u.texel[i] + 0.5) / size[axis_u], (v.texel[j] + 0.5) / size[axis_v]));
+            const glm::dvec2 angles = direction_angles(frame, unit);
+            const Neighbours s = neighbours(angles.x, size[axis_s], false);
+            const Neighbours t = neighbours(angles.y, size[axis_t], false);
+            for (int l = 0; l < 2; ++l)
+                for (int k = 0; k < 2; ++k)
+                    out[next++] = {u.texel[i], v.texel[j], s.texel[k], t.texel[l],
+                                   u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};
+        }
+    return out;
+}
+
+glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel) {
+    glm::dvec4 value{0.0};
+    for (int c = 0; c < desc.channels; ++c) {
+        if (desc.type == SampleType::unorm8) {
+            value[c] = std::to_integer<int>(texel[c]) / 255.0;
+            continue;
+        }
+        const unsigned low = std::to_integer<unsigned>(texel[2 * c]);
+        const unsigned high = std::to_integer<unsigned>(texel[2 * c + 1]);
+        value[c] = half_to_float(static_cast<std::uint16_t>(low | high << 8));
+    }
+    return value;
+}
+
+Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d) {
+    glm::dvec4 sum{0.0};
+    for (const WeightedTexel& w : sample_footprint(lookup.desc().size, from_centre, d)) {
+        if (w.weight == 0)
+            continue;
+        const Result<glm::dvec4> texel = lookup.texel(w.u, w.v, w.s, w.t);
+        if (!texel.ok())
+            return texel.status();
+        sum += *texel * w.weight;
+    }
+    return sum;
+}
+
+} // namespace tessera

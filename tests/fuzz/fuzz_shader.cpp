@@ -1,0 +1,180 @@
+// The decoder's shaders as C++ (tests/shader_machine.h) on payloads that nothing has checked, against
+// the CPU's decoder; or, with bit 7 of the first byte, on batches whose words are changed, too.
+//
+// Input: byte 0: setting (3 bits), corrections, keep_nodes, folded, 0, changed; byte 1: grid; byte 2:
+// number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
+// then the payloads, each but the last behind its u16 length.
+#include "format/bytes.h"
+#include "tests/codec_test_support.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/shader_oracle.h"
+
+#include <map>
+
+namespace tessera::fuzz {
+namespace {
+
+using test::ShaderOracle;
+
+// Texture and largest tile: odd sides, sides of 1, more than one chunk of corrections, long sides.
+struct Grid {
+    Extent4 size, tile;
+};
+constexpr std::array<Grid, 8> grids = {{{{14, 5, 3, 2}, {7, 5, 3, 2}},
+                                        {{9, 6, 5, 7}, {5, 6, 3, 4}},
+                                        {{4, 1, 1, 1}, {1, 1, 1, 1}},
+                                        {{16, 8, 8, 8}, {8, 8, 8, 8}},
+                                        {{17, 9, 8, 4}, {17, 9, 8, 4}},
+                                        {{32, 32, 1, 2}, {32, 32, 1, 1}},
+                                        {{2, 1, 32, 31}, {1, 1, 32, 31}},
+                                        {{6, 4, 4, 4}, {3, 4, 4, 4}}}};
+
+CodingParameters parameters_of(unsigned setting) {
+    CodingParameters parameters;
+    for (StepCode& step : parameters.step)
+        step = setting == 3 ? StepCode{(max_step_exponent << 11) | 2047}
+                            : StepCode::nearest(4 + setting);
+    parameters.rotated_step = parameters.step[0];
+    parameters.offsets = {{{3, 9}, {31, 0}}};
+    parameters.colour_rotation = setting % 4 >= 2;
+    parameters.correction_error = static_cast<std::uint16_t>(setting == 5 ? 65535 : setting);
+    test::Random random(setting);
+    if (setting >= 4)
+        parameters.parameters = test::random_parameters(random);
+    return parameters;
+}
+
+ShaderOracle& oracle(unsigned setting, bool corrections, unsigned grid) {
+    static std::map<std::array<unsigned, 3>, std::unique_ptr<ShaderOracle>> all;
+    auto& found = all[{setting, corrections, grid}];
+    if (!found) {
+        const TextureDesc desc{grids[grid].size,
+                               setting % 3 == 2 ? SampleType::half16 : SampleType::unorm8,
+                               static_cast<std::uint8_t>(1 + setting % 4)};
+        found = std::make_unique<ShaderOracle>(
+            test::empty_file(desc, grids[grid].tile, parameters_of(setting), corrections));
+    }
+    return *found;
+}
+
+// Takes the input apart, front to back; what is not there is 0.
+class Input {
+public:
+    explicit Input(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    std::uint32_t take(std::size_t count) {
+        std::uint32_t value = 0;
+        const auto part = take_bytes(count);
+        for (std::size_t i = 0; i < part.size(); ++i)
+            value |= std::to_integer<std::uint32_t>(part[i]) << (8 * i);
+        return value;
+    }
+    std::span<const std::byte> take_bytes(std::size_t count) {
+        const auto part = bytes_.first(std::min(count, bytes_.size()));
+        bytes_ = bytes_.subspan(part.size());
+        return part;
+    }
+
+private:
+    std::span<const std::byte> bytes_;
+};
+
+// A case as it is written into an input.
+struct Case {
+    unsigned first = 0, grid = 0;
+    std::vector<std::pair<std::uint16_t, std::uint32_t>> changes;
+    std::vector<Bytes> payloads;
+
+    Bytes input() const {
+        Bytes out{static_cast<std::byte>(first), static_cast<std::byte>(grid),
+                  static_cast<std::byte>(payloads.size() - 1)};
+        if (first & 128u) {
+            out.push_back(static_cast<std::byte>(changes.size()));
+            for (const auto& [word, value] : changes) {
+                append_le(out, word);
+                append_le(out, value);
+            }
+        }
+        for (std::size_t i = 0; i < payloads.size(); ++i) {
+            if (i + 1 < payloads.size())
+                append_le(out, static_cast<std::uint16_t>(payloads[i].size()));
+            append_bytes(out, payloads[i]);
+        }
+        return out;
+    }
+};
+
+Bytes random_payload(test::Random& random, const ShaderOracle& oracle, std::uint64_t tile,
+                     bool corrections) {
+    const BlockShape shape = oracle.shape_of_tile(tile);
+    const TileCoding& coding = oracle.coding();
+    std::vector<std::vector<std::byte>> streams;
+    if (corrections) {
+        CorrectionMap map(static_cast<std::size_t>(shape.texels() * coding.planes));
+        map[map.size() / 2] = -2;
+        map[map.size() / 3] += 70000;
+        streams = encode_corrections(map, shape, coding.planes, coding.tables);
+    }
+    Bytes payload;
+    encode_levels(
+        test::RandomTile(random, coding,
+                         {.split = 0.6, .density = 0.05, .empty = 0.5, .magnitude_bits = 20})
+            .make(shape),
+        streams, coding, payload);
+    return payload;
+}
+
+} // namespace
+
+std::vector<Bytes> seeds() {
+    std::vector<Bytes> all;
+    test::Random random(8);
+    for (unsigned i = 0; i < 48; ++i) {
+        Case made;
+        made.grid = i % grids.size();
+        made.first = (i * 5 % 64) | (i % 2 ? 128u : 0u);
+        const bool corrections = (made.first & 8u) != 0;
+        const ShaderOracle& file = oracle(made.first & 7u, corrections, made.grid);
+        const auto tiles = std::min<std::uint64_t>(1 + i % 4, file.reader().tile_count());
+        for (std::uint64_t tile = 0; tile < tiles; ++tile)
+            made.payloads.push_back(random_payload(random, file, tile, corrections));
+        // Header fields and records, by values that lie near others or far off.
+        for (unsigned k = 0; k < i % 5; ++k)
+            made.changes.push_back(
+                {static_cast<std::uint16_t>(random.range(0, 63)),
+                 random.chance(0.5) ? static_cast<std::uint32_t>(random.range(0, 200)) : random()});
+        all.push_back(made.input());
+    }
+    return all;
+}
+
+} // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tessera;
+    // Longer ones only take longer.
+    fuzz::Input input(
+        {reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 2000)});
+    const std::uint32_t first = input.take(1);
+    const std::uint32_t grid = input.take(1) % fuzz::grids.size();
+    test::ShaderOracle& oracle = fuzz::oracle(first & 7u, (first & 8u) != 0, grid);
+    const test::ShaderOracle::Layout layout{(first & 16u) != 0, (first & 32u) != 0};
+    const auto tiles = std::min<std::uint64_t>(1 + input.take(1) % 4, oracle.reader().tile_count());
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> changes;
+    if (first & 128u)
+        changes.resize(input.take(1) % 32);
+    for (auto& [word, value] : changes)
+        word = input.take(2), value = input.take(4);
+    std::vector<fuzz::Bytes> payloads;
+    for (std::uint64_t tile = 0; tile < tiles; ++tile) {
+        const auto bytes = input.take_bytes(tile + 1 < tiles ? input.take(2) : size);
+        payloads.emplace_back(bytes.begin(), bytes.end());
+    }
+    const auto change = [&](std::span<std::uint32_t> words) {
+        for (const auto& [word, value] : changes)
+            words[word % words.size()] = value;
+    };
+    const std::string wrong = first & 128u ? oracle.check_changed(payloads, layout, change, 1000000)
+                                           : oracle.check(payloads, layout);
+    fuzz::require(wrong.empty(), wrong.c_str());
+    return 0;
+}

@@ -1,0 +1,99 @@
+// The decoder on the device: the same texels as the CPU, bit for bit.
+#include "codec/memory_source.h"
+#include "decoder_glsl/gl_context.h"
+#include "decoder_glsl/gl_tile_decoder.h"
+#include "tests/decode_cases.h"
+
+#include <cstdlib>
+
+namespace tessera::test {
+namespace {
+
+class GpuDecode : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (std::getenv("TESSERA_NO_GPU") != nullptr)
+            GTEST_SKIP() << "TESSERA_NO_GPU is set";
+        auto context = HeadlessContext::create();
+        ASSERT_TRUE(context) << context.status().message();
+        context_.emplace(std::move(*context));
+    }
+    std::optional<HeadlessContext> context_;
+};
+
+// Texels that differ over the whole file, decoded in batches of at most `batch_tiles`.
+void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {
+    SCOPED_TRACE(test.name);
+    const auto source = wrap_memory(test.file);
+    const auto decoder = Decoder::open(*source);
+    ASSERT_TRUE(decoder) << decoder.status().message();
+    const ContainerReader& reader = decoder->container();
+    const auto tables = DecodeTables::make(reader);
+    ASSERT_TRUE(tables) << tables.status().message();
+    const bool half = reader.desc().type == SampleType::half16;
+    auto gpu = GlTileDecoder::create(*tables, half);
+    ASSERT_TRUE(gpu) << gpu.status().message();
+
+    // A layer a tile.
+    const TileGrid& grid = reader.grid();
+    const Extent4 most = grid.tile_extent();
+    TexelPlan plan;
+    plan.stride_s = most[2];
+    plan.stride_t = most[3];
+    const TextureShape shape{most[0] * most[2], most[1] * most[3], batch_tiles};
+    auto texture =
+        GlTexture::create(half ? TexelFormat::rgba16f : TexelFormat::rgba8, shape, "tiles");
+    ASSERT_TRUE(texture) << texture.status().message();
+
+    BatchBuilder builder(*tables, grid, {.tiles = batch_tiles}, plan, false);
+    std::uint64_t tile = 0;
+    while (tile < reader.tile_count()) {
+        for (std::uint32_t layer = 0; tile < reader.tile_count(); ++layer, ++tile) {
+            const auto bytes = reader.load_tile(tile);
+            ASSERT_TRUE(bytes);
+            if (!builder.add(tile, bytes->bytes, {0, 0, layer, 0, 0}))
+                break;
+        }
+        const DecodeBatch batch = builder.finish();
+        const Status status = gpu->decode(batch, *texture);
+        ASSERT_TRUE(status) << status.message();
+        const auto counts = gpu->counts(batch);
+        ASSERT_TRUE(counts);
+        const std::size_t sample = half ? 2 : 1;
+        Bytes pixels(texture->bytes());
+        ASSERT_TRUE(texture->read(0, pixels));
+        for (std::size_t layer = 0; layer < batch.tiles.size(); ++layer) {
+            EXPECT_EQ((*counts)[layer].damaged, 0u);
+            const Box4 box = grid.box(batch.tiles[layer]);
+            const auto expected = expected_samples(*decoder, box);
+            const Extent4 n = box.extent();
+            std::size_t i = 0, differing = 0;
+            for (std::uint32_t v = 0; v < n[1]; ++v)
+                for (std::uint32_t u = 0; u < n[0]; ++u)
+                    for (std::uint32_t t = 0; t < n[3]; ++t)
+                        for (std::uint32_t s = 0; s < n[2]; ++s, ++i) {
+                            const std::size_t pixel =
+                                (layer * shape.height + v * most[3] + t) * shape.width +
+                                u * most[2] + s;
+                            for (std::size_t c = 0; c < 4; ++c)
+                                differing +=
+                                    load_sample(pixels.data() + (pixel * 4 + c) * sample,
+                                                reader.desc().type) != expected[i][c];
+                        }
+            EXPECT_EQ(differing, 0u) << "tile " << batch.tiles[layer];
+        }
+    }
+}
+
+TEST_F(GpuDecode, EncodedTexturesDecodeAsOnTheCpu) {
+    for (const DecodeCase& test : encoded_cases())
+        expect_same_texels(test, 64);
+}
+
+TEST_F(GpuDecode, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
+    for (const DecodeCase& test : random_cases())
+        expect_same_texels(test, 3);
+}
+
+} // namespace
+} // namespace tessera::test

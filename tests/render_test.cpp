@@ -1,0 +1,388 @@
+// Drawing: cameras, the three kinds of renderer against each other, the verb.
+#include "codec/encoder.h"
+#include "corpus/bake.h"
+#include "corpus/catalog.h"
+#include "corpus/shade.h"
+#include "tools/command.h"
+#include "tools/png_file.h"
+#include "tools/render_views.h"
+#include "tools/texel_cache.h"
+#include "tools/view_file.h"
+#include "tools/view_renderer.h"
+#include "tools/view_report.h"
+
+#include <ImfArray.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+const SphereWindow paper_window{glm::dvec3{0.0}, corpus::window_radius};
+const glm::dvec3 grey{0.5};
+
+Camera camera_at(const CameraPose& pose, const Lens& lens) {
+    auto camera = make_camera(pose, lens);
+    EXPECT_TRUE(camera.ok()) << camera.status().message();
+    return *camera;
+}
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-12) {
+    EXPECT_LE(glm::length(a - b), tolerance)
+        << a.x << " " << a.y << " " << a.z << " and " << b.x << " " << b.y << " " << b.z;
+}
+
+TEST(Camera, AimsAndStandsUpright) {
+    const Lens lens{90, 200, 100};
+    const Camera c = camera_at({{0, 0, 10}, {0, 0, 0}}, lens);
+    expect_near(c.direction(100, 50), {0, 0, -1});
+    expect_near(c.direction(100, 0), glm::normalize(glm::dvec3{0, 1, -1}));   // top: 45 degrees up
+    expect_near(c.direction(200, 50), glm::normalize(glm::dvec3{2, 0, -1}));  // twice as wide
+    expect_near(c.direction(0, 100), glm::normalize(glm::dvec3{-2, -1, -1})); // bottom left
+    expect_near(glm::normalize(camera_at({{10, 0, 0}, {0, 0, 0}}, lens).right), {0, 0, -1});
+    expect_near(glm::normalize(camera_at({{0, 10, 0}, {0, 0, 0}}, lens).up), {0, 0, -1});
+    expect_near(glm::normalize(camera_at({{0, 10, 0}, {0, 0, 0}}, lens).right), {1, 0, 0});
+    expect_near(glm::normalize(camera_at({{0, -10, 0}, {0, 0, 0}}, lens).up), {0, 0, 1});
+    expect_near(glm::normalize(camera_at({{0, -10, 0}, {0, 0, 0}}, lens).right), {1, 0, 0});
+}
+
+TEST(Camera, KnowsThePapersViews) {
+    const auto views = paper_views();
+    ASSERT_EQ(views.size(), 5u);
+    for (const std::size_t i : {0u, 1u, 2u})
+        expect_near(camera_at(views[i].pose, {}).forward, {-1, 0, 0});
+    expect_near(camera_at(views[3].pose, {}).forward, {0, 0, -1});
+    expect_near(camera_at(views[4].pose, {}).forward, {0, -1, 0});
+}
+
+TEST(Camera, RefusesNonsense) {
+    const CameraPose pose;
+    for (const Lens& lens :
+         {Lens{0, 8, 8}, {180, 8, 8}, {-3, 8, 8}, {std::nan(""), 8, 8}, {45, 0, 8}, {45, 8, 16385}})
+        EXPECT_EQ(make_camera(pose, lens).status().code(), ErrorCode::bad_argument);
+    EXPECT_FALSE(make_camera({{1, 2, 3}, {1, 2, 3}}, {}).ok());
+    EXPECT_FALSE(make_camera({{1, 2, INFINITY}, {0, 0, 0}}, {}).ok());
+}
+
+TEST(Camera, Orbits) {
+    const auto poses = orbit({{10, 2, 0}, {0, 1, 0}}, 4);
+    ASSERT_TRUE(poses.ok());
+    expect_near((*poses)[0].eye, {10, 2, 0});
+    expect_near((*poses)[1].eye, {0, 2, -10});
+    expect_near((*poses)[2].eye, {-10, 2, 0});
+    expect_near((*poses)[3].eye, {0, 2, 10});
+    EXPECT_FALSE(orbit({{0, 10, 0}, {0, 0, 0}}, 4).ok());
+}
+
+TEST(RenderViews, NumbersFiles) {
+    ViewRequest request;
+    request.output = "folder.d/out.png";
+    auto plan = plan_views(request);
+    ASSERT_TRUE(plan.ok());
+    EXPECT_EQ(plan->front().output, "folder.d/out.png");
+    request.views = "paper";
+    plan = plan_views(request);
+    ASSERT_EQ(plan->size(), 5u);
+    EXPECT_EQ(plan->back().output, "folder.d/out-5.png");
+    request.views = "2";
+    plan = plan_views(request);
+    ASSERT_EQ(plan->size(), 1u);
+    expect_near(plan->front().camera.eye, {10, 0, -3});
+    request.views.clear();
+    request.orbit = 12;
+    plan = plan_views(request);
+    ASSERT_EQ(plan->size(), 12u);
+    EXPECT_EQ(plan->front().output, "folder.d/out-01.png");
+    EXPECT_EQ(plan->back().output, "folder.d/out-12.png");
+    for (const char* size : {"0x5", "5", "x", "5x", "99999x5", "5x5x5", "-5x5"}) {
+        request.size = size;
+        EXPECT_FALSE(plan_views(request).ok()) << size;
+    }
+    request.size.clear();
+    for (const char* eye : {"1,2", "1,2,3,4", "a,b,c", "1,,3", ","}) {
+        request.eye = eye;
+        EXPECT_FALSE(plan_views(request).ok()) << eye;
+    }
+}
+
+// A baked texture in memory, and how often it was read.
+class MemoryTexture final : public TexelSource {
+public:
+    explicit MemoryTexture(TexelSource& source)
+        : desc_(source.desc()), texels_(desc_.box_bytes(Box4::whole(desc_.size))) {
+        EXPECT_TRUE(source.read(Box4::whole(desc_.size), texels_).ok());
+    }
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        ++reads_;
+        std::byte* to = out.data();
+        const std::size_t n = desc_.texel_bytes();
+        const Extent4& e = desc_.size;
+        for (std::size_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            for (std::size_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                for (std::size_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
+                    for (std::size_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s, to += n)
+                        std::memcpy(to,
+                                    texels_.data() +
+                                        (((v * e[axis_u] + u) * e[axis_t] + t) * e[axis_s] + s) * n,
+                                    n);
+        return {};
+    }
+    int reads() const { return reads_; }
+
+private:
+    TextureDesc desc_;
+    std::vector<std::byte> texels_;
+    std::atomic<int> reads_{0};
+};
+
+std::unique_ptr<TexelSource> bake(const std::string& scene, const Extent4& size, unsigned samples) {
+    auto source = corpus::make_baked_source(scene, size, samples, 1);
+    EXPECT_TRUE(source.ok()) << source.status().message();
+    return std::move(*source);
+}
+
+View view_of(ViewRenderer& renderer, const Camera& camera) {
+    auto view = renderer.render(camera);
+    EXPECT_TRUE(view.ok()) << view.status().message();
+    return std::move(*view);
+}
+
+View texture_view(TexelSource& source, const Camera& camera, const RenderOptions& options = {},
+                  const Extent4& block = {8, 8, 4, 4}) {
+    return view_of(*make_texture_renderer(source, block, paper_window, grey, options), camera);
+}
+
+View truth_view(const std::string& scene, const Camera& camera, unsigned samples,
+                const SphereWindow& window = paper_window) {
+    return view_of(*make_truth_renderer(*corpus::make_scene(scene), window, samples, {}), camera);
+}
+
+const CameraPose aslant{{6, 3, 8}, {0, 0, 0}};
+
+TEST(TextureRenderer, LazyBakingChangesNothing) {
+    const auto lazy = bake("mirror", {32, 16, 9, 8}, 2);
+    MemoryTexture whole(*lazy);
+    const Camera camera = camera_at(aslant, {45, 60, 45});
+    const View expected = texture_view(whole, camera, {1, 1u << 30, {}}, {32, 32, 32, 32});
+    EXPECT_EQ(whole.reads(), 1);
+    EXPECT_EQ(texture_view(*lazy, camera, {3, 1u << 30, {}}).rgb, expected.rgb);
+    EXPECT_EQ(texture_view(*lazy, camera, {2, 1, {}}, {5, 3, 2, 1}).rgb, expected.rgb)
+        << "a cache that keeps nothing";
+    const int before = whole.reads();
+    texture_view(whole, camera, {2, 1u << 30, {}}, {8, 8, 4, 4});
+    EXPECT_LT(whole.reads() - before, 4 * 2 * 3 * 2) << "the far side is not read";
+}
+
+// One ray per pixel in both, so that nothing but the texture's resolution is between them.
+TEST(TextureRenderer, ApproachesTheTruth) {
+    for (const char* scene : {"composed", "gallery"})
+        for (const NamedPose& named : paper_views()) {
+            const Camera camera = camera_at(named.pose, {45, 40, 30});
+            const auto psnr = [&](const Extent4& size) {
+                const auto source = bake(scene, size, 1);
+                return likeness_of(to_picture(truth_view(scene, camera, 1), SampleType::unorm8),
+                                   to_picture(texture_view(*source, camera, {}, {2, 2, 2, 2}),
+                                              SampleType::unorm8))
+                    .psnr;
+            };
+            const double coarse = psnr({32, 16, 8, 8}), fine = psnr({8192, 4096, 2048, 2048});
+            EXPECT_GT(fine, coarse + 10) << scene << " " << named.name;
+            RecordProperty(std::string(scene) + " " + named.name,
+                           std::to_string(coarse) + " " + std::to_string(fine));
+        }
+}
+
+TEST(TextureRenderer, ReadsACompressedFile) {
+    const auto source = bake("composed", {32, 16, 8, 8}, 2);
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::max_error, 0};
+    std::vector<std::byte> bytes;
+    ASSERT_TRUE(encode_memory(*source, bytes, options).ok());
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const auto texels = decoded_source(*decoder);
+    const Camera camera = camera_at(aslant, {45, 60, 45});
+    EXPECT_EQ(texture_view(*texels, camera, {}, decoder->container().grid().tile_extent()).rgb,
+              texture_view(*source, camera).rgb);
+}
+
+TEST(TextureRenderer, KeepsOutsideTheSphere) {
+    const auto source = bake("composed", {8, 4, 2, 2}, 1);
+    const auto renderer = make_texture_renderer(*source, {8, 8, 8, 8}, paper_window, grey, {});
+    const Lens lens{90, 8, 8};
+    EXPECT_EQ(renderer->render(camera_at({{3.4, 0, 0}, {0, 0, 0}}, lens)).status().code(),
+              ErrorCode::bad_argument);
+    const View away = view_of(*renderer, camera_at({{5, 0, 0}, {10, 0, 0}}, lens));
+    for (const float x : away.rgb)
+        EXPECT_EQ(x, 0.5f);
+}
+
+TEST(TruthRenderer, TracesTheScene) {
+    const corpus::Scene scene = *corpus::make_scene("composed");
+    const Camera camera = camera_at(aslant, {45, 21, 15});
+    const View view = truth_view("composed", camera, 1);
+    for (std::uint32_t j = 0; j < 15; ++j)
+        for (std::uint32_t i = 0; i < 21; ++i) {
+            const glm::dvec3 expected =
+                corpus::trace_scene(scene, {camera.eye, camera.direction(i + 0.5, j + 0.5)});
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(view.rgb[(std::size_t{j} * 21 + i) * 3 + static_cast<std::size_t>(c)],
+                            expected[c], 1e-6);
+        }
+    // The same in a world twice as large and somewhere else.
+    const glm::dvec3 there{1, -2, 5};
+    const Camera moved =
+        camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 21, 15});
+    const View other = truth_view("composed", moved, 1, {there, 2 * corpus::window_radius});
+    for (std::size_t i = 0; i < view.rgb.size(); ++i)
+        EXPECT_NEAR(view.rgb[i], other.rgb[i], 1e-6);
+}
+
+TEST(ViewReport, Measures) {
+    Picture a = blank_picture(16, 16, 100), b = blank_picture(16, 16, 110);
+    EXPECT_NEAR(likeness_of(a, b).psnr, 20 * std::log10(25.5), 1e-9);
+    EXPECT_EQ(likeness_of(a, a).ssim, 1);
+    EXPECT_TRUE(std::isinf(likeness_of(a, a).psnr));
+    const ViewFigures figures = measure({"x", a, a, b});
+    const std::string table = to_table({figures});
+    EXPECT_NE(table.find("28.13"), std::string::npos) << table;
+    EXPECT_NE(table.find("same"), std::string::npos) << table;
+    EXPECT_EQ(to_panels({"x", a, a, b}).size(), 4u);
+    EXPECT_EQ(to_panels({"x", std::nullopt, std::nullopt, b}).size(), 1u);
+    EXPECT_TRUE(measure({"x", std::nullopt, std::nullopt, b}).empty());
+}
+
+// The verb, in this process.
+class Render : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::temp_directory_path() /
+                  ("tessera_render_" + std::to_string(getpid()) + "_" +
+                   testing::UnitTest::GetInstance()->current_test_info()->name());
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+    Status run(std::vector<std::string> words) {
+        CLI::App app;
+        Invocation chosen;
+        add_render_command(app, chosen);
+        words.insert(words.begin(), "render");
+        std::reverse(words.begin(), words.end()); // as CLI11 wants them
+        try {
+            app.parse(words);
+        } catch (const CLI::ParseError& e) {
+            return {ErrorCode::bad_argument, e.what()};
+        }
+        testing::internal::CaptureStdout();
+        const Status status = chosen.run();
+        out_ = testing::internal::GetCapturedStdout();
+        return status;
+    }
+
+    void fails(ErrorCode code, const std::vector<std::string>& words, const std::string& word) {
+        const Status status = run(words);
+        EXPECT_EQ(status.code(), code) << status.message();
+        EXPECT_NE(status.message().find(word), std::string::npos) << status.message();
+    }
+
+    std::string encode(const std::string& scene, const std::string& name, bool on_sphere = true) {
+        EncodeOptions options;
+        options.metadata = {{"Scene", scene}, {"Samples per texel", "2"}, {"Seed", "1"}};
+        if (on_sphere) {
+            options.description.proxy = Proxy::sphere;
+            options.description.sphere_radius = 3.5f;
+            options.description.surface_map = SurfaceMap::sphere_longitude_latitude;
+            options.description.angular_map = AngularMap::hemisphere_alpha_beta;
+        }
+        const auto source = bake(scene, {32, 16, 8, 8}, 2);
+        EXPECT_TRUE(encode_file(*source, at(name), options).ok());
+        return at(name);
+    }
+
+    fs::path folder_;
+    std::string out_;
+};
+
+TEST_F(Render, DrawsMeasuresAndShows) {
+    const std::string file = encode("composed", "c.tess");
+    ASSERT_TRUE(run({file, "-o", at("v.png"), "--views", "paper", "--size", "40x30", "--truth",
+                     "composed", "--truth-spp", "2", "--sheet", at("s.png"), "--json"})
+                    .ok());
+    const Json json = Json::parse(out_);
+    ASSERT_EQ(json["views"].size(), 5u);
+    for (const Json& view : json["views"]) {
+        EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 35) << view;
+        EXPECT_GT(view["compressed_truth"]["psnr"].get<double>(), 15) << view;
+        EXPECT_LT(view["uncompressed_truth"]["ssim"].get<double>(), 1) << view;
+        EXPECT_EQ(read_png_shape(view["output"].get<std::string>())->width, 40u);
+    }
+    EXPECT_GT(read_png_shape(at("s.png"))->height, 5u * 30);
+    // The original from a file, without a scene, and an orbit.
+    ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--size", "8x8", "--original", file,
+                     "--json"})
+                    .ok());
+    EXPECT_TRUE(Json::parse(out_)["views"][1]["compressed_uncompressed"]["psnr"].is_null());
+    EXPECT_TRUE(fs::exists(at("o-2.png")));
+    ASSERT_TRUE(run({file, "-o", at("q.png"), "--size", "8x8", "-q"}).ok());
+    EXPECT_EQ(out_, "");
+}
+
+TEST_F(Render, WritesExr) {
+    const std::string file = encode("lamps", "l.tess");
+    ASSERT_TRUE(run({file, "-o", at("l.exr"), "--size", "32x20", "--truth", "lamps"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("l.png"), "--size", "32x20"}).ok());
+    std::vector<float> rgb(32 * 20 * 3);
+    Imf::InputFile in(at("l.exr").c_str());
+    Imf::FrameBuffer frame;
+    const char* const names[] = {"R", "G", "B"};
+    for (std::size_t c = 0; c < 3; ++c)
+        frame.insert(names[c],
+                     Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(rgb.data() + c), 12, 12 * 32));
+    in.setFrameBuffer(frame);
+    in.readPixels(0, 19);
+    const Picture shown = to_picture({32, 20, rgb}, SampleType::half16);
+    std::vector<std::byte> png(shown.rgb.size());
+    ASSERT_TRUE(read_png(at("l.png"), {32, 20, 3}, 20, [&](std::uint32_t y, auto row) {
+                    std::memcpy(png.data() + y * 96, row.data(), 96);
+                }).ok());
+    EXPECT_EQ(shown.rgb, png);
+    EXPECT_GT(*std::max_element(rgb.begin(), rgb.end()), 1.0f) << "scene-linear";
+}
+
+TEST_F(Render, RefusesWithReasons) {
+    const std::string file = encode("composed", "c.tess"), out = at("v.png");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--eye", "1,0,0"}, "outside");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--fov", "180"}, "between 0 and 180");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--size", "0x4"}, "0x4");
+    fails(ErrorCode::bad_argument, {file, "-o", at("v.jpg")}, ".png");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "nowhere"}, "aliasing-near");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "mirror"}, "composed");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--views", "6"}, "paper");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--sheet", out}, "a view's name");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--original", at("x.exr")}, "raw");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--via", "magic"}, "magic");
+    fails(ErrorCode::bad_argument, {at("c.rgb"), "-o", out}, ".tess");
+    fails(ErrorCode::unsupported, {encode("composed", "flat.tess", false), "-o", out}, "--proxy");
+    fails(ErrorCode::io, {at("none.tess"), "-o", out}, "none.tess");
+    std::ofstream(at("bad.tess")) << "not a texture";
+    fails(ErrorCode::invalid_file, {at("bad.tess"), "-o", out}, "bad.tess");
+    EXPECT_FALSE(fs::exists(out));
+}
+
+} // namespace
+} // namespace tessera

@@ -1,0 +1,36 @@
+// An 8-bit RGB picture to look at.
+#pragma once
+
+#include "format/status.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct Picture {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::byte> rgb; // rows from the top
+
+    std::byte* pixel(std::uint32_t x, std::uint32_t y) {
+        return rgb.data() + (std::size_t{y} * width + x) * 3;
+    }
+    const std::byte* pixel(std::uint32_t x, std::uint32_t y) const {
+        return rgb.data() + (std::size_t{y} * width + x) * 3;
+    }
+};
+
+Picture blank_picture(std::uint32_t width, std::uint32_t height, int grey);
+
+// How scene-linear values are shown: as sRGB of x / (1 + x); NaN and below 0 as black.
+std::byte tone_mapped(double linear);
+
+// |a - b| times `amplify`, per channel. Precondition: both have the same size.
+Picture difference_of(const Picture& a, const Picture& b, double amplify);
+
+// Appears as `path`, a PNG, when it is whole. Errors: io, runtime.
+Status write_png(const std::string& path, const Picture& picture);
+
+} // namespace tessera

@@ -1,0 +1,59 @@
+// What an observer sees of a sphere with a 2+2D texture, and of the scene that it was baked from.
+#pragma once
+
+#include "codec/decoder.h"
+#include "corpus/scene.h"
+#include "format/metadata.h"
+#include "tools/camera.h"
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+// RGB, row 0 at the top. unorm8 textures: as displayed, 0..1; half16: scene-linear.
+struct View {
+    std::uint32_t width = 0, height = 0;
+    std::vector<float> rgb;
+};
+
+class ViewRenderer {
+public:
+    virtual ~ViewRenderer() = default;
+    // Errors: bad_argument where the eye is not outside the sphere; io, invalid_file.
+    virtual Result<View> render(const Camera& camera) = 0;
+};
+
+// The sphere that the texture lies on.
+struct SphereWindow {
+    glm::dvec3 centre{0.0};
+    double radius = 0;
+};
+
+// Errors: unsupported, where the texture is not the longitude/latitude, hemisphere map of a sphere.
+Result<SphereWindow> sphere_window(const Description& description);
+
+// bad_argument where the camera stands in the sphere or on it: this texture is seen from outside.
+Status check_outside(const SphereWindow& window, const Camera& camera);
+
+struct RenderOptions {
+    unsigned threads = 0;                     // 0: all cores; never changes the result
+    std::uint64_t cache_bytes = 512ull << 20; // of texels kept between pixels and views
+    ProgressFunction progress;                // rows of one view
+};
+
+// Samples the texture by format/sampler.h, one ray through each pixel's centre; grey shows as grey,
+// alpha not at all. Reads blocks of up to `block_extent` texels as pixels need them. `source` must
+// outlive it and take boxes in any order. `background`: where a ray misses the sphere.
+std::unique_ptr<ViewRenderer>
+make_texture_renderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
+                      const glm::dvec3& background, const RenderOptions& options);
+
+// The scene itself, ray traced: the mean of `samples` rays spread evenly over each pixel. `window`
+// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world.
+std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene, const SphereWindow& window,
+                                                  unsigned samples, const RenderOptions& options);
+
+} // namespace tessera
