@@ -102,11 +102,11 @@ private:
 
     // How many slots the budget leaves after everything else.
     Status plan_memory() {
-        const Extent4& most = grid_.tile_extent();
-        stride_s_ = std::min(most[2], grid_.size()[2]) + 1;
-        stride_t_ = std::min(most[3], grid_.size()[3]) + 1;
-        slot_width_ = std::min(most[0], grid_.size()[0]) * stride_s_;
-        slot_height_ = std::min(most[1], grid_.size()[1]) * stride_t_;
+        const Extent4& tile = grid_.tile_extent();
+        stride_s_ = std::min(tile[2], grid_.size()[2]) + 1;
+        stride_t_ = std::min(tile[3], grid_.size()[3]) + 1;
+        slot_width_ = std::min(tile[0], grid_.size()[0]) * stride_s_;
+        slot_height_ = std::min(tile[1], grid_.size()[1]) * stride_t_;
         const std::uint64_t slot_bytes =
             std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format());
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
@@ -121,15 +121,21 @@ private:
                     file_.reader.name() + ": a tile cache of one tile takes " +
                         mebibytes(fixed + slot_bytes) + ", the budget is " +
                         mebibytes(file_.budget)};
-        slots_ = std::min((file_.budget - fixed) / slot_bytes, std::max<std::uint64_t>(full_tiles_, 1));
-        columns_ = static_cast<std::uint32_t>(
-            std::min<std::uint64_t>(slots_, std::max(2048u / slot_width_, 1u)));
-        std::uint64_t lines = slots_ / columns_;
+        // Slots stand in lines of equal length, a line or several a layer: round up to whole lines
+        // where the budget allows, else down.
+        const std::uint64_t most = (file_.budget - fixed) / slot_bytes;
+        const std::uint64_t wanted = std::min(most, std::max<std::uint64_t>(full_tiles_, 1));
+        const std::uint64_t across = std::max(2048u / slot_width_, 1u);
+        std::uint64_t lines = (wanted + across - 1) / across;
+        columns_ = static_cast<std::uint32_t>((wanted + lines - 1) / lines);
+        if (lines * columns_ > most)
+            lines = std::max<std::uint64_t>(most / columns_, 1);
         rows_ = static_cast<std::uint32_t>((lines + 2047) / 2048);
         const std::uint64_t layers = lines / rows_;
-        if (slot_width_ > 2048 || slot_height_ * rows_ > 2048)
+        if (slot_width_ > 2048 || slot_height_ * std::uint64_t{rows_} > 2048)
             return {ErrorCode::unsupported,
-                    file_.reader.name() + ": more tiles than a texture array takes; lower the budget"};
+                    file_.reader.name() +
+                        ": more tiles than a texture array takes; lower the budget"};
         slots_ = layers * rows_ * columns_;
         shape_ = {columns_ * slot_width_, rows_ * slot_height_, static_cast<std::uint32_t>(layers)};
         return {};

@@ -49,7 +49,8 @@ public:
     // Precondition: a file that opens.
     explicit ShaderOracle(std::vector<std::byte> file)
         : file_(std::move(file)), source_(wrap_memory(file_)),
-          reader_(*ContainerReader::open(*source_)), tables_(*DecodeTables::make(reader_)),
+          reader_(std::move(*ContainerReader::open(*source_))),
+          tables_(std::move(*DecodeTables::make(reader_))),
           coding_(*read_coding_parameters(reader_.codec_parameters()), reader_.desc().type,
                   reader_.desc().channels),
           colour_{reader_.desc(), reader_.header().colour, reader_.header().background,
