@@ -34,11 +34,9 @@ void add_strip(const TileGrid& grid, const Extent4& tile, std::uint32_t slot, bo
     const std::uint32_t page = page_of(grid.number(source));
     if (page == tsr_page_missing)
         return;
-    list.words.insert(list.words.end(),
-                      {slot, page, pair(extent[0], extent[1]), pair(to[0], to[1]),
-                       pair(from[0], from[1]), pair(count[0], count[1])});
-    list.most_pixels =
-        std::max(list.most_pixels, extent[0] * extent[1] * count[0] * count[1]);
+    list.words.insert(list.words.end(), {slot, page, pair(extent[0], extent[1]), pair(to[0], to[1]),
+                                         pair(from[0], from[1]), pair(count[0], count[1])});
+    list.most_pixels = std::max(list.most_pixels, extent[0] * extent[1] * count[0] * count[1]);
 }
 
 } // namespace

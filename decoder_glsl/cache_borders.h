@@ -18,7 +18,7 @@ struct BorderList {
 
 // Strips for the borders that the newly decoded `tiles` change: their own, and those of their angular
 // neighbours before them. A border holds one more texel along s, along t and at the corner: the first
-// of the tile behind it, or at the end of an axis its own last one. page_of gives a tile's slot,
+// of the tile behind it, or at the end of an axis its own last one. page_of gives a tile's page, or
 // tsr_page_background or tsr_page_missing; strips from missing tiles are left out, until they come.
 BorderList border_strips(const TileGrid& grid, std::span<const std::uint32_t> tiles,
                          const std::function<std::uint32_t(std::uint64_t tile)>& page_of);

@@ -44,8 +44,7 @@ BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, std::size_t 
     std::uint64_t raw = 0;
     for (const auto& segment : parts.segments)
         raw += levels_bound(segment.bytes.size());
-    const std::uint64_t corrections =
-        parts.corrections.empty() ? 0 : texels * tables_.planes();
+    const std::uint64_t corrections = parts.corrections.empty() ? 0 : texels * tables_.planes();
     Size size;
     size.work_words = tsr_state_words + tsr_max_blocks * tsr_block_words +
                       tsr_max_items * tsr_item_words + (keep_nodes_ ? tsr_max_nodes : 0) +
@@ -112,8 +111,7 @@ void BatchBuilder::add_records(const PayloadParts& parts, std::span<const std::b
                                raw_});
         raw_ += room;
     }
-    most_segments_ =
-        std::max(most_segments_, static_cast<std::uint32_t>(parts.segments.size()));
+    most_segments_ = std::max(most_segments_, static_cast<std::uint32_t>(parts.segments.size()));
     std::uint32_t multipliers = tsr_none;
     if (!parts.corrections.empty()) {
         multipliers = multipliers_;
@@ -139,8 +137,7 @@ DecodeBatch BatchBuilder::finish() {
     batch.segments = segments;
     batch.most_segments = most_segments_;
     batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
-    batch.corrections =
-        static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
+    batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
 
     std::vector<std::uint32_t>& words = batch.words;
     words.assign(tsr_batch_words, 0);

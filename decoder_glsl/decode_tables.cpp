@@ -136,10 +136,9 @@ public:
 
     // The four that count double first; the coefficient itself, not yet decoded, where there is none.
     std::array<std::uint16_t, 12> of(std::size_t index) const {
-        static constexpr int steps[12][4] = {{1, 0, 0, 0},  {0, 1, 0, 0},  {0, 0, 1, 0},
-                                             {0, 0, 0, 1},  {1, 0, 1, 0},  {1, 0, -1, 0},
-                                             {-1, 0, 1, 0}, {0, 1, 0, 1},  {0, 1, 0, -1},
-                                             {0, -1, 0, 1}, {1, 1, 0, 0},  {0, 0, 1, 1}};
+        static constexpr int steps[12][4] = {
+            {1, 0, 0, 0},  {0, 1, 0, 0}, {0, 0, 1, 0},  {0, 0, 0, 1},  {1, 0, 1, 0}, {1, 0, -1, 0},
+            {-1, 0, 1, 0}, {0, 1, 0, 1}, {0, 1, 0, -1}, {0, -1, 0, 1}, {1, 1, 0, 0}, {0, 0, 1, 1}};
         std::array<std::uint16_t, 12> list;
         for (std::size_t i = 0; i < 12; ++i) {
             const std::uint16_t found = before(order_.entry[index], steps[i]);
@@ -267,8 +266,8 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
         for (int split = 0; split < 2; ++split) {
             std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
             if (can_split(shape, static_cast<Split>(split + 1))) {
-                const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0},
-                                                      static_cast<Split>(split + 1));
+                const Children children =
+                    children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, static_cast<Split>(split + 1));
                 for (int i = 0; i < children.count; ++i)
                     ids[static_cast<std::size_t>(i)] =
                         tables.ids_.at(children.block[static_cast<std::size_t>(i)].shape);

@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-// The words of shaders/sampler_layout.glsl up to the page table, for a file; what a residency does
-// not use stays 0.
+// The words of shaders/sampler_layout.glsl for a file: header and axes; what a residency does not use
+// stays 0. The page table goes behind them.
 std::vector<std::uint32_t> sampler_words(const ContainerReader& reader, const DecodeTables& tables);
 
 // What decoding batches may take of the device, so that it stays within `bytes` in all.
@@ -63,6 +63,8 @@ public:
 };
 
 Result<std::unique_ptr<Resident>> make_plain_texture(TextureFile& file, bool hardware_filter);
+Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
+                                                        TexelSource& source, bool hardware_filter);
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
                                                       const SampledTextureOptions& options);
 Result<std::unique_ptr<Resident>> make_coefficient_texture(TextureFile& file);

@@ -12,6 +12,9 @@ namespace {
 
 using namespace layout;
 
+// A tile's share of the lists for small passes: 12 strips of 6 words.
+constexpr std::uint64_t job_bytes = 12 * 6 * 4;
+
 // Marks on their way back: the copy of a frame's marks and the fence behind it.
 struct MarksInFlight {
     GlBuffer copy;
@@ -25,6 +28,7 @@ public:
           borders_(options.hardware_filter), coarse_(options.coarse) {}
 
     Status load() {
+        words_ = sampler_words(file_.reader, file_.tables);
         TESSERA_TRY(find_background());
         TESSERA_TRY(plan_memory());
         TESSERA_TRY(create_objects());
@@ -39,8 +43,8 @@ public:
         texels_.bind_texture(0);
     }
     std::uint64_t bytes() const override {
-        std::uint64_t sum = texels_.bytes() + parameters_.bytes() + marks_.bytes() + strips_.bytes() +
-                            file_.decoder.bytes();
+        std::uint64_t sum = texels_.bytes() + parameters_.bytes() + marks_.bytes() +
+                            strips_.bytes() + file_.decoder.bytes();
         for (const MarksInFlight& m : in_flight_)
             sum += m.copy.bytes();
         return sum;
@@ -54,8 +58,9 @@ public:
         if (!cache.ok())
             return cache.status();
         cache_.emplace(std::move(*cache));
-        std::copy(empty_pages_.begin(), empty_pages_.end(), words_.begin() + tsr_p_pages);
-        TESSERA_TRY(parameters_.upload(tsr_p_pages * 4, std::as_bytes(std::span(empty_pages_))));
+        std::copy(empty_pages_.begin(), empty_pages_.end(),
+                  words_.begin() + static_cast<std::ptrdiff_t>(pages_at_));
+        TESSERA_TRY(parameters_.upload(pages_at_ * 4, std::as_bytes(std::span(empty_pages_))));
         for (MarksInFlight& m : in_flight_)
             m.fence.reset();
         return marks_.clear(0);
@@ -69,14 +74,14 @@ public:
             return report;
         report.touched = static_cast<std::uint32_t>(touched_.size());
         cache_->begin_frame();
-        const auto jobs = cache_->touch(
-            touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
+        const auto jobs =
+            cache_->touch(touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
         if (!jobs.ok())
             return jobs.status();
         const std::vector<DecodeJob> list(jobs->begin(), jobs->end());
         report.decoded = static_cast<std::uint32_t>(list.size());
         report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
-        TESSERA_TRY(decode(list));
+        TESSERA_TRY(decode(list, wait));
         TESSERA_TRY(upload_pages());
         if (borders_)
             TESSERA_TRY(fill_borders(list));
@@ -108,24 +113,23 @@ private:
         slot_width_ = std::min(tile[0], grid_.size()[0]) * stride_s_;
         slot_height_ = std::min(tile[1], grid_.size()[1]) * stride_t_;
         const std::uint64_t slot_bytes =
-            std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format());
+            std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
-        const std::uint64_t coarse_bytes =
-            coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
+        const std::uint64_t coarse_bytes = coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
         work_bytes_ = std::clamp<std::uint64_t>(file_.budget / 6, 2ull << 20, 96ull << 20);
         const std::uint64_t fixed = file_.decoder.bytes() + work_bytes_ +
                                     (1 + 1 + std::size(in_flight_)) * tile_bytes + coarse_bytes +
-                                    (1ull << 16);
+                                    words_.size() * 4;
         if (file_.budget < fixed + slot_bytes)
-            return {ErrorCode::unsupported,
-                    file_.reader.name() + ": a tile cache of one tile takes " +
-                        mebibytes(fixed + slot_bytes) + ", the budget is " +
-                        mebibytes(file_.budget)};
+            return {ErrorCode::unsupported, file_.reader.name() +
+                                                ": a tile cache of one tile takes " +
+                                                mebibytes(fixed + slot_bytes) + ", the budget is " +
+                                                mebibytes(file_.budget)};
         // Slots stand in lines of equal length, a line or several a layer: round up to whole lines
         // where the budget allows, else down.
         const std::uint64_t most = (file_.budget - fixed) / slot_bytes;
         const std::uint64_t wanted = std::min(most, std::max<std::uint64_t>(full_tiles_, 1));
-        const std::uint64_t across = std::max(2048u / slot_width_, 1u);
+        const std::uint64_t across = std::clamp(2048u / slot_width_, 1u, 1024u);
         std::uint64_t lines = (wanted + across - 1) / across;
         columns_ = static_cast<std::uint32_t>((wanted + lines - 1) / lines);
         if (lines * columns_ > most)
@@ -150,9 +154,6 @@ private:
         texels_.clear();
         TESSERA_TRY(texels_.interpolate(borders_));
 
-        words_ = sampler_words(file_.reader, file_.tables);
-        words_[tsr_p_columns] = columns_;
-        words_[tsr_p_rows] = rows_;
         words_[tsr_p_slot_width] = slot_width_;
         words_[tsr_p_slot_height] = slot_height_;
         words_[tsr_p_stride_s] = stride_s_;
@@ -160,7 +161,9 @@ private:
         words_[tsr_p_width] = shape_.width;
         words_[tsr_p_height] = shape_.height;
         words_[tsr_p_has_coarse] = coarse_;
-        words_[tsr_p_coarse_at] = static_cast<std::uint32_t>(tsr_p_pages + grid_.tiles());
+        pages_at_ = words_.size();
+        words_[tsr_p_page_at] = static_cast<std::uint32_t>(pages_at_);
+        words_[tsr_p_coarse_at] = static_cast<std::uint32_t>(pages_at_ + grid_.tiles());
         words_.insert(words_.end(), empty_pages_.begin(), empty_pages_.end());
         const std::uint64_t coarse_words = coarse_ ? grid_.tiles() * tsr_coarse_texels * 2 : 0;
         TESSERA_TRY(grow_buffer(parameters_, (words_.size() + coarse_words) * 4, BufferUse::upload,
@@ -191,14 +194,38 @@ private:
         return {slot % columns_ * slot_width_, line % rows_ * slot_height_, line / rows_, 0, 0};
     }
 
-    Status decode(const std::vector<DecodeJob>& jobs) {
-        BatchFeed feed(file_, plan(), limits_within(work_bytes_), false, [&](DecodeBatch& batch) {
-            damaged_ += batch.damaged.size();
-            return file_.decoder.decode(batch, texels_);
-        });
+    // As the page table holds it.
+    std::uint32_t page_of(std::uint32_t slot) const {
+        const std::uint32_t line = slot / columns_;
+        return slot % columns_ | (line % rows_ << 10) | (line / rows_ << 20);
+    }
+
+    // `look`: waits for the device to say which tiles were damaged. They decode to the background, so
+    // from then on they are background.
+    Status decode(const std::vector<DecodeJob>& jobs, bool look) {
+        BatchFeed feed(file_, plan(), limits_within(work_bytes_), false,
+                       [&](DecodeBatch& batch) -> Status {
+                           TESSERA_TRY(file_.decoder.decode(batch, texels_));
+                           if (!look)
+                               return {};
+                           const auto counts = file_.decoder.counts(batch);
+                           if (!counts.ok())
+                               return counts.status();
+                           for (std::size_t i = 0; i < counts->size(); ++i)
+                               if ((*counts)[i].damaged != 0)
+                                   batch.damaged.push_back(batch.tiles[i]);
+                           for (const std::uint64_t tile : batch.damaged)
+                               note_damage(static_cast<std::uint32_t>(tile));
+                           return {};
+                       });
         for (const DecodeJob& job : jobs)
             TESSERA_TRY(feed.add(job.tile, place_of(job.slot)));
         return feed.finish();
+    }
+
+    void note_damage(std::uint32_t tile) {
+        damaged_ += empty_pages_[tile] != tsr_page_background;
+        empty_pages_[tile] = tsr_page_background;
     }
 
     // Every tile once through the cache, a cache full at a time.
@@ -211,7 +238,7 @@ private:
         const auto flush = [&]() -> Status {
             if (jobs.empty())
                 return {};
-            TESSERA_TRY(decode(jobs));
+            TESSERA_TRY(decode(jobs, true));
             TESSERA_TRY(average(jobs, *program));
             jobs.clear();
             return {};
@@ -220,7 +247,8 @@ private:
         for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
             if (empty_pages_[tile] == tsr_page_background)
                 continue;
-            jobs.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(jobs.size())});
+            jobs.push_back(
+                {static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(jobs.size())});
             if (jobs.size() == most)
                 TESSERA_TRY(flush());
         }
@@ -231,9 +259,9 @@ private:
         std::vector<std::uint32_t> words;
         for (const DecodeJob& job : jobs) {
             const Extent4 n = grid_.box(job.tile).extent();
-            const std::uint32_t at =
-                words_[tsr_p_coarse_at] + job.tile * static_cast<std::uint32_t>(tsr_coarse_texels * 2);
-            words.insert(words.end(), {job.slot, at, n[0], n[1], n[2], n[3], 0, 0});
+            const std::uint32_t at = words_[tsr_p_coarse_at] +
+                                     job.tile * static_cast<std::uint32_t>(tsr_coarse_texels * 2);
+            words.insert(words.end(), {page_of(job.slot), at, n[0], n[1], n[2], n[3], 0, 0});
         }
         TESSERA_TRY(upload_list(words));
         parameters_.bind_storage(4);
@@ -302,8 +330,8 @@ private:
     Status upload_pages() {
         std::size_t first = SIZE_MAX, last = 0;
         for (const PageChange& change : cache_->take_changes()) {
-            const std::size_t at = tsr_p_pages + std::size_t{change.tile};
-            words_[at] = change.slot == no_slot ? tsr_page_missing : change.slot;
+            const std::size_t at = pages_at_ + change.tile;
+            words_[at] = change.slot == no_slot ? tsr_page_missing : page_of(change.slot);
             first = std::min(first, at);
             last = std::max(last, at);
         }
@@ -317,15 +345,15 @@ private:
         std::vector<std::uint32_t> tiles;
         for (const DecodeJob& job : jobs)
             tiles.push_back(job.tile);
-        const auto page_of = [&](std::uint64_t tile) { return words_[tsr_p_pages + tile]; };
-        const BorderList list = border_strips(grid_, tiles, page_of);
+        const BorderList list = border_strips(
+            grid_, tiles, [&](std::uint64_t tile) { return words_[pages_at_ + tile]; });
         // Rows of 32,768 strips at most: any device's dispatch.
         constexpr std::size_t most = 32768;
         for (std::size_t first = 0; first < list.strips(); first += most) {
             const std::size_t count = std::min(most, list.strips() - first);
-            TESSERA_TRY(upload_list({list.words.begin() + static_cast<std::ptrdiff_t>(first * 6),
-                                     list.words.begin() +
-                                         static_cast<std::ptrdiff_t>((first + count) * 6)}));
+            TESSERA_TRY(upload_list(
+                {list.words.begin() + static_cast<std::ptrdiff_t>(first * 6),
+                 list.words.begin() + static_cast<std::ptrdiff_t>((first + count) * 6)}));
             const TexelFormat words = file_.half ? TexelFormat::rgba16ui : TexelFormat::r32ui;
             TESSERA_TRY(texels_.bind_image(0, GL_WRITE_ONLY, words));
             TESSERA_TRY(texels_.bind_image(1, GL_READ_ONLY, words));
@@ -354,6 +382,7 @@ private:
     GlProgram border_program_;
     std::array<MarksInFlight, 3> in_flight_;
     std::size_t send_ = 0;               // the next one to send, which is the oldest
+    std::size_t pages_at_ = 0;           // word of the page table
     std::vector<std::uint32_t> words_;   // of parameters_, up to the coarse texels
     std::vector<std::uint32_t> touched_; // tiles of the newest frame known
     std::optional<TileCache> cache_;

@@ -94,10 +94,10 @@ private:
         const std::uint64_t needed = coefficient_bytes + words * 4;
         if (coefficient_bytes > largest_buffer || words * 4 > largest_buffer ||
             needed + file_.decoder.bytes() > file_.budget)
-            return {ErrorCode::unsupported,
-                    file_.reader.name() + ": its coefficients take " + mebibytes(needed) +
-                        ", the budget is " + mebibytes(file_.budget) +
-                        " (and a buffer at most 128 MiB); use on feedback"};
+            return {ErrorCode::unsupported, file_.reader.name() + ": its coefficients take " +
+                                                mebibytes(needed) + ", the budget is " +
+                                                mebibytes(file_.budget) +
+                                                " (and a buffer at most 128 MiB); use on feedback"};
         auto coefficient_buffer =
             GlBuffer::create(coefficient_bytes, BufferUse::device, "coefficients");
         if (!coefficient_buffer.ok())

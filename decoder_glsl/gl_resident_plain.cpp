@@ -1,5 +1,7 @@
-// On load: every tile decoded into an ordinary texture.
+// On load: every tile decoded into an ordinary texture; or texels that the caller has.
+#include "decoder_glsl/gl_error.h"
 #include "decoder_glsl/gl_residency.h"
+#include "decoder_glsl/plain_pixels.h"
 #include "decoder_glsl/shader_layout.h"
 
 namespace tessera {
@@ -25,12 +27,7 @@ public:
                     file.reader.name() + ": decoded as a whole it takes " + mebibytes(needed) +
                         " and some work memory, the budget is " + mebibytes(file.budget) +
                         "; a tile cache (on feedback) fits"};
-        auto texels = GlTexture::create(file.format(), plain.shape, "decoded texels");
-        if (!texels.ok())
-            return texels.status();
-        texels_ = std::move(*texels);
-        TESSERA_TRY(texels_.interpolate(hardware_filter));
-        TESSERA_TRY(put_parameters(file, plain));
+        TESSERA_TRY(create_objects(file, plain, hardware_filter));
 
         const std::uint64_t fixed = bytes() + file.decoder.bytes();
         const std::uint64_t left = file.budget > fixed ? file.budget - fixed : 0;
@@ -39,12 +36,39 @@ public:
         const TileGrid& grid = file.reader.grid();
         for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
             const Box4 box = grid.box(tile);
-            TESSERA_TRY(feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
+            TESSERA_TRY(
+                feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
         }
         return feed.finish();
     }
 
+    // Layer by layer, so that one layer's texels at a time are held besides the texture.
+    Status upload(const TextureFile& file, TexelSource& source, bool hardware_filter) {
+        const Extent4& size = file.reader.desc().size;
+        const PlainLayout plain = plain_layout(size);
+        TESSERA_TRY(create_objects(file, plain, hardware_filter));
+        std::vector<std::byte> texels, pixels(texels_.layer_bytes());
+        for (std::uint32_t layer = 0; layer < plain.shape.layers; ++layer) {
+            const Box4 box = box_of_layer(plain.plan, size, layer);
+            texels.resize(source.desc().box_bytes(box));
+            TESSERA_TRY(source.begin_slab(box));
+            TESSERA_TRY(source.read(box, texels));
+            put_pixels(source.desc(), box, texels, plain.shape.width, pixels);
+            TESSERA_TRY(texels_.upload(layer, pixels));
+        }
+        return take_gl_errors("uploading texels");
+    }
+
 private:
+    Status create_objects(const TextureFile& file, const PlainLayout& plain, bool hardware_filter) {
+        auto texels = GlTexture::create(file.format(), plain.shape, "texels");
+        if (!texels.ok())
+            return texels.status();
+        texels_ = std::move(*texels);
+        TESSERA_TRY(texels_.interpolate(hardware_filter));
+        return put_parameters(file, plain);
+    }
+
     Status decode(TextureFile& file, const DecodeBatch& batch) {
         TESSERA_TRY(file.decoder.decode(batch, texels_));
         const auto counts = file.decoder.counts(batch);
@@ -58,11 +82,14 @@ private:
 
     Status put_parameters(const TextureFile& file, const PlainLayout& plain) {
         auto words = sampler_words(file.reader, file.tables);
-        words[tsr_p_fold_u] = plain.plan.fold_u;
-        words[tsr_p_fold_v] = plain.plan.fold_v;
+        const auto fold_axis = [&words](std::size_t axis, std::uint32_t fold,
+                                        std::uint32_t stride) {
+            for (std::uint32_t i = 0; i < words[tsr_p_size + axis]; ++i)
+                words[words[tsr_p_axis_at + axis] + i] = i % fold * stride | (i / fold << 16);
+        };
+        fold_axis(0, plain.plan.fold_u, plain.plan.stride_s);
+        fold_axis(1, plain.plan.fold_v, plain.plan.stride_t);
         words[tsr_p_folds_u] = plain.plan.folds_u;
-        words[tsr_p_stride_s] = plain.plan.stride_s;
-        words[tsr_p_stride_t] = plain.plan.stride_t;
         words[tsr_p_width] = plain.shape.width;
         words[tsr_p_height] = plain.shape.height;
         auto made = GlBuffer::create(std::as_bytes(std::span(words)), "sampler parameters");
@@ -83,6 +110,13 @@ Result<std::unique_ptr<Resident>> make_plain_texture(TextureFile& file, bool har
     auto texture = std::make_unique<PlainTexture>();
     TESSERA_TRY(texture->load(file, hardware_filter));
     file.decoder.free_work();
+    return std::unique_ptr<Resident>(std::move(texture));
+}
+
+Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
+                                                        TexelSource& source, bool hardware_filter) {
+    auto texture = std::make_unique<PlainTexture>();
+    TESSERA_TRY(texture->upload(file, source, hardware_filter));
     return std::unique_ptr<Resident>(std::move(texture));
 }
 

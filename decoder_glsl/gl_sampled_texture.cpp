@@ -57,15 +57,23 @@ Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) 
     const bool fits = shape.width <= 2048 && shape.height <= 2048 && shape.layers <= 2048;
     // A quarter stays for the work of decoding.
     return fits && decoded_bytes(reader) <= budget - budget / 4 ? Residency::on_load
-                                                                 : Residency::on_feedback;
+                                                                : Residency::on_feedback;
 }
 
 std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
                                          const DecodeTables& tables) {
-    std::vector<std::uint32_t> words(tsr_p_pages, 0);
+    const TileGrid& grid = reader.grid();
+    std::vector<std::uint32_t> words(tsr_sampler_words, 0);
     for (std::size_t axis = 0; axis < 4; ++axis) {
-        words[tsr_p_size + axis] = reader.desc().size[axis];
-        words[tsr_p_tiles + axis] = reader.grid().count()[axis];
+        words[tsr_p_size + axis] = grid.size()[axis];
+        words[tsr_p_tiles + axis] = grid.count()[axis];
+        words[tsr_p_axis_at + axis] = static_cast<std::uint32_t>(words.size());
+        Extent4 tile{0, 0, 0, 0};
+        for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
+            const std::uint32_t extent = grid.box(tile).extent()[axis];
+            for (std::uint32_t place = 0; place < extent; ++place)
+                words.push_back(tile[axis] | (place << 16) | ((extent - 1) << 21));
+        }
     }
     words[tsr_p_half] = reader.desc().type == SampleType::half16;
     words[tsr_p_background] = tables.words()[tsr_t_background_texel];
@@ -109,10 +117,9 @@ Status BatchFeed::finish() {
         4 * (batch.work_words + batch.words.size()) + 16 * batch.coefficients;
     if (batch.work_words > limits_.work_words || batch.coefficients > limits_.coefficients ||
         batch.words.size() > limits_.words)
-        return {ErrorCode::unsupported, file_.reader.name() + ": tile " +
-                                            std::to_string(batch.tiles[0]) + " alone needs " +
-                                            mebibytes(needed) +
-                                            " to decode; the budget leaves less"};
+        return {ErrorCode::unsupported,
+                file_.reader.name() + ": tile " + std::to_string(batch.tiles[0]) + " alone needs " +
+                    mebibytes(needed) + " to decode; the budget leaves less"};
     return flush_(batch);
 }
 
@@ -127,8 +134,9 @@ SampledTexture::SampledTexture(SampledTexture&&) noexcept = default;
 SampledTexture& SampledTexture::operator=(SampledTexture&&) noexcept = default;
 SampledTexture::~SampledTexture() = default;
 
-Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
-                                              const SampledTextureOptions& options) {
+// All but the resident.
+Result<std::unique_ptr<SampledTexture::State>>
+SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options) {
     TESSERA_TRY(check_device().with_context("this device cannot decode Tessera files"));
     // Tile numbers and the products of sizes and tile counts are 32-bit numbers in the shaders.
     const TileGrid& grid = reader.grid();
@@ -138,7 +146,8 @@ Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
                std::uint64_t{grid.size()[axis] + 1} * grid.count()[axis] < (1ull << 32);
     if (!fits)
         return Status{ErrorCode::unsupported,
-                      reader.name() + ": larger than 65,536 along an axis, or more than 16 million tiles"};
+                      reader.name() +
+                          ": larger than 65,536 along an axis, or more than 16 million tiles"};
     auto tables = DecodeTables::make(reader);
     if (!tables.ok())
         return tables.status();
@@ -146,15 +155,40 @@ Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
     auto decoder = GlTileDecoder::create(*tables, half);
     if (!decoder.ok())
         return decoder.status();
-    auto state = std::unique_ptr<State>(new State{
-        options,
-        {reader, std::move(*tables), half, options.budget, std::move(*decoder)},
-        nullptr});
+    return std::unique_ptr<State>(new State{
+        options, {reader, std::move(*tables), half, options.budget, std::move(*decoder)}, nullptr});
+}
+
+Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
+                                              const SampledTextureOptions& options) {
+    auto prepared = prepare(reader, options);
+    if (!prepared.ok())
+        return prepared.status();
+    std::unique_ptr<State> state = std::move(*prepared);
     auto resident = options.residency == Residency::on_load
                         ? make_plain_texture(state->file, options.hardware_filter)
                     : options.residency == Residency::on_feedback
                         ? make_cached_texture(state->file, options)
                         : make_coefficient_texture(state->file);
+    if (!resident.ok())
+        return resident.status();
+    state->resident = std::move(*resident);
+    return SampledTexture(std::move(state));
+}
+
+Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader,
+                                                   TexelSource& source, bool hardware_filter) {
+    if (source.desc() != reader.desc())
+        return Status{ErrorCode::difference,
+                      reader.name() + ": the texels to upload are of another size or type"};
+    SampledTextureOptions options;
+    options.residency = Residency::on_load;
+    options.hardware_filter = hardware_filter;
+    auto prepared = prepare(reader, options);
+    if (!prepared.ok())
+        return prepared.status();
+    std::unique_ptr<State> state = std::move(*prepared);
+    auto resident = make_uploaded_texture(state->file, source, hardware_filter);
     if (!resident.ok())
         return resident.status();
     state->resident = std::move(*resident);

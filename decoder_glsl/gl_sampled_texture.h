@@ -28,7 +28,7 @@ struct SampledTextureOptions {
     std::uint64_t budget = 256ull << 20; // bytes on the device, all buffers; never exceeded
     bool hardware_filter = true;         // let the texture unit mix angular neighbours
     bool coarse = true;                  // on_feedback: decode all once for coarse texels
-    std::uint32_t jobs_per_update = 0;   // on_feedback: tiles decoded at a time at most; 0: no limit
+    std::uint32_t jobs_per_update = 0; // on_feedback: tiles decoded at a time at most; 0: no limit
 };
 
 // The residency that suits a file and a budget: everything decoded where that fits, else a cache.
@@ -51,6 +51,12 @@ public:
     // the file is too large for the residency or the budget: with what would do), invalid_file, io.
     static Result<SampledTexture> create(const ContainerReader& reader,
                                          const SampledTextureOptions& options);
+    // As on load, but the texels come from `source` (of the reader's size, type and channels, boxes in
+    // any order), which is read here and not kept: what a renderer without this codec holds.
+    // `budget` does not count. Errors: difference, where the source is of another kind; its own;
+    // unsupported.
+    static Result<SampledTexture> from_texels(const ContainerReader& reader, TexelSource& source,
+                                              bool hardware_filter);
     SampledTexture(SampledTexture&&) noexcept;
     SampledTexture& operator=(SampledTexture&&) noexcept;
     ~SampledTexture();
@@ -62,13 +68,14 @@ public:
 
     // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
     // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
-    // never stalls: the marks may be those of one or two frames ago. Tiles that cannot be decoded are
-    // drawn as background and counted in damaged_tiles(). Errors: io, invalid_file, runtime.
+    // never stalls: the marks may be those of one or two frames ago. Errors: io, invalid_file, runtime.
     Result<UpdateReport> update(bool wait);
     // Forgets all cached tiles, as if nothing had been drawn.
     Status drop_cache();
 
     std::uint64_t bytes() const; // held on the device
+    // Tiles found damaged so far; they are drawn as background. On feedback without coarse texels,
+    // only updates that wait look for them.
     std::uint64_t damaged_tiles() const;
     std::uint64_t cache_slots() const; // on_feedback; else 0
     const TileCacheStats* cache_stats() const;
@@ -77,6 +84,8 @@ public:
 private:
     struct State;
     explicit SampledTexture(std::unique_ptr<State> state);
+    static Result<std::unique_ptr<State>> prepare(const ContainerReader& reader,
+                                                  const SampledTextureOptions& options);
     std::unique_ptr<State> state_;
 };
 

@@ -118,8 +118,8 @@ void GlTileDecoder::run_order(const DecodeBatch& batch) {
 
 Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& target) {
     note(DecodeStage::transform, true);
-    TESSERA_TRY(target.bind_image(0, GL_WRITE_ONLY,
-                                  half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
+    TESSERA_TRY(
+        target.bind_image(0, GL_WRITE_ONLY, half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
     items_.use();
     glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -177,8 +177,7 @@ Result<std::vector<TileCounts>> GlTileDecoder::counts(const DecodeBatch& batch) 
     return counts;
 }
 
-Result<std::vector<std::uint32_t>>
-GlTileDecoder::segment_levels(const DecodeBatch& batch) const {
+Result<std::vector<std::uint32_t>> GlTileDecoder::segment_levels(const DecodeBatch& batch) const {
     std::vector<std::uint32_t> counts(batch.segments);
     TESSERA_TRY(work_.read(std::uint64_t{batch.words[tsr_b_counts_at]} * 4,
                            std::as_writable_bytes(std::span(counts))));

@@ -15,7 +15,8 @@
 namespace tessera {
 
 // The program of an embedded compute shader for OpenGL 4.5. Errors as of shader_source and GlProgram.
-Result<GlProgram> compute_program(const std::string& file, std::span<const ShaderDefine> defines = {});
+Result<GlProgram> compute_program(const std::string& file,
+                                  std::span<const ShaderDefine> defines = {});
 
 // The passes, as they are timed apart.
 enum class DecodeStage {
@@ -28,9 +29,9 @@ enum class DecodeStage {
 // What a decoded tile came to, as the device counted.
 struct TileCounts {
     std::uint32_t blocks = 0, nodes = 0;
-    std::uint32_t coefficients = 0;         // not 0
-    std::uint32_t largest = 0;              // of one block
-    std::uint32_t damaged = 0;              // 0: sound; else tsr_damage_* of shaders/layout.glsl
+    std::uint32_t coefficients = 0; // not 0
+    std::uint32_t largest = 0;      // of one block
+    std::uint32_t damaged = 0;      // 0: sound; else tsr_damage_* of shaders/layout.glsl
 };
 
 // Needs a current OpenGL 4.5 context at every call. Buffers grow to what batches need and stay.

@@ -13,7 +13,7 @@ namespace tessera {
 // along forward + x right + y up, x and y from -1 (left, bottom) to 1 (right, top).
 struct ViewCamera {
     std::array<float, 3> eye{}, forward{}, right{}, up{};
-    float radius = 1; // of the sphere
+    float radius = 1;               // of the sphere
     std::array<float, 4> outside{}; // colour where a ray misses it
     std::uint32_t width = 0, height = 0;
 };

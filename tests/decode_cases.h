@@ -42,22 +42,22 @@ inline std::vector<DecodeCase> encoded_cases() {
     std::vector<DecodeCase> cases;
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(encoded_case("smooth", {{33, 21, 9, 6}, type, channels},
-                                         {Kind::quality, 60}));
+            cases.push_back(
+                encoded_case("smooth", {{33, 21, 9, 6}, type, channels}, {Kind::quality, 60}));
             cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
                                          {Kind::max_error, type == SampleType::unorm8 ? 0. : 3.}));
         }
     const TextureDesc rgb{{34, 20, 10, 8}, SampleType::unorm8, 3};
-    for (const char* name : {"black", "constant", "lambert", "checkerboard", "bright_texel",
-                             "grazing_ramp", "noise"})
+    for (const char* name :
+         {"black", "constant", "lambert", "checkerboard", "bright_texel", "grazing_ramp", "noise"})
         cases.push_back(encoded_case(name, rgb, {Kind::quality, 75}));
     cases.push_back(encoded_case("noise", rgb, {Kind::max_error, 4}));
     cases.push_back(encoded_case("smooth", {{4, 3, 32, 40}, SampleType::unorm8, 3},
                                  {Kind::quality, 90}, {4, 4, 32, 32}));
     cases.push_back(encoded_case("noise", {{64, 40, 3, 1}, SampleType::unorm8, 3},
                                  {Kind::quality, 50}, {32, 32, 8, 8}));
-    cases.push_back(encoded_case("smooth", {{1, 1, 1, 1}, SampleType::half16, 4},
-                                 {Kind::quality, 75}));
+    cases.push_back(
+        encoded_case("smooth", {{1, 1, 1, 1}, SampleType::half16, 4}, {Kind::quality, 75}));
     return cases;
 }
 
@@ -82,12 +82,11 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     std::vector<Bytes> tiles(grid.tiles());
     for (std::uint64_t i = 0; i < grid.tiles(); ++i)
         if (!random.chance(0.1))
-            encode_levels(RandomTile(random, coding,
-                                     {.split = split,
-                                      .density = density,
-                                      .magnitude_bits = magnitude_bits})
-                              .make(tile_shape(grid.box(i))),
-                          {}, coding, tiles[i]);
+            encode_levels(
+                RandomTile(random, coding,
+                           {.split = split, .density = density, .magnitude_bits = magnitude_bits})
+                    .make(tile_shape(grid.box(i))),
+                {}, coding, tiles[i]);
     const auto section = write_coding_parameters(parameters);
     ContainerContents contents;
     contents.desc = desc;
@@ -110,10 +109,10 @@ inline std::vector<DecodeCase> random_cases() {
     std::uint32_t seed = 100;
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(random_case(++seed, type, channels, {64, 20, 11, 5}, {32, 32, 8, 8}, 0.6,
-                                        0.1, 4));
-            cases.push_back(random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9,
-                                        0.3, 20));
+            cases.push_back(
+                random_case(++seed, type, channels, {64, 20, 11, 5}, {32, 32, 8, 8}, 0.6, 0.1, 4));
+            cases.push_back(
+                random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9, 0.3, 20));
         }
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 3, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.97, 0.02, 2));

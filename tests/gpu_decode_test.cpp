@@ -76,9 +76,8 @@ void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {
                                 (layer * shape.height + v * most[3] + t) * shape.width +
                                 u * most[2] + s;
                             for (std::size_t c = 0; c < 4; ++c)
-                                differing +=
-                                    load_sample(pixels.data() + (pixel * 4 + c) * sample,
-                                                reader.desc().type) != expected[i][c];
+                                differing += load_sample(pixels.data() + (pixel * 4 + c) * sample,
+                                                         reader.desc().type) != expected[i][c];
                         }
             EXPECT_EQ(differing, 0u) << "tile " << batch.tiles[layer];
         }

@@ -48,8 +48,10 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
             return u < 60 ? 1.0 : 0.25;
         if (u >= 40 && v >= 20)
             return 0.5 * gain;
-        const double slow = 0.5 + 0.3 * std::sin(0.2 * u + 0.3 * s + c) + 0.2 * std::cos(0.4 * t + 0.1 * v);
-        const unsigned hash = static_cast<unsigned>(((u * 31 + v) * 37 + s) * 41 + t * 43 + c) * 2654435761u;
+        const double slow =
+            0.5 + 0.3 * std::sin(0.2 * u + 0.3 * s + c) + 0.2 * std::cos(0.4 * t + 0.1 * v);
+        const unsigned hash =
+            static_cast<unsigned>(((u * 31 + v) * 37 + s) * 41 + t * 43 + c) * 2654435761u;
         return gain * (u < 40 ? 0.5 * slow + 0.5 * (hash >> 24) / 255.0 : slow);
     });
     EncodeOptions options;
@@ -73,7 +75,8 @@ protected:
     }
 
     // Colours at the probes, drawn until no tile is late.
-    static std::vector<glm::vec4> sampled(SampledTexture& texture, const std::vector<Probe>& probes) {
+    static std::vector<glm::vec4> sampled(SampledTexture& texture,
+                                          const std::vector<Probe>& probes) {
         const auto program = compute_program("sample_points.comp.glsl", texture.defines());
         EXPECT_TRUE(program) << program.status().message();
         std::vector<glm::vec4> points;
@@ -81,7 +84,8 @@ protected:
             points.emplace_back(probe.n, 0.f);
             points.emplace_back(glm::normalize(probe.d), 0.f);
         }
-        auto buffer = GlBuffer::create(points.size() * sizeof(glm::vec4), BufferUse::upload, "points");
+        auto buffer =
+            GlBuffer::create(points.size() * sizeof(glm::vec4), BufferUse::upload, "points");
         EXPECT_TRUE(buffer) << buffer.status().message();
         for (int frame = 0; frame < 8; ++frame) {
             EXPECT_TRUE(buffer->upload(0, std::as_bytes(std::span(points))));
@@ -163,6 +167,10 @@ constexpr double filter_precision = 2.0 / 512;
 TEST_F(GpuSample, AMillionSamplesAgreeWithTheCpu) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 60));
     const Judged judged = judge(file, 1000000);
+    // llvmpipe needs a minute for a million samples from coefficients.
+    Judged fewer = judged;
+    fewer.probes.resize(100000);
+    fewer.expected.resize(100000);
     for (const Residency residency :
          {Residency::on_load, Residency::on_feedback, Residency::on_sample})
         for (const bool filter : {false, true}) {
@@ -172,11 +180,308 @@ TEST_F(GpuSample, AMillionSamplesAgreeWithTheCpu) {
             auto texture = SampledTexture::create(file.reader(), with(residency, filter));
             ASSERT_TRUE(texture) << texture.status().message();
             EXPECT_EQ(texture->damaged_tiles(), 0u);
-            const double worst = worst_difference(judged, sampled(*texture, judged.probes));
+            const Judged& asked = residency == Residency::on_sample ? fewer : judged;
+            const double worst = worst_difference(asked, sampled(*texture, asked.probes));
             EXPECT_LE(worst, 1.0 / 255 + (filter ? filter_precision : 0));
             RecordProperty(std::string(name_of(residency)) + (filter ? "_filtered" : ""),
                            std::to_string(worst * 255));
         }
+}
+
+TEST_F(GpuSample, EveryTypeAndChannelCount) {
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            SampledFile file(mixed_file(type, channels, 40));
+            const Judged judged = judge(file, 4000);
+            const double range = type == SampleType::half16 ? 4 : 1;
+            for (const Residency residency :
+                 {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+                SCOPED_TRACE(std::string(name_of(residency)) + " x" + std::to_string(channels));
+                auto texture = SampledTexture::create(file.reader(), with(residency, false));
+                ASSERT_TRUE(texture) << texture.status().message();
+                EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), range / 255);
+            }
+        }
+}
+
+// A camera that looks at the middle of the sphere from `degrees` around it.
+ViewCamera camera_at(double degrees, std::uint32_t width = 96, std::uint32_t height = 72) {
+    const double a = degrees * pi / 180;
+    const auto vec = [](double x, double y, double z) {
+        return std::array<float, 3>{static_cast<float>(x), static_cast<float>(y),
+                                    static_cast<float>(z)};
+    };
+    ViewCamera camera;
+    camera.eye = vec(10 * std::sin(a), 3, 10 * std::cos(a));
+    const double length = std::sqrt(109.0);
+    const glm::dvec3 forward{-10 * std::sin(a) / length, -3 / length, -10 * std::cos(a) / length};
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0)));
+    const glm::dvec3 up = glm::cross(right, forward);
+    camera.forward = vec(forward.x, forward.y, forward.z);
+    camera.right = vec(0.5 * right.x, 0.5 * right.y, 0.5 * right.z);
+    camera.up = vec(0.375 * up.x, 0.375 * up.y, 0.375 * up.z);
+    camera.radius = 3.5f;
+    camera.outside = {0.25f, 0.5f, 0.75f, 1.f};
+    camera.width = width;
+    camera.height = height;
+    return camera;
+}
+
+std::vector<float> drawn(SampledTexture& texture, GlViewRenderer& renderer,
+                         const ViewCamera& camera) {
+    for (int frame = 0; frame < 8; ++frame) {
+        EXPECT_TRUE(renderer.draw(camera));
+        const auto report = texture.update(true);
+        EXPECT_TRUE(report) << report.status().message();
+        if (!report || report->decoded == 0)
+            break;
+    }
+    const auto picture = renderer.read();
+    EXPECT_TRUE(picture);
+    return picture ? *picture : std::vector<float>();
+}
+
+double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        largest = std::max(largest, std::abs(double{a[i]} - b[i]));
+    return largest;
+}
+
+double mean_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        sum += std::abs(double{a[i]} - b[i]);
+    return sum / static_cast<double>(a.size());
+}
+
+// The smallest budget in steps of an eighth of a MiB that a cache can be made with.
+std::uint64_t smallest_budget(const ContainerReader& reader) {
+    for (std::uint64_t budget = 1ull << 20;; budget += 1ull << 17)
+        if (SampledTexture::create(reader, with(Residency::on_feedback, true, budget)))
+            return budget;
+}
+
+TEST_F(GpuSample, BudgetsHoldAndAMovingCameraIsServed) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(whole) << whole.status().message();
+    auto reference = GlViewRenderer::create(*whole);
+    ASSERT_TRUE(reference);
+
+    const std::uint64_t least = smallest_budget(file.reader());
+    for (const std::uint64_t budget : {least, least + (std::uint64_t{3} << 20), std::uint64_t{64} << 20}) {
+        SCOPED_TRACE(budget);
+        auto texture =
+            SampledTexture::create(file.reader(), with(Residency::on_feedback, true, budget));
+        ASSERT_TRUE(texture) << texture.status().message();
+        EXPECT_LE(texture->bytes(), budget);
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer) << renderer.status().message();
+        for (int frame = 0; frame < 24; ++frame) {
+            ASSERT_TRUE(renderer->draw(camera_at(15.0 * frame)));
+            const auto report = texture->update(true);
+            ASSERT_TRUE(report) << report.status().message();
+            EXPECT_LE(texture->bytes(), budget);
+            EXPECT_LE(report->decoded, texture->cache_slots());
+        }
+        // Still now: nothing more happens than what happened already.
+        drawn(*texture, *renderer, camera_at(0));
+        ASSERT_TRUE(renderer->draw(camera_at(0)));
+        const auto still = texture->update(true);
+        ASSERT_TRUE(still);
+        EXPECT_EQ(still->decoded, 0u);
+        const auto picture = drawn(*texture, *renderer, camera_at(0));
+        const auto expected = drawn(*whole, *reference, camera_at(0));
+        if (still->waiting == 0)
+            EXPECT_LE(largest_difference(picture, expected), 1.0 / 255);
+        else // coarse texels stand in: the picture is there, blurred
+            EXPECT_LE(mean_difference(picture, expected), 0.1);
+        EXPECT_TRUE(budget != least || still->waiting > 0) << texture->cache_slots() << " slots";
+        EXPECT_TRUE(budget != 64ull << 20 || still->waiting == 0);
+    }
+}
+
+TEST_F(GpuSample, ASlowOrbitDecodesFewTilesAFrame) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto texture = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    ASSERT_TRUE(texture);
+    auto renderer = GlViewRenderer::create(*texture);
+    ASSERT_TRUE(renderer);
+    ASSERT_TRUE(renderer->draw(camera_at(0)));
+    const auto cold = texture->update(true);
+    ASSERT_TRUE(cold);
+    EXPECT_GT(cold->decoded, 5u);
+    std::uint32_t later = 0;
+    for (int frame = 1; frame <= 10; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(frame)));
+        const auto report = texture->update(true);
+        ASSERT_TRUE(report);
+        EXPECT_TRUE(report->current);
+        later += report->decoded;
+    }
+    EXPECT_LT(later, cold->decoded);
+}
+
+TEST_F(GpuSample, CoarseTexelsStandInBeforeTilesCome) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    auto coarse = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    auto options = with(Residency::on_feedback, true);
+    options.coarse = false;
+    auto none = SampledTexture::create(file.reader(), options);
+    ASSERT_TRUE(whole && coarse && none);
+    const auto first_frame = [](const SampledTexture& texture) {
+        auto renderer = GlViewRenderer::create(texture);
+        EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
+        return *renderer->read();
+    };
+    const auto truth = first_frame(*whole);
+    const double with_coarse = mean_difference(first_frame(*coarse), truth);
+    EXPECT_LT(with_coarse, 0.06);
+    EXPECT_LT(with_coarse, 0.5 * mean_difference(first_frame(*none), truth));
+}
+
+TEST_F(GpuSample, UpdatesThatDoNotWaitArriveALittleLater) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto texture = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(texture && whole);
+    auto renderer = GlViewRenderer::create(*texture);
+    auto reference = GlViewRenderer::create(*whole);
+    ASSERT_TRUE(renderer && reference);
+    std::uint32_t decoded = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(30)));
+        const auto report = texture->update(false);
+        ASSERT_TRUE(report) << report.status().message();
+        decoded += report->decoded;
+    }
+    EXPECT_GT(decoded, 0u);
+    EXPECT_LE(largest_difference(*renderer->read(), drawn(*whole, *reference, camera_at(30))),
+              1.0 / 255);
+}
+
+// A file with tile 1 made of bytes that decode to nothing sound, its checksums right.
+Bytes with_bad_tile(const Bytes& good) {
+    const auto source = wrap_memory(good);
+    const auto decoder = Decoder::open(*source);
+    EXPECT_TRUE(decoder);
+    const ContainerReader& reader = decoder->container();
+    const FileHeader& header = reader.header();
+    ContainerContents contents;
+    contents.desc = header.desc;
+    contents.tile_extent = header.tile_extent;
+    contents.description = header.description;
+    contents.colour = header.colour;
+    contents.background = header.background;
+    contents.codec_parameters = reader.codec_parameters();
+    Random random(5);
+    std::vector<Bytes> tiles(reader.tile_count());
+    for (std::uint64_t i = 0; i < tiles.size(); ++i)
+        EXPECT_TRUE(reader.read_tile(i, tiles[i]));
+    tiles[1] = random.bytes(200);
+    contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
+    Bytes file;
+    VectorSink sink(file);
+    EXPECT_TRUE(write_container(contents, sink));
+    return file;
+}
+
+TEST_F(GpuSample, DamagedTilesAreCountedAndDrawnAsBackground) {
+    const Bytes good = mixed_file(SampleType::unorm8, 3, 50);
+    const Bytes bad = with_bad_tile(good);
+    const auto source = wrap_memory(bad);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader) << reader.status().message();
+    for (const Residency residency :
+         {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+        SCOPED_TRACE(name_of(residency));
+        auto texture = SampledTexture::create(*reader, with(residency, false));
+        ASSERT_TRUE(texture) << texture.status().message();
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        for (const float value : drawn(*texture, *renderer, camera_at(100)))
+            ASSERT_TRUE(value >= 0 && value <= 1);
+        EXPECT_EQ(texture->damaged_tiles(), 1u);
+    }
+}
+
+TEST_F(GpuSample, SaysWhatDoesNotFit) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    const auto refusal = [&](const ContainerReader& reader, Residency residency,
+                             std::uint64_t budget) {
+        const auto texture = SampledTexture::create(reader, with(residency, true, budget));
+        EXPECT_FALSE(texture);
+        EXPECT_EQ(texture.status().code(), ErrorCode::unsupported);
+        return texture.status().message();
+    };
+    EXPECT_NE(refusal(file.reader(), Residency::on_load, 1 << 20).find("budget"),
+              std::string::npos);
+    EXPECT_NE(refusal(file.reader(), Residency::on_feedback, 1 << 18).find("budget"),
+              std::string::npos);
+    EXPECT_NE(refusal(file.reader(), Residency::on_sample, 1 << 18).find("budget"),
+              std::string::npos);
+
+    const DecodeCase lossless = encoded_case("smooth", {{33, 21, 9, 6}, SampleType::unorm8, 3},
+                                             {RateTarget::Kind::max_error, 0});
+    SampledFile exact(lossless.file);
+    EXPECT_NE(refusal(exact.reader(), Residency::on_sample, 64 << 20).find("corrections"),
+              std::string::npos);
+    const Judged judged = judge(exact, 4000);
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
+        auto texture = SampledTexture::create(exact.reader(), with(residency, false));
+        ASSERT_TRUE(texture) << texture.status().message();
+        EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), 1.0 / 255);
+    }
+    EXPECT_EQ(choose_residency(file.reader(), 1ull << 30), Residency::on_load);
+    EXPECT_EQ(choose_residency(file.reader(), 2ull << 20), Residency::on_feedback);
+}
+
+// The same view from a fragment shader, as an engine would draw it.
+TEST_F(GpuSample, FragmentShadersDrawTheSame) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    for (const Residency residency :
+         {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+        SCOPED_TRACE(name_of(residency));
+        auto texture = SampledTexture::create(file.reader(), with(residency, false));
+        ASSERT_TRUE(texture);
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        const ViewCamera camera = camera_at(130);
+        const auto expected = drawn(*texture, *renderer, camera); // and the view's uniforms
+        const auto vertex = shader_source("render.vert.glsl", ShaderDialect::gl450);
+        const auto fragment =
+            shader_source("render.frag.glsl", ShaderDialect::gl450, texture->defines());
+        ASSERT_TRUE(vertex && fragment);
+        const auto program = GlProgram::graphics(*vertex, *fragment, "render");
+        ASSERT_TRUE(program) << program.status().message();
+        const auto target =
+            GlTexture::create(TexelFormat::rgba32f, {camera.width, camera.height, 1}, "target");
+        ASSERT_TRUE(target);
+        GLuint framebuffer = 0, vertices = 0;
+        glCreateFramebuffers(1, &framebuffer);
+        glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, target->id(), 0, 0);
+        glCreateVertexArrays(1, &vertices);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glBindVertexArray(vertices);
+        glViewport(0, 0, static_cast<GLsizei>(camera.width), static_cast<GLsizei>(camera.height));
+        texture->bind();
+        program->use();
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        std::vector<float> upside_down(expected.size()), picture;
+        ASSERT_TRUE(target->read(0, std::as_writable_bytes(std::span(upside_down))));
+        const std::size_t row = std::size_t{camera.width} * 4;
+        for (std::size_t y = camera.height; y-- > 0;)
+            picture.insert(picture.end(),
+                           upside_down.begin() + static_cast<std::ptrdiff_t>(y * row),
+                           upside_down.begin() + static_cast<std::ptrdiff_t>((y + 1) * row));
+        EXPECT_LE(largest_difference(picture, expected), 1e-3);
+        glDeleteFramebuffers(1, &framebuffer);
+        glDeleteVertexArrays(1, &vertices);
+    }
 }
 
 } // namespace

@@ -109,7 +109,7 @@ inline void tsr_write_texel(ivec3 at, uvec4 samples) {
 class Machine {
 public:
     static constexpr uint stale = 0xA5A5A5A5u; // what earlier work left in a buffer
-    static constexpr std::size_t guard = 1024;  // words behind what a batch asks for
+    static constexpr std::size_t guard = 1024; // words behind what a batch asks for
 
     std::uint64_t most_rounds = 0; // of one invocation
     // After so many rounds in all, no more invocations are begun: damaged batches can ask for more

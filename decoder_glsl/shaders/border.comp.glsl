@@ -1,7 +1,7 @@
 // Copies the first texels of a tile's angular neighbours into the border of its angular images, so
 // that filtering hardware finds them next to its own last ones. A group is 64 pixels of one strip.
 //
-// A strip is six words: slot that it goes to, slot that it comes from (or background), tile extents
+// A strip is six words: page that it goes to, page that it comes from (or background), tile extents
 // u | v << 16, then three pairs s | t << 16: first texel in either image, and how many.
 #include "dialect.glsl"
 layout(std430, binding = 1) readonly buffer TesseraStrips { uint tsr_strips[]; };
@@ -27,15 +27,12 @@ uvec4 tsr_background_pixel() {
 #endif
 }
 
-ivec3 tsr_pixel(uint slot, int u, int v, int s, int t) {
-    int columns = int(tsr_sampler[tsr_p_columns]);
-    int rows = int(tsr_sampler[tsr_p_rows]);
-    int line = int(slot) / columns;
-    return ivec3((int(slot) - line * columns) * int(tsr_sampler[tsr_p_slot_width]) +
+ivec3 tsr_pixel(uint page, int u, int v, int s, int t) {
+    return ivec3(int(page & 1023u) * int(tsr_sampler[tsr_p_slot_width]) +
                      u * int(tsr_sampler[tsr_p_stride_s]) + s,
-                 (line % rows) * int(tsr_sampler[tsr_p_slot_height]) +
+                 int((page >> 10) & 1023u) * int(tsr_sampler[tsr_p_slot_height]) +
                      v * int(tsr_sampler[tsr_p_stride_t]) + t,
-                 line / rows);
+                 int(page >> 20));
 }
 
 layout(local_size_x = 64) in;

@@ -1,7 +1,7 @@
 // Means over the 64 parts of decoded tiles, for frames that come before their tiles. A group a tile,
 // an invocation a part.
 //
-// A job is eight words: slot, word of the tile's coarse texels in the sampler's buffer, extents of the
+// A job is eight words: page, word of the tile's coarse texels in the sampler's buffer, extents of the
 // tile, and two unused.
 #include "dialect.glsl"
 layout(std430, binding = 1) readonly buffer TesseraJobs { uint tsr_jobs[]; };
@@ -13,7 +13,7 @@ layout(TSR_TEXTURE(0)) uniform highp sampler2DArray tsr_texels;
 layout(local_size_x = 64) in;
 void main() {
     int job = int(gl_WorkGroupID.x) * 8;
-    int slot = int(tsr_jobs[job]);
+    uint page = tsr_jobs[job];
     ivec4 extent = ivec4(int(tsr_jobs[job + 2]), int(tsr_jobs[job + 3]), int(tsr_jobs[job + 4]),
                          int(tsr_jobs[job + 5]));
     int cell = int(gl_LocalInvocationIndex);
@@ -27,11 +27,9 @@ void main() {
     end = min(end, extent);
     begin = min(begin, end - 1);
     ivec4 count = end - begin;
-    int columns = int(tsr_sampler[tsr_p_columns]);
-    int rows = int(tsr_sampler[tsr_p_rows]);
-    int line = slot / columns;
-    ivec3 corner = ivec3((slot - line * columns) * int(tsr_sampler[tsr_p_slot_width]),
-                         (line % rows) * int(tsr_sampler[tsr_p_slot_height]), line / rows);
+    ivec3 corner = ivec3(int(page & 1023u) * int(tsr_sampler[tsr_p_slot_width]),
+                         int((page >> 10) & 1023u) * int(tsr_sampler[tsr_p_slot_height]),
+                         int(page >> 20));
     vec4 sum = vec4(0.0);
     int texels = count.x * count.y * count.z * count.w;
     // At most 8 x 8 x 16 x 16 texels, of tiles of at most 65,536.

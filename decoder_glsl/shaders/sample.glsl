@@ -58,36 +58,18 @@ vec4 tsr_unpack(uint low, uint high) {
     return unpackUnorm4x8(low);
 }
 
-// Where a texel is among the tiles: FORMAT.md part 2, in 32 bits since hosts refuse larger grids.
-int tsr_tile_on_axis(int texel, int size, int tiles) {
-    return int(((uint(texel) + 1u) * uint(tiles) - 1u) / uint(size));
+// The word of an axis, see sampler_layout.glsl.
+uint tsr_axis(int axis, int texel) {
+    return tsr_sampler[tsr_sampler[tsr_p_axis_at + axis] + uint(texel)];
 }
-int tsr_tile_begin(int tile, int size, int tiles) {
-    return int((uint(tile) * uint(size)) / uint(tiles));
+int tsr_axis_tile(uint word) {
+    return int(word & 0xFFFFu);
 }
-
-struct TsrTexel {
-    ivec4 at;   // in the texture
-    ivec4 tile; // of the tile grid
-    uint number;
-};
-
-TsrTexel tsr_texel(ivec4 at) {
-    ivec4 size = tsr_four(tsr_p_size);
-    ivec4 tiles = tsr_four(tsr_p_tiles);
-    TsrTexel x;
-    x.at = at;
-    x.tile = ivec4(tsr_tile_on_axis(at.x, size.x, tiles.x), tsr_tile_on_axis(at.y, size.y, tiles.y),
-                   tsr_tile_on_axis(at.z, size.z, tiles.z), tsr_tile_on_axis(at.w, size.w, tiles.w));
-    x.number = uint(((x.tile.w * tiles.z + x.tile.z) * tiles.y + x.tile.y) * tiles.x + x.tile.x);
-    return x;
+int tsr_axis_place(uint word) {
+    return int((word >> 16) & 31u);
 }
-ivec4 tsr_begin_of_tile(ivec4 tile) {
-    ivec4 size = tsr_four(tsr_p_size);
-    ivec4 tiles = tsr_four(tsr_p_tiles);
-    return ivec4(
-        tsr_tile_begin(tile.x, size.x, tiles.x), tsr_tile_begin(tile.y, size.y, tiles.y),
-        tsr_tile_begin(tile.z, size.z, tiles.z), tsr_tile_begin(tile.w, size.w, tiles.w));
+int tsr_axis_extent(uint word) {
+    return int((word >> 21) & 31u) + 1;
 }
 
 vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
@@ -98,8 +80,16 @@ vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
 #include "sample_coefficients.glsl"
 #else
 layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
-// The mix of four neighbouring pixels by the texture unit. Where the footprint was clamped both
-// texels are the same one, and the weight must not reach for its neighbour.
+// The mix of the four texels of a footprint, neighbours in one layer.
+vec4 tsr_fetched(ivec3 pixel, TsrAngularFootprint f) {
+    ivec2 step = f.high - f.low;
+    return tsr_mix4(texelFetch(tsr_texels, pixel, 0),
+                    texelFetch(tsr_texels, pixel + ivec3(step.x, 0, 0), 0),
+                    texelFetch(tsr_texels, pixel + ivec3(0, step.y, 0), 0),
+                    texelFetch(tsr_texels, pixel + ivec3(step.x, step.y, 0), 0), f.weight);
+}
+// The same by the texture unit. Where the footprint was clamped both texels are the same one, and
+// the weight must not reach for its neighbour.
 vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
     vec2 offset = vec2(f.low.x == f.high.x ? 0.0 : f.weight.x, f.low.y == f.high.y ? 0.0 : f.weight.y);
     vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
@@ -113,19 +103,30 @@ vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
 #endif
 #endif
 
+vec4 tsr_surface_texel(int u, int v, ivec4 size, vec3 direction) {
+    ivec2 texel = ivec2(u, v);
+    return tsr_angular_image(texel, tsr_angular_footprint(texel, ivec2(size.x, size.y),
+                                                          ivec2(size.z, size.w), direction));
+}
+
 vec4 tessera_sample(vec3 from_centre, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
-    ivec2 surface = ivec2(size.x, size.y);
-    ivec2 angular = ivec2(size.z, size.w);
-    TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, surface);
-    vec4 corner[4];
+    TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, ivec2(size.x, size.y));
     // Each of the four surface texels has its own frame, hence its own angles.
-    for (int i = 0; i < 4; ++i) {
-        ivec2 texel = ivec2((i & 1) == 0 ? f.low.x : f.high.x, i < 2 ? f.low.y : f.high.y);
-        corner[i] = tsr_angular_image(texel,
-                                      tsr_angular_footprint(texel, surface, angular, direction));
-    }
+#ifdef TESSERA_RESIDENT_COEFFICIENTS
+    // A loop: compilers that unroll this one take minutes for a shader that waits for memory anyway.
+    vec4 corner[4];
+    for (int i = 0; i < 4; ++i)
+        corner[i] = tsr_surface_texel((i & 1) == 0 ? f.low.x : f.high.x,
+                                      i < 2 ? f.low.y : f.high.y, size, direction);
     return tsr_mix4(corner[0], corner[1], corner[2], corner[3], f.weight);
+#else
+    vec4 low_low = tsr_surface_texel(f.low.x, f.low.y, size, direction);
+    vec4 high_low = tsr_surface_texel(f.high.x, f.low.y, size, direction);
+    vec4 low_high = tsr_surface_texel(f.low.x, f.high.y, size, direction);
+    vec4 high_high = tsr_surface_texel(f.high.x, f.high.y, size, direction);
+    return tsr_mix4(low_low, high_low, low_high, high_high, f.weight);
+#endif
 }
 
 #endif

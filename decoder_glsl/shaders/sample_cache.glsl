@@ -7,15 +7,40 @@ void tsr_mark(uint tile) {
         tsr_marks[tile] = 1u;
 }
 
-ivec3 tsr_cache_pixel(uint slot, ivec4 in_tile) {
-    uint columns = tsr_parameter(tsr_p_columns);
-    uint rows = tsr_parameter(tsr_p_rows);
-    uint line = slot / columns;
-    return ivec3(int(slot - line * columns) * int(tsr_parameter(tsr_p_slot_width)) +
-                     in_tile.x * int(tsr_parameter(tsr_p_stride_s)) + in_tile.z,
-                 int(line % rows) * int(tsr_parameter(tsr_p_slot_height)) +
-                     in_tile.y * int(tsr_parameter(tsr_p_stride_t)) + in_tile.w,
-                 int(line / rows));
+// A surface texel among the tiles: the part of a tile's number and of a pixel that u and v give.
+struct TsrColumn {
+    uint u; // words of the axes
+    uint v;
+    uint tile;
+    ivec2 pixel;
+};
+
+TsrColumn tsr_column(ivec2 texel) {
+    TsrColumn c;
+    c.u = tsr_axis(0, texel.x);
+    c.v = tsr_axis(1, texel.y);
+    c.tile = uint(tsr_axis_tile(c.v)) * tsr_parameter(tsr_p_tiles) + uint(tsr_axis_tile(c.u));
+    c.pixel = ivec2(tsr_axis_place(c.u) * int(tsr_parameter(tsr_p_stride_s)),
+                    tsr_axis_place(c.v) * int(tsr_parameter(tsr_p_stride_t)));
+    return c;
+}
+
+// Number of the tile, from the words of the axes of s and t.
+uint tsr_tile_of(TsrColumn c, uint s, uint t) {
+    uint angular = uint(tsr_axis_tile(t)) * tsr_parameter(tsr_p_tiles + 2) + uint(tsr_axis_tile(s));
+    return angular * tsr_parameter(tsr_p_tiles) * tsr_parameter(tsr_p_tiles + 1) + c.tile;
+}
+
+uint tsr_page(uint tile) {
+    return tsr_sampler[tsr_parameter(tsr_p_page_at) + tile];
+}
+
+ivec3 tsr_cache_pixel(uint page, TsrColumn c, uint s, uint t) {
+    return ivec3(int(page & 1023u) * int(tsr_parameter(tsr_p_slot_width)) + c.pixel.x +
+                     tsr_axis_place(s),
+                 int((page >> 10) & 1023u) * int(tsr_parameter(tsr_p_slot_height)) + c.pixel.y +
+                     tsr_axis_place(t),
+                 int(page >> 20));
 }
 
 vec4 tsr_background() {
@@ -23,70 +48,62 @@ vec4 tsr_background() {
 }
 
 // The mean over a part of the tile, or the background where there are no coarse texels.
-vec4 tsr_coarse(TsrTexel x) {
+vec4 tsr_coarse(TsrColumn c, uint s, uint t, uint tile) {
     if (tsr_parameter(tsr_p_has_coarse) == 0u)
         return tsr_background();
-    ivec4 begin = tsr_begin_of_tile(x.tile);
-    ivec4 extent = tsr_begin_of_tile(x.tile + ivec4(1)) - begin;
-    ivec4 at = x.at - begin;
-    int cell = ((at.w * tsr_coarse_st / extent.w * tsr_coarse_st + at.z * tsr_coarse_st / extent.z) *
-                    tsr_coarse_uv +
-                at.y * tsr_coarse_uv / extent.y) *
-                   tsr_coarse_uv +
-               at.x * tsr_coarse_uv / extent.x;
-    uint word = tsr_parameter(tsr_p_coarse_at) + (x.number * uint(tsr_coarse_texels) + uint(cell)) * 2u;
+    int part_u = tsr_axis_place(c.u) * tsr_coarse_uv / tsr_axis_extent(c.u);
+    int part_v = tsr_axis_place(c.v) * tsr_coarse_uv / tsr_axis_extent(c.v);
+    int part_s = tsr_axis_place(s) * tsr_coarse_st / tsr_axis_extent(s);
+    int part_t = tsr_axis_place(t) * tsr_coarse_st / tsr_axis_extent(t);
+    int cell = ((part_t * tsr_coarse_st + part_s) * tsr_coarse_uv + part_v) * tsr_coarse_uv + part_u;
+    uint word = tsr_parameter(tsr_p_coarse_at) + (tile * uint(tsr_coarse_texels) + uint(cell)) * 2u;
     return tsr_unpack(tsr_sampler[word], tsr_sampler[word + 1u]);
 }
 
 // One texel, its tile marked.
-vec4 tsr_cached(ivec4 at) {
-    TsrTexel x = tsr_texel(at);
-    tsr_mark(x.number);
-    uint page = tsr_sampler[uint(tsr_p_pages) + x.number];
+vec4 tsr_cached(TsrColumn c, uint s, uint t) {
+    uint tile = tsr_tile_of(c, s, t);
+    tsr_mark(tile);
+    uint page = tsr_page(tile);
     if (page == tsr_page_background)
         return tsr_background();
     if (page == tsr_page_missing)
-        return tsr_coarse(x);
-    return texelFetch(tsr_texels, tsr_cache_pixel(page, at - tsr_begin_of_tile(x.tile)), 0);
+        return tsr_coarse(c, s, t, tile);
+    return texelFetch(tsr_texels, tsr_cache_pixel(page, c, s, t), 0);
 }
 
 vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
-    ivec4 low = ivec4(texel.x, texel.y, f.low.x, f.low.y);
-    ivec4 high = ivec4(texel.x, texel.y, f.high.x, f.high.y);
-    TsrTexel a = tsr_texel(low);
-    TsrTexel b = tsr_texel(high);
-    uint page = tsr_sampler[uint(tsr_p_pages) + a.number];
+    TsrColumn c = tsr_column(texel);
+    uint s0 = tsr_axis(2, f.low.x);
+    uint s1 = tsr_axis(2, f.high.x);
+    uint t0 = tsr_axis(3, f.low.y);
+    uint t1 = tsr_axis(3, f.high.y);
+    uint tile = tsr_tile_of(c, s0, t0);
+    uint page = tsr_page(tile);
+    bool inside = ((s0 ^ s1) & 0xFFFFu) == 0u && ((t0 ^ t1) & 0xFFFFu) == 0u;
     // Inside one tile, all four texels are one lookup away.
-    if (a.number == b.number && page < tsr_page_background) {
-        tsr_mark(a.number);
-        ivec3 pixel = tsr_cache_pixel(page, low - tsr_begin_of_tile(a.tile));
+    if (inside && page < tsr_page_background) {
+        tsr_mark(tile);
 #ifdef TESSERA_HARDWARE_FILTER
-        return tsr_filtered(pixel, f);
+        return tsr_filtered(tsr_cache_pixel(page, c, s0, t0), f);
 #else
-        ivec2 step = f.high - f.low;
-        return tsr_mix4(texelFetch(tsr_texels, pixel, 0),
-                        texelFetch(tsr_texels, pixel + ivec3(step.x, 0, 0), 0),
-                        texelFetch(tsr_texels, pixel + ivec3(0, step.y, 0), 0),
-                        texelFetch(tsr_texels, pixel + ivec3(step.x, step.y, 0), 0), f.weight);
+        return tsr_fetched(tsr_cache_pixel(page, c, s0, t0), f);
 #endif
     }
 #ifdef TESSERA_HARDWARE_FILTER
     // Across a border: the tile's own copy of its neighbours' first texels, once all are there.
-    ivec4 side_s = ivec4(texel.x, texel.y, f.high.x, f.low.y);
-    ivec4 side_t = ivec4(texel.x, texel.y, f.low.x, f.high.y);
-    uint c = tsr_texel(side_s).number;
-    uint d = tsr_texel(side_t).number;
-    if (page < tsr_page_background && tsr_sampler[uint(tsr_p_pages) + b.number] != tsr_page_missing &&
-        tsr_sampler[uint(tsr_p_pages) + c] != tsr_page_missing &&
-        tsr_sampler[uint(tsr_p_pages) + d] != tsr_page_missing) {
-        tsr_mark(a.number);
-        tsr_mark(b.number);
-        tsr_mark(c);
-        tsr_mark(d);
-        return tsr_filtered(tsr_cache_pixel(page, low - tsr_begin_of_tile(a.tile)), f);
+    uint tile_s = tsr_tile_of(c, s1, t0);
+    uint tile_t = tsr_tile_of(c, s0, t1);
+    uint tile_st = tsr_tile_of(c, s1, t1);
+    if (page < tsr_page_background && tsr_page(tile_s) != tsr_page_missing &&
+        tsr_page(tile_t) != tsr_page_missing && tsr_page(tile_st) != tsr_page_missing) {
+        tsr_mark(tile);
+        tsr_mark(tile_s);
+        tsr_mark(tile_t);
+        tsr_mark(tile_st);
+        return tsr_filtered(tsr_cache_pixel(page, c, s0, t0), f);
     }
 #endif
-    return tsr_mix4(tsr_cached(low), tsr_cached(ivec4(texel.x, texel.y, f.high.x, f.low.y)),
-                    tsr_cached(ivec4(texel.x, texel.y, f.low.x, f.high.y)), tsr_cached(high),
-                    f.weight);
+    return tsr_mix4(tsr_cached(c, s0, t0), tsr_cached(c, s1, t0), tsr_cached(c, s0, t1),
+                    tsr_cached(c, s1, t1), f.weight);
 }

@@ -150,14 +150,16 @@ TsrFour tsr_evaluate(TsrBlock b, ivec2 place, ivec4 angles, uint begin, uint cou
     return f;
 }
 
-vec4 tsr_shown(ivec3 colour, int alpha) {
-    uvec4 samples = tsr_samples(tsr_codes(ivec4(colour.x, colour.y, colour.z, alpha)));
-    if (tsr_parameter(tsr_p_half) != 0u)
+vec4 tsr_shown(TsrFormat format, ivec3 colour, int alpha) {
+    uvec4 samples =
+        tsr_samples(format, tsr_codes(format, ivec4(colour.x, colour.y, colour.z, alpha)));
+    if (format.half_floats)
         return tsr_unpack(samples.x | (samples.y << 16), samples.z | (samples.w << 16));
     return vec4(samples) / 255.0;
 }
 
 vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
+    TsrFormat format = tsr_format();
     vec4 corner[4];
     int done = 0;
     // A round evaluates all texels that lie in the block of the first one still to do: one round
@@ -166,11 +168,19 @@ vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
         int next = (done & 1) == 0 ? 0 : ((done & 2) == 0 ? 1 : ((done & 4) == 0 ? 2 : 3));
         ivec4 at = ivec4(texel.x, texel.y, (next & 1) == 0 ? f.low.x : f.high.x,
                          next < 2 ? f.low.y : f.high.y);
-        TsrTexel x = tsr_texel(at);
-        ivec4 begin = tsr_begin_of_tile(x.tile);
-        ivec4 in_tile = at - begin;
-        TsrBlock b = tsr_find_block(x.number, tsr_begin_of_tile(x.tile + ivec4(1)) - begin, in_tile);
-        ivec4 origin = begin + b.origin;
+        uvec4 axes = uvec4(tsr_axis(0, at.x), tsr_axis(1, at.y), tsr_axis(2, at.z),
+                           tsr_axis(3, at.w));
+        ivec4 tiles = tsr_four(tsr_p_tiles);
+        int number = ((tsr_axis_tile(axes.w) * tiles.z + tsr_axis_tile(axes.z)) * tiles.y +
+                      tsr_axis_tile(axes.y)) *
+                         tiles.x +
+                     tsr_axis_tile(axes.x);
+        ivec4 in_tile = ivec4(tsr_axis_place(axes.x), tsr_axis_place(axes.y),
+                              tsr_axis_place(axes.z), tsr_axis_place(axes.w));
+        ivec4 extent = ivec4(tsr_axis_extent(axes.x), tsr_axis_extent(axes.y),
+                             tsr_axis_extent(axes.z), tsr_axis_extent(axes.w));
+        TsrBlock b = tsr_find_block(uint(number), extent, in_tile);
+        ivec4 origin = at - in_tile + b.origin;
         ivec4 angles = ivec4(f.low.x - origin.z, f.high.x - origin.z, f.low.y - origin.w,
                              f.high.y - origin.w);
         bool s0 = angles.x >= 0 && angles.x < b.sides.z;
@@ -184,13 +194,13 @@ vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
         TsrFour colour = tsr_evaluate(b, place, within, first, counts & 0xFFFFu);
         TsrFour alpha = tsr_evaluate(b, place, within, first + (counts & 0xFFFFu), counts >> 16);
         if (s0 && t0)
-            corner[0] = tsr_shown(colour.x00, alpha.x00.x);
+            corner[0] = tsr_shown(format, colour.x00, alpha.x00.x);
         if (s1 && t0)
-            corner[1] = tsr_shown(colour.x10, alpha.x10.x);
+            corner[1] = tsr_shown(format, colour.x10, alpha.x10.x);
         if (s0 && t1)
-            corner[2] = tsr_shown(colour.x01, alpha.x01.x);
+            corner[2] = tsr_shown(format, colour.x01, alpha.x01.x);
         if (s1 && t1)
-            corner[3] = tsr_shown(colour.x11, alpha.x11.x);
+            corner[3] = tsr_shown(format, colour.x11, alpha.x11.x);
         done |= (s0 && t0 ? 1 : 0) | (s1 && t0 ? 2 : 0) | (s0 && t1 ? 4 : 0) | (s1 && t1 ? 8 : 0);
     }
     return tsr_mix4(corner[0], corner[1], corner[2], corner[3], f.weight);

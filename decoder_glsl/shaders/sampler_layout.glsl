@@ -1,25 +1,31 @@
-// The words of the sampler's buffer: sizes, page table and coarse texels. Shared by shaders and host.
+// The words of the sampler's buffer: sizes, axes, page table and coarse texels. Shared by shaders and
+// host.
 #ifndef TSR_SAMPLER_LAYOUT
 #define TSR_SAMPLER_LAYOUT
 
-const int tsr_p_size = 0;       // texels along u, v, s, t
-const int tsr_p_tiles = 4;      // tiles along u, v, s, t
-const int tsr_p_fold_u = 8;     // of a plain texture: angular images side by side in a layer
-const int tsr_p_fold_v = 9;
-const int tsr_p_folds_u = 10;   // layers side by side
-const int tsr_p_columns = 11;   // of a cache: slots side by side in a layer
-const int tsr_p_rows = 12;
-const int tsr_p_slot_width = 13; // pixels
-const int tsr_p_slot_height = 14;
-const int tsr_p_stride_s = 15; // pixels from one angular image to the next
-const int tsr_p_stride_t = 16;
+const int tsr_p_size = 0;        // texels along u, v, s, t
+const int tsr_p_tiles = 4;       // tiles along u, v, s, t
+const int tsr_p_axis_at = 8;     // words where the axes of u, v, s, t begin
+const int tsr_p_stride_s = 12;   // pixels from one angular image to the next
+const int tsr_p_stride_t = 13;
+const int tsr_p_folds_u = 14;    // of a plain texture: layers side by side
+const int tsr_p_slot_width = 15; // of a cache: pixels of a slot
+const int tsr_p_slot_height = 16;
 const int tsr_p_half = 17;       // 1: half floats
 const int tsr_p_background = 18; // two words, packed as texels are
 const int tsr_p_coarse_at = 20;  // word of the coarse texels, two a texel
 const int tsr_p_has_coarse = 21;
 const int tsr_p_width = 22; // pixels of a layer
 const int tsr_p_height = 23;
-const int tsr_p_pages = 32; // the page table
+const int tsr_p_page_at = 24; // word of the page table
+const int tsr_sampler_words = 32;
+
+// An axis has a word a texel, so that sampling divides nothing:
+//   its tile | its place in the tile << 16 | the tile's extent - 1 << 21;
+// u and v of a plain texture: its pixel in the layer | its fold << 16.
+
+// A page is where the slot of a tile lies, in slots: column | row << 10 | layer << 20; or missing or
+// background (layout.glsl), which are larger than any slot's.
 
 // A coarse tile has this many texels along u and v, and along s and t.
 const int tsr_coarse_uv = 4;

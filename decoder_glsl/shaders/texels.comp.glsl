@@ -24,6 +24,40 @@ void tsr_write_texel(ivec3 at, uvec4 samples) {
 #endif
 #endif
 
+// Where the texels of a tile go. Tiles of a plain texture are folded over layers where the angular
+// images side by side would be wider than a texture may be; the folds of a cache are wider than any
+// tile. Unsigned, so that any batch wraps in every language.
+struct TsrTarget {
+    uvec3 pixel; // of the tile's first texel; its layer
+    uvec2 first; // (u, v) of that texel, counted as folds do
+    uvec2 fold;
+    uint folds_u;
+    uvec2 stride;
+    uint multipliers; // word of the tile's corrections, or none
+    ivec4 sides;      // of the tile
+    int step;         // of corrections
+};
+
+TsrTarget tsr_target(uint tile) {
+    TsrTarget t;
+    uint origin = tsr_tile(tile, tsr_tile_origin);
+    t.pixel = uvec3(tsr_tile(tile, tsr_tile_x), tsr_tile(tile, tsr_tile_y),
+                    tsr_tile(tile, tsr_tile_layer));
+    t.first = uvec2(origin & 0xFFFFu, origin >> 16);
+    t.fold = uvec2(max(tsr_header(tsr_b_fold_u), 1u), max(tsr_header(tsr_b_fold_v), 1u));
+    t.folds_u = tsr_header(tsr_b_folds_u);
+    t.stride = uvec2(tsr_header(tsr_b_stride_s), tsr_header(tsr_b_stride_t));
+    uint multipliers = tsr_tile(tile, tsr_tile_multipliers);
+    // What a damaged tile has decoded of its corrections does not show.
+    bool damaged = tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u;
+    t.multipliers = damaged || multipliers == tsr_none
+                        ? tsr_none
+                        : tsr_header(tsr_b_multipliers_at) + multipliers;
+    t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
+    t.step = int(tsr_table(tsr_t_correction_step));
+    return t;
+}
+
 struct TsrItem {
     bool real;
     uint tile;
@@ -35,8 +69,9 @@ struct TsrItem {
     uint coefficients; // the first one
     uint colour_count;
     uint alpha_count;
-    uint multipliers; // of the tile's corrections, or none
     int later; // word of the shared memory where the values after pass s begin
+    TsrFormat format;
+    TsrTarget target;
 };
 
 TsrItem tsr_item(uint number) {
@@ -61,11 +96,10 @@ TsrItem tsr_item(uint number) {
         tsr_segment(segment, tsr_seg_sorted) + tsr_work_word(block + uint(tsr_k_first));
     item.colour_count = min(counts & 0xFFFFu, 3u * uint(tsr_max_coded));
     item.alpha_count = min(counts >> 16, uint(tsr_max_coded));
-    // What a damaged tile has decoded of its corrections does not show.
-    bool damaged = tsr_work_word(tsr_state_at(item.tile) + uint(tsr_st_damaged)) != 0u;
-    item.multipliers = damaged ? tsr_none : tsr_tile(item.tile, tsr_tile_multipliers);
     item.later = item.patch_of.planes * item.patch_of.support_t * item.patch_of.support_s *
                  item.positions;
+    item.format = tsr_format();
+    item.target = tsr_target(item.tile);
     return item;
 }
 
@@ -205,40 +239,31 @@ void tsr_sum_s(TsrItem item, int lane) {
     }
 }
 
-// The pixel of a texel of the tile. Tiles of a plain texture are folded over layers where the
-// angular images side by side would be wider than a texture may be; the folds of a cache are wider
-// than any tile.
-ivec3 tsr_place(uint tile, int u, int v, int s, int t) {
-    uint origin = tsr_tile(tile, tsr_tile_origin);
-    uint fold_u = max(tsr_header(tsr_b_fold_u), 1u);
-    uint fold_v = max(tsr_header(tsr_b_fold_v), 1u);
-    uint all_u = (origin & 0xFFFFu) + uint(u);
-    uint all_v = (origin >> 16) + uint(v);
-    uint column = all_u / fold_u;
-    uint row = all_v / fold_v;
-    uint x = (all_u - column * fold_u) * tsr_header(tsr_b_stride_s) + uint(s);
-    uint y = (all_v - row * fold_v) * tsr_header(tsr_b_stride_t) + uint(t);
-    uint layer = row * tsr_header(tsr_b_folds_u) + column;
-    return ivec3(int(tsr_tile(tile, tsr_tile_x) + x), int(tsr_tile(tile, tsr_tile_y) + y),
-                 int(tsr_tile(tile, tsr_tile_layer) + layer));
+// The pixel of a texel of the tile.
+ivec3 tsr_place(TsrTarget target, int u, int v, int s, int t) {
+    uvec2 all = target.first + uvec2(uint(u), uint(v));
+    uvec2 fold = uvec2(all.x / target.fold.x, all.y / target.fold.y);
+    return ivec3(target.pixel +
+                 uvec3((all.x - fold.x * target.fold.x) * target.stride.x + uint(s),
+                       (all.y - fold.y * target.fold.y) * target.stride.y + uint(t),
+                       fold.y * target.folds_u + fold.x));
 }
 
 ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
-    if (item.multipliers == tsr_none)
+    TsrTarget target = item.target;
+    if (target.multipliers == tsr_none)
         return codes;
-    ivec4 sides = tsr_sides_of(tsr_tile(item.tile, tsr_tile_shape));
-    int planes = int(tsr_table(tsr_t_planes));
-    uint texel = uint(((v * sides.x + u) * sides.w + t) * sides.z + s);
-    uint at = tsr_header(tsr_b_multipliers_at) + item.multipliers + texel * uint(planes);
+    int planes = item.format.planes;
+    uint texel = uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
+    uint at = target.multipliers + texel * uint(planes);
     ivec4 multiplier =
         ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
               planes > 2 ? int(tsr_work_word(at + 2u)) : 0,
               planes > 3 ? int(tsr_work_word(at + 3u)) : 0);
     // Steps are below 2^17 and a product that large leaves the range of codes anyway.
-    int step = int(tsr_table(tsr_t_correction_step));
-    ivec4 limit = ivec4(65536 / max(step, 1) + 1);
-    return clamp(codes + clamp(multiplier, -limit, limit) * step, tsr_smallest_code(),
-                 tsr_largest_code());
+    ivec4 limit = ivec4(65536 / max(target.step, 1) + 1);
+    return clamp(codes + clamp(multiplier, -limit, limit) * target.step, item.format.smallest,
+                 item.format.largest);
 }
 
 // Stage 3, for one texel.
@@ -267,10 +292,11 @@ void tsr_sum_t_at(TsrItem item, int s, int t, int position) {
     int nu = max(item.patch_of.sides.x, 1);
     int u = item.origin.x + place % nu;
     int v = item.origin.y + place / nu;
-    ivec4 codes = tsr_codes(ivec4(value.x, value.y, value.z, alpha_value.x));
-    codes = tsr_corrected(item, codes, u, v, item.origin.z + s, item.origin.w + t);
-    tsr_write_texel(tsr_place(item.tile, u, v, item.origin.z + s, item.origin.w + t),
-                    tsr_samples(codes));
+    int in_s = item.origin.z + s;
+    int in_t = item.origin.w + t;
+    ivec4 codes = tsr_codes(item.format, ivec4(value.x, value.y, value.z, alpha_value.x));
+    codes = tsr_corrected(item, codes, u, v, in_s, in_t);
+    tsr_write_texel(tsr_place(item.target, u, v, in_s, in_t), tsr_samples(item.format, codes));
 }
 
 void tsr_sum_t(TsrItem item, int lane) {
