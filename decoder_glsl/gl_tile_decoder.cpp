@@ -11,7 +11,8 @@ namespace {
 using namespace layout;
 
 // Threads of a group, as the shaders say.
-constexpr std::uint32_t stream_group = 16; // tree, levels, corrections
+constexpr std::uint32_t stream_group = 16; // tree, corrections
+constexpr std::uint32_t levels_group = 8;
 constexpr std::uint32_t row_groups = 1024; // groups of 64 levels along x of order.comp
 
 std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
@@ -96,7 +97,7 @@ void GlTileDecoder::run_entropy(const DecodeBatch& batch) {
     glDispatchCompute(groups_of(tiles, stream_group), 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     levels_.use();
-    glDispatchCompute(groups_of(tiles, stream_group), batch.most_segments, 1);
+    glDispatchCompute(groups_of(tiles, levels_group), batch.most_segments, 1);
     if (batch.corrections > 0) {
         corrections_.use();
         glDispatchCompute(groups_of(batch.corrections, stream_group), 1, 1);

@@ -46,8 +46,9 @@ Status append_defines(std::span<const ShaderDefine> defines, std::string& source
         // A backslash at the end would swallow the next line.
         if (value.find_first_of("\n\r\\") != std::string::npos || value.find('\0') != value.npos)
             return {ErrorCode::bad_argument, "the value of macro '" + name + "' is not one line"};
-        if (std::any_of(defines.begin(), defines.begin() + static_cast<std::ptrdiff_t>(i),
-                        [&](const ShaderDefine& other) { return other.first == name; }))
+        if (std::any_of(
+                defines.begin(), defines.begin() + static_cast<std::ptrdiff_t>(i),
+                [&, &name = name](const ShaderDefine& other) { return other.first == name; }))
             return {ErrorCode::bad_argument, "macro '" + name + "' is defined twice"};
         source += "#define " + name + " " + value + "\n";
     }

@@ -3,15 +3,13 @@
 #include "codec/memory_source.h"
 #include "format/byte_source.h"
 #include "tests/decode_cases.h"
-#include "tests/shader_machine.h"
+#include "tests/shader_oracle.h"
 
 namespace tessera::test {
 namespace {
 
 using shaders::image;
 using shaders::Machine;
-
-constexpr std::uint64_t round_limit = 16384;
 
 // A picture of all tiles of a batch side by side.
 struct Atlas {
@@ -98,13 +96,14 @@ void expect_same_texels(const DecodeCase& test, Machine& machine) {
         atlas.resize_image(batch.tiles.size());
         machine.run(batch);
         EXPECT_EQ(image.outside, 0u);
+        EXPECT_TRUE(Machine::guards_hold(batch));
         for (std::uint32_t slot = 0; slot < batch.tiles.size(); ++slot) {
             EXPECT_EQ(Machine::damage(slot), 0u) << "tile " << batch.tiles[slot];
             EXPECT_EQ(differing(*file.decoder, batch.tiles[slot], atlas, slot), 0u)
                 << "tile " << batch.tiles[slot];
         }
     }
-    EXPECT_LE(machine.most_rounds, round_limit);
+    EXPECT_LE(machine.most_rounds, shader_round_limit);
 }
 
 TEST(ShaderCore, EncodedTexturesDecodeAsOnTheCpu) {
@@ -119,6 +118,289 @@ TEST(ShaderCore, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
     for (const DecodeCase& test : random_cases())
         expect_same_texels(test, machine);
     RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
+}
+
+// ---- Any bytes at all.
+
+// Textures of one tile or two, small enough to be decoded thousands of times.
+std::vector<std::unique_ptr<ShaderOracle>> small_files() {
+    struct File {
+        TextureDesc desc;
+        Extent4 tile;
+    };
+    std::vector<std::unique_ptr<ShaderOracle>> files;
+    unsigned number = 0;
+    for (const File& file : {File{{{7, 5, 3, 2}, SampleType::unorm8, 3}, {7, 5, 3, 2}},
+                             File{{{9, 6, 5, 4}, SampleType::half16, 4}, {5, 6, 5, 4}},
+                             File{{{1, 1, 1, 1}, SampleType::unorm8, 2}, {1, 1, 1, 1}},
+                             File{{{4, 3, 17, 9}, SampleType::unorm8, 1}, {4, 3, 17, 9}}}) {
+        Random random(++number);
+        CodingParameters parameters;
+        parameters.parameters = random_parameters(random);
+        parameters.colour_rotation = true;
+        parameters.correction_error = static_cast<std::uint16_t>(number);
+        files.push_back(
+            std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
+    }
+    return files;
+}
+
+Bytes random_payload(Random& random, const ShaderOracle& file, std::uint64_t tile = 0) {
+    const BlockShape shape = file.shape_of_tile(tile);
+    CorrectionMap map(static_cast<std::size_t>(shape.texels() * file.coding().planes));
+    for (std::int32_t& multiplier : map)
+        multiplier = random.chance(0.05) ? random.range(-3, 3) : 0;
+    Bytes payload;
+    encode_levels(
+        RandomTile(random, file.coding(), {.density = 0.05, .magnitude_bits = 12}).make(shape),
+        encode_corrections(map, shape, file.coding().planes, file.coding().tables), file.coding(),
+        payload);
+    return payload;
+}
+
+std::string check_one(ShaderOracle& file, const Bytes& payload,
+                      const ShaderOracle::Layout& layout) {
+    return file.check(std::vector<Bytes>{payload}, layout);
+}
+
+TEST(ShaderCore, RandomBytesAreRefusedOrDecodedAsOnTheCpu) {
+    Random random(11);
+    std::uint64_t accepted = 0, refused = 0;
+    for (const auto& file : small_files()) {
+        for (int i = 0; i < 1500; ++i) {
+            std::vector<Bytes> payload{random.bytes(static_cast<std::size_t>(random.range(0, 64)))};
+            if (i % 3 == 0 && !payload[0].empty()) // a sound table more often
+                payload[0][0] &= std::byte{0x81};
+            ASSERT_EQ(file->check(payload, {i % 2 == 0, i % 4 < 2}), "") << "case " << i;
+        }
+        EXPECT_LE(file->most_rounds(), shader_round_limit);
+        accepted += file->accepted(), refused += file->refused();
+    }
+    EXPECT_GT(accepted, 0u);
+    EXPECT_GT(refused, 0u);
+}
+
+TEST(ShaderCore, CutOffPayloadsAreRefusedOrDecodedAsOnTheCpu) {
+    Random random(12);
+    for (const auto& file : small_files()) {
+        const Bytes whole = random_payload(random, *file);
+        ASSERT_EQ(check_one(*file, whole, {}), "");
+        EXPECT_EQ(file->accepted(), 1u);
+        for (std::size_t length = 0; length < whole.size(); ++length) {
+            const auto end = whole.begin() + static_cast<std::ptrdiff_t>(length);
+            ASSERT_EQ(check_one(*file, Bytes(whole.begin(), end), {}), "") << length;
+        }
+    }
+}
+
+TEST(ShaderCore, EveryFlippedBitIsRefusedOrDecodedAsOnTheCpu) {
+    Random random(13);
+    std::uint64_t accepted = 0, refused = 0;
+    for (const auto& file : small_files()) {
+        const Bytes whole = random_payload(random, *file);
+        const std::size_t step = 1 + whole.size() / 250; // every byte of the short ones
+        for (std::size_t at = 0; at < whole.size(); at += at < 64 ? 1 : step)
+            for (int bit = 0; bit < 8; ++bit) {
+                std::vector<Bytes> payload{whole};
+                payload[0][at] ^= static_cast<std::byte>(1 << bit);
+                ASSERT_EQ(file->check(payload, {true, false}), "") << at << " bit " << bit;
+            }
+        accepted += file->accepted(), refused += file->refused();
+    }
+    EXPECT_GT(accepted, 0u); // raw bits
+    EXPECT_GT(refused, accepted);
+}
+
+// Every word before the payloads, one or all of a handful at a time: offsets, counts and records that
+// no host would write.
+TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
+    constexpr std::uint64_t patience = 300000;
+    Random random(14);
+    for (const auto& file : small_files()) {
+        std::vector<Bytes> payloads;
+        for (std::uint64_t tile = 0; tile < file->reader().tile_count(); ++tile)
+            payloads.push_back(random_payload(random, *file, tile));
+        std::size_t records = 0;
+        const auto note_records = [&](auto words) { records = words[shaders::tsr_b_payload_at]; };
+        ASSERT_EQ(file->check_changed(payloads, {true, false}, note_records, patience), "");
+        for (std::size_t at = 0; at < records; ++at)
+            for (const std::uint32_t value :
+                 {0u, 1u, 7u, 13552u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
+                const auto change = [&](auto words) { words[at] = value; };
+                ASSERT_EQ(file->check_changed(payloads, {true, true}, change, patience), "")
+                    << "word " << at << " is " << value;
+            }
+        for (int i = 0; i < 500; ++i) {
+            const auto change = [&](auto words) {
+                for (int n = random.range(2, 8); n > 0; --n)
+                    words[random() % records] = random() >> random.range(0, 31);
+            };
+            ASSERT_EQ(file->check_changed(payloads, {true, i % 2 == 0}, change, patience), "") << i;
+        }
+    }
+}
+
+// ---- Tiles made by hand, at the limits of the format.
+
+class HandMadeTile {
+public:
+    explicit HandMadeTile(const BlockShape& shape)
+        : nodes_{{Block{{0, 0, 0, 0}, shape, 0, 0}, Split::none, 0, 0}} {}
+
+    // Splits nodes, oldest first, into `children`. Returns how many of `count` splits there was no
+    // node for; those wider than `widest` stay.
+    int split(int count, int children, Split kind, int widest = max_tile_side) {
+        for (std::size_t i = 0; i < nodes_.size() && count > 0; ++i) {
+            if (nodes_[i].split != Split::none || nodes_[i].block.shape.n[0] > widest ||
+                !can_split(nodes_[i].block.shape, kind))
+                continue;
+            const Children made = children_of(nodes_[i].block, kind);
+            if (made.count != children)
+                continue;
+            nodes_[i].split = kind;
+            nodes_[i].first = nodes_.size();
+            nodes_[i].count = made.count;
+            for (int child = 0; child < made.count; ++child)
+                nodes_.push_back({made.block[static_cast<std::size_t>(child)], Split::none, 0, 0});
+            --count;
+        }
+        return count;
+    }
+
+    struct Run {
+        int length = 0;     // coded
+        bool dense = false; // every level of it, else the last one only, is not 0
+    };
+    // run(block, plane)
+    template <class Function> TileLevels levels(int planes, Function run) const {
+        TileLevels tile;
+        tile.shape = nodes_[0].block.shape;
+        append(0, tile);
+        tile.colours.assign(tile.blocks.size(), 0);
+        for (std::size_t block = 0; block < tile.blocks.size(); ++block)
+            for (int plane = 0; plane < planes; ++plane) {
+                const Run wanted = run(block, plane);
+                PlaneLevels made;
+                made.first = static_cast<std::uint32_t>(tile.nonzeros.size());
+                made.coded_length = static_cast<std::uint16_t>(wanted.length);
+                for (int i = 0; i < wanted.length; ++i)
+                    if (wanted.dense || i + 1 == wanted.length)
+                        tile.nonzeros.push_back(
+                            {static_cast<std::uint16_t>(i), i % 3 == 0 ? -1 : 1});
+                made.count = static_cast<std::uint16_t>(tile.nonzeros.size() - made.first);
+                tile.planes.push_back(made);
+            }
+        return tile;
+    }
+
+private:
+    struct Node {
+        Block block;
+        Split split;
+        std::size_t first;
+        int count;
+    };
+    void append(std::size_t at, TileLevels& tile) const {
+        const Node& node = nodes_[at];
+        tile.splits.push_back(static_cast<std::uint8_t>(node.split));
+        if (node.split == Split::none)
+            tile.blocks.push_back(node.block);
+        for (int i = 0; i < node.count; ++i)
+            append(node.first + static_cast<std::size_t>(i), tile);
+    }
+    std::vector<Node> nodes_;
+};
+
+ShaderOracle file_of_one_tile(const Extent4& size, std::uint8_t channels) {
+    CodingParameters parameters;
+    parameters.step.fill(StepCode::nearest(30));
+    return ShaderOracle(empty_file({size, SampleType::unorm8, channels}, size, parameters, true));
+}
+
+TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
+    ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 4);
+    HandMadeTile tile(shape_of(32, 32, 8, 8));
+    ASSERT_EQ(tile.split(1, 4, Split::spatial), 0);
+    // Blocks of 16,384 texels. The second has as many levels as a segment of 16,000 allows, with
+    // all levels of three planes not 0; the last two fill the segment up.
+    const TileLevels levels = tile.levels(4, [](std::size_t block, int plane) {
+        if (block >= 2)
+            return HandMadeTile::Run{plane > 0 ? 0 : block == 2 ? 112 : 4, false};
+        return HandMadeTile::Run{plane < 3 ? 4096 : 3584, block == 1};
+    });
+    std::vector<Bytes> payload(1);
+    encode_levels(levels, {}, file.coding(), payload[0]);
+    EXPECT_EQ(std::to_integer<int>(payload[0][0]), 1); // one further segment
+    EXPECT_EQ(file.check(payload, {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
+    EXPECT_EQ(file.most_rounds(), 16000u);
+    EXPECT_LT(file.most_rounds(), shader_round_limit);
+}
+
+// Blocks without levels behind the tree take no bytes: the stream is that of the tree alone.
+Bytes payload_of_tree(const HandMadeTile& tile, const ShaderOracle& file) {
+    TileLevels levels =
+        tile.levels(file.coding().planes, [](std::size_t, int) { return HandMadeTile::Run{}; });
+    Bytes payload;
+    encode_levels(levels, {}, file.coding(), payload);
+    if (payload.size() % 2 != 0) // cut off the table of the further segments, which are empty
+        payload.erase(payload.begin(), payload.begin() + 1 + 4 * std::to_integer<int>(payload[0]));
+    return payload;
+}
+
+TEST(ShaderCore, WorkIsCountedAsOnTheCpu) {
+    struct Splits {
+        int four, two;
+        bool accepted;
+    };
+    // 4 n + 1 + 2 m nodes and 3 n + 1 + m blocks of 3 planes.
+    for (const Splits splits : {Splits{1227, 9, true}, Splits{1229, 4, false}}) {
+        ShaderOracle file = file_of_one_tile({24, 24, 8, 8}, 3);
+        HandMadeTile tile(shape_of(24, 24, 8, 8));
+        const int left = tile.split(splits.four, 4, Split::spatial);
+        ASSERT_EQ(tile.split(left, 4, Split::angular), 0);
+        ASSERT_EQ(tile.split(splits.two, 2, Split::spatial), 0);
+        EXPECT_EQ(4 * splits.four + 1 + 2 * splits.two + 3 * (3 * splits.four + 1 + splits.two),
+                  splits.accepted ? 16000 : 16001);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {true, false}), "");
+        EXPECT_EQ(file.accepted(), splits.accepted ? 1u : 0u);
+    }
+}
+
+TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
+    for (const bool too_many : {false, true}) {
+        ShaderOracle file = file_of_one_tile({31, 31, 8, 8}, 1);
+        HandMadeTile tile(shape_of(31, 31, 8, 8));
+        const int left = tile.split(1365, 4, Split::spatial);
+        ASSERT_EQ(tile.split(left, 4, Split::angular), 0);
+        ASSERT_EQ(tile.split(too_many, 2, Split::spatial), 0);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {true, false}), "");
+        EXPECT_EQ(file.accepted(), too_many ? 0u : 1u);
+    }
+}
+
+// Large flat blocks, each cut into many items, beside as many small blocks as there may be; and
+// corrections in the first and the last chunk only, which lie behind the items in the work buffer.
+TEST(ShaderCore, ATileOfManyItemsKeepsItsCorrections) {
+    ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 3);
+    HandMadeTile tile(shape_of(32, 32, 8, 8));
+    ASSERT_EQ(tile.split(21, 4, Split::angular), 0);
+    ASSERT_EQ(tile.split(4, 4, Split::spatial), 0);
+    ASSERT_EQ(tile.split(1340, 4, Split::spatial, 16), 0); // 4,096 blocks in all
+    const BlockShape shape = file.shape_of_tile(0);
+    CorrectionMap map(static_cast<std::size_t>(shape.texels()) * 3);
+    for (std::size_t i = 0; i < 12288; ++i)
+        map[i] = static_cast<int>(i % 5) - 2, map[map.size() - 1 - i] = static_cast<int>(i % 3);
+    const auto corrections = encode_corrections(map, shape, 3, file.coding().tables);
+    ASSERT_TRUE(corrections[1].empty());
+    std::vector<Bytes> payload(1);
+    encode_levels(tile.levels(3,
+                              [](std::size_t block, int) {
+                                  return HandMadeTile::Run{block % 7 == 0 ? 1 : 0, false};
+                              }),
+                  corrections, file.coding(), payload[0]);
+    EXPECT_EQ(file.check(payload, {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
 }
 
 } // namespace

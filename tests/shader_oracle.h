@@ -57,6 +57,10 @@ public:
                   (reader_.header().required_features & feature_corrections) != 0},
           decoder_(coding_, colour_) {}
     ShaderOracle(const ShaderOracle&) = delete;
+    ~ShaderOracle() {
+        if (loaded_ == this)
+            loaded_ = nullptr;
+    }
 
     const ContainerReader& reader() const { return reader_; }
     const TileCoding& coding() const { return coding_; }
@@ -67,7 +71,8 @@ public:
     std::uint64_t accepted() const { return accepted_; } // tiles so far
     std::uint64_t refused() const { return refused_; }
 
-    // Decodes payload i as tile i of the grid. Returns what is wrong; empty: nothing.
+    // Decodes payload i as tile i of the grid. Returns what is wrong; empty: nothing. The shaders must
+    // refuse exactly the payloads that the CPU refuses: no difference is known or allowed.
     std::string check(std::span<const Payload> payloads, const Layout& layout) {
         const DecodeBatch batch = make_batch(payloads, layout);
         load();
@@ -108,12 +113,10 @@ private:
     using Machine = shaders::Machine;
     using Sample4 = std::array<std::uint32_t, 4>;
 
-    // The shaders' buffers are global.
     void load() {
-        static const ShaderOracle* loaded = nullptr;
-        if (loaded != this)
+        if (loaded_ != this)
             machine_.load_tables(tables_.words());
-        loaded = this;
+        loaded_ = this;
     }
 
     std::string common_faults() const {
@@ -265,6 +268,8 @@ private:
             same = same_tree(slot, (node & 0x0FFFFFFFu) + i, children.block[i], nodes, blocks);
         return same;
     }
+
+    static inline const ShaderOracle* loaded_ = nullptr; // the shaders' buffers are global
 
     const std::vector<std::byte> file_;
     std::unique_ptr<ByteSource> source_;

@@ -7,7 +7,12 @@
 // its context from the places of its earlier neighbours, which the scan's table lists.
 #include "rans.glsl"
 
-const int tsr_levels_group = 16;
+// Threads of a group. Tiles are few and their streams long: small groups spread over more processors
+// and wait less for each other's branches.
+#ifndef TSR_LEVELS_GROUP
+#define TSR_LEVELS_GROUP 8
+#endif
+const int tsr_levels_group = TSR_LEVELS_GROUP;
 const int tsr_memory_words = 256; // two bits for each of 4,096 coefficients
 
 #ifndef __cplusplus
@@ -246,7 +251,7 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
 }
 
 #ifndef __cplusplus
-layout(local_size_x = 16) in;
+layout(local_size_x = TSR_LEVELS_GROUP) in;
 void main() {
     tsr_decode_segment(gl_GlobalInvocationID.x, gl_WorkGroupID.y, gl_LocalInvocationIndex);
 }

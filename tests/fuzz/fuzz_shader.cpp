@@ -153,7 +153,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace tessera;
     // Longer ones only take longer.
     fuzz::Input input(
-        {reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 2000)});
+        {reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 16384)});
     const std::uint32_t first = input.take(1);
     const std::uint32_t grid = input.take(1) % fuzz::grids.size();
     test::ShaderOracle& oracle = fuzz::oracle(first & 7u, (first & 8u) != 0, grid);
@@ -173,7 +173,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const auto& [word, value] : changes)
             words[word % words.size()] = value;
     };
-    const std::string wrong = first & 128u ? oracle.check_changed(payloads, layout, change, 1000000)
+    const std::string wrong = first & 128u ? oracle.check_changed(payloads, layout, change, 300000)
                                            : oracle.check(payloads, layout);
     fuzz::require(wrong.empty(), wrong.c_str());
     return 0;
