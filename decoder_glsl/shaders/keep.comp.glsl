@@ -15,6 +15,8 @@ layout(local_size_x = 64) in;
 void main() {
     uint tile = gl_WorkGroupID.x;
     uint lane = gl_LocalInvocationIndex;
+    if (tile >= tsr_header(tsr_b_tiles) || tile * 2u + 1u >= uint(tsr_jobs.length()))
+        return;
     uint nodes = tsr_jobs[tile * 2u];
     uint records = tsr_jobs[tile * 2u + 1u];
     uint state = tsr_state_at(tile);

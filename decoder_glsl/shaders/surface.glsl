@@ -96,8 +96,9 @@ TsrSurfaceFootprint tsr_surface_footprint(vec3 n, ivec2 size) {
     int j = int(floor(up));
     TsrSurfaceFootprint f;
     f.weight = vec2(across - float(i), up - float(j));
-    f.low = ivec2(i < 0 ? size.x - 1 : i, clamp(j, 0, size.y - 1));
-    f.high = ivec2(i + 1 >= size.x ? 0 : i + 1, clamp(j + 1, 0, size.y - 1));
+    // The outer bounds are for what is no number: texels stay in the texture, whatever comes in.
+    f.low = ivec2(i < 0 ? size.x - 1 : min(i, size.x - 1), clamp(j, 0, size.y - 1));
+    f.high = ivec2(i >= size.x - 1 ? 0 : max(i + 1, 0), clamp(j + 1, 0, size.y - 1));
     return f;
 }
 
