@@ -36,10 +36,17 @@ struct Statistics {
 };
 void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics& statistics);
 
-// Appends the payload. `corrections` holds one stream per chunk of correction_chunk texels, empty
+// Work of a segment that an encoder aims at. One thread of a GPU decodes a segment, and the longest
+// one is what a frame waits for: 8,000 instead of the 16,000 that the format allows costs 0.2 % of
+// the bytes at 38 dB, 5,000 would cost 0.5 %.
+constexpr int usual_segment_work = 8000;
+static_assert(2 * (max_tile_texels * max_planes + 2 * max_leaves) / usual_segment_work < 127);
+
+// Appends the payload; segments longer than `segment_work` hold one block only. `corrections` holds one stream per chunk of correction_chunk texels, empty
 // ones allowed, or nothing at all.
 void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
-                   const TileCoding& coding, std::vector<std::byte>& out);
+                   const TileCoding& coding, std::vector<std::byte>& out,
+                   int segment_work = usual_segment_work);
 
 // Decodes all levels of a tile. Errors: invalid_file, with the segment. On any bytes it ends and
 // stays in bounds. Replaces `out`.

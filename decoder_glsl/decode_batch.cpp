@@ -39,15 +39,15 @@ BatchBuilder::Size BatchBuilder::empty_size() {
 }
 
 // What a tile adds to the sizes of its batch.
-BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, std::size_t bytes,
-                                         std::uint64_t texels) const {
+BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSize& tree,
+                                         std::size_t bytes, std::uint64_t texels) const {
     std::uint64_t raw = 0;
     for (const auto& segment : parts.segments)
         raw += levels_bound(segment.bytes.size());
     const std::uint64_t corrections = parts.corrections.empty() ? 0 : texels * tables_.planes();
     Size size;
-    size.work_words = tsr_state_words + tsr_max_blocks * tsr_block_words +
-                      tsr_max_items * tsr_item_words + (keep_nodes_ ? tsr_max_nodes : 0) +
+    size.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
+                      std::uint64_t{tree.items} * tsr_item_words + (keep_nodes_ ? tree.nodes : 0) +
                       parts.segments.size() + corrections + 2 * raw;
     size.coefficients = raw;
     size.words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
@@ -68,7 +68,9 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
         parts.corrections.clear();
         parts.segments.assign(1, {});
     }
-    const Size cost = size_of(parts, payload.size(), texels);
+    const TreeSize tree = tree_size(parts.segments[0].bytes, shape, tables_.code_tables(),
+                                    static_cast<int>(tables_.planes()));
+    const Size cost = size_of(parts, tree, payload.size(), texels);
     const Size after{size_.work_words + cost.work_words, size_.coefficients + cost.coefficients,
                      size_.words + cost.words};
     if (!tiles_.empty() &&
@@ -78,13 +80,14 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
     size_ = after;
     if (!sound)
         damaged_.push_back(tile);
-    add_records(parts, payload, shape, place);
+    add_records(parts, tree, payload, shape, place);
     tiles_.push_back(tile);
     return true;
 }
 
-void BatchBuilder::add_records(const PayloadParts& parts, std::span<const std::byte> payload,
-                               const BlockShape& shape, const TexelPlace& place) {
+void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
+                               std::span<const std::byte> payload, const BlockShape& shape,
+                               const TexelPlace& place) {
     const auto slot = static_cast<std::uint32_t>(tiles_.size());
     const auto base = static_cast<std::uint32_t>(payloads_.size());
     const auto byte_of = [&](std::span<const std::byte> part) {
@@ -125,7 +128,11 @@ void BatchBuilder::add_records(const PayloadParts& parts, std::span<const std::b
     tile_words_.insert(tile_words_.end(),
                        {tables_.shape_id(shape), first_segment,
                         static_cast<std::uint32_t>(parts.segments.size()), place.x, place.y,
-                        place.layer, place.u0 | (place.v0 << 16), multipliers});
+                        place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
+                        nodes_, tree.nodes});
+    blocks_ += tree.blocks;
+    nodes_ += tree.nodes;
+    items_ += tree.items;
     payloads_.insert(payloads_.end(), payload.begin(), payload.end());
     payloads_.resize((payloads_.size() + 3) / 4 * 4);
 }
@@ -165,15 +172,16 @@ DecodeBatch BatchBuilder::finish() {
     words[tsr_b_stride_s] = plan_.stride_s;
     words[tsr_b_stride_t] = plan_.stride_t;
     words[tsr_b_keep_nodes] = keep_nodes_;
-    words[tsr_b_capacity] = tiles;
-    std::uint32_t at = tsr_w_state + tiles * (tsr_state_words + tsr_max_blocks * tsr_block_words +
-                                              tsr_max_items * tsr_item_words);
+    words[tsr_b_items_room] = items_;
+    std::uint32_t at = tsr_w_state + tiles * tsr_state_words;
     const auto place = [&](int field, std::uint32_t count) {
         words[static_cast<std::size_t>(field)] = at;
         at += count;
     };
+    place(tsr_b_blocks_at, blocks_ * tsr_block_words);
+    place(tsr_b_items_at, items_ * tsr_item_words);
     place(tsr_b_counts_at, segments);
-    place(tsr_b_node_at, keep_nodes_ ? tiles * tsr_max_nodes : 0);
+    place(tsr_b_node_at, keep_nodes_ ? nodes_ : 0);
     place(tsr_b_multipliers_at, multipliers_);
     place(tsr_b_raw_at, 2 * raw_);
     batch.work_words = at;
@@ -188,7 +196,7 @@ DecodeBatch BatchBuilder::finish() {
     chunk_words_.clear();
     correction_words_.clear();
     payloads_.clear();
-    raw_ = multipliers_ = most_segments_ = 0;
+    raw_ = multipliers_ = most_segments_ = blocks_ = nodes_ = items_ = 0;
     size_ = empty_size();
     return batch;
 }

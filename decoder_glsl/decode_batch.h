@@ -2,6 +2,7 @@
 #pragma once
 
 #include "decoder_glsl/decode_tables.h"
+#include "decoder_glsl/tree_size.h"
 #include "format/payload.h"
 #include "format/tile_grid.h"
 
@@ -26,7 +27,7 @@ struct TexelPlace {
 };
 
 struct BatchLimits {
-    std::uint32_t tiles = 256;
+    std::uint32_t tiles = 2048;
     std::uint64_t work_words = (std::uint64_t{128} << 20) / 4;
     std::uint64_t coefficients = (std::uint64_t{128} << 20) / 16;
     std::uint64_t words = (std::uint64_t{128} << 20) / 4; // of the batch buffer
@@ -65,9 +66,11 @@ private:
         std::uint64_t work_words, coefficients, words;
     };
     static Size empty_size();
-    Size size_of(const PayloadParts& parts, std::size_t bytes, std::uint64_t texels) const;
-    void add_records(const PayloadParts& parts, std::span<const std::byte> payload,
-                     const BlockShape& shape, const TexelPlace& place);
+    Size size_of(const PayloadParts& parts, const TreeSize& tree, std::size_t bytes,
+                 std::uint64_t texels) const;
+    void add_records(const PayloadParts& parts, const TreeSize& tree,
+                     std::span<const std::byte> payload, const BlockShape& shape,
+                     const TexelPlace& place);
 
     const DecodeTables& tables_;
     const TileGrid& grid_;
@@ -82,6 +85,7 @@ private:
     std::uint32_t raw_ = 0;         // levels, a multiple of 64
     std::uint32_t multipliers_ = 0; // words
     std::uint32_t most_segments_ = 0;
+    std::uint32_t blocks_ = 0, nodes_ = 0, items_ = 0;
 };
 
 } // namespace tessera

@@ -244,7 +244,8 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
     put_header(header, *coding, words);
-    put_code_tables(CodeTables(coding->parameters), words);
+    tables.code_tables_ = std::make_unique<const CodeTables>(coding->parameters);
+    put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
     words[tsr_t_shape_count] = static_cast<std::uint32_t>(tables.ids_.size());
     words[tsr_t_shapes] = tsr_t_end;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "format/block.h"
+#include "format/code_tables.h"
 #include "format/container_reader.h"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,7 @@ public:
     // Precondition: the shape of a tile of the file's grid.
     std::uint32_t shape_id(const BlockShape& shape) const { return ids_.at(shape); }
     unsigned planes() const { return planes_; }
+    const CodeTables& code_tables() const { return *code_tables_; }
     bool has_corrections() const { return has_corrections_; }
 
 private:
@@ -31,6 +34,7 @@ private:
 
     std::vector<std::uint32_t> words_;
     std::map<BlockShape, std::uint32_t> ids_;
+    std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
     bool has_corrections_ = false;
 };

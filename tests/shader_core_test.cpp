@@ -329,7 +329,7 @@ TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
         return HandMadeTile::Run{plane < 3 ? 4096 : 3584, block == 1};
     });
     std::vector<Bytes> payload(1);
-    encode_levels(levels, {}, file.coding(), payload[0]);
+    encode_levels(levels, {}, file.coding(), payload[0], max_segment_work);
     EXPECT_EQ(std::to_integer<int>(payload[0][0]), 1); // one further segment
     EXPECT_EQ(file.check(payload, {}), "");
     EXPECT_EQ(file.accepted(), 1u);

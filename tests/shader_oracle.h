@@ -258,7 +258,7 @@ private:
         const auto& splits = decoder_.levels().splits;
         if (at >= splits.size() || nodes >= splits.size())
             return false;
-        const uint node = tsr_work[tsr_header(tsr_b_node_at) + slot * tsr_max_nodes + at];
+        const uint node = tsr_work[tsr_node_at(slot, at)];
         const auto split = static_cast<Split>(splits[nodes++]);
         if (split == Split::none)
             return node == (0x80000000u | blocks++);

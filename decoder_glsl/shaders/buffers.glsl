@@ -58,15 +58,23 @@ uint tsr_segment(uint segment, int field) {
 uint tsr_state_at(uint tile) {
     return uint(tsr_w_state) + tile * uint(tsr_state_words);
 }
+// Record of a block; nowhere, if the tile has no room for it.
 uint tsr_block_at(uint tile, uint block) {
-    return uint(tsr_w_state) + tsr_header(tsr_b_capacity) * uint(tsr_state_words) +
-           (tile * uint(tsr_max_blocks) + block) * uint(tsr_block_words);
+    if (block >= tsr_tile(tile, tsr_tile_block_room))
+        return tsr_nowhere;
+    return tsr_header(tsr_b_blocks_at) +
+           (tsr_tile(tile, tsr_tile_blocks) + block) * uint(tsr_block_words);
 }
 uint tsr_item_at(uint item) {
-    return uint(tsr_w_state) +
-           tsr_header(tsr_b_capacity) *
-               uint(tsr_state_words + tsr_max_blocks * tsr_block_words) +
-           item * uint(tsr_item_words);
+    if (item >= tsr_header(tsr_b_items_room))
+        return tsr_nowhere;
+    return tsr_header(tsr_b_items_at) + item * uint(tsr_item_words);
+}
+// A kept node of the tile's split tree, likewise.
+uint tsr_node_at(uint tile, uint slot) {
+    if (slot >= tsr_tile(tile, tsr_tile_node_room))
+        return tsr_nowhere;
+    return tsr_header(tsr_b_node_at) + tsr_tile(tile, tsr_tile_nodes) + slot;
 }
 void tsr_damage(uint tile, uint what) {
     uint at = tsr_state_at(tile) + uint(tsr_st_damaged);

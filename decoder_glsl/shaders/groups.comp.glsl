@@ -2,9 +2,9 @@
 #include "buffers.glsl"
 
 void tsr_size_dispatch() {
-    // No more than the buffer holds.
-    uint items = min(tsr_work_word(uint(tsr_w_items)),
-                     uint(tsr_work.length()) / uint(tsr_item_words));
+    uint items = min(tsr_work_word(uint(tsr_w_items)), tsr_header(tsr_b_items_room));
+    // No more than the buffer holds, whatever the header says.
+    items = min(items, uint(tsr_work.length()) / uint(tsr_item_words));
     tsr_set_work(uint(tsr_w_groups), min(items, 1024u));
     tsr_set_work(uint(tsr_w_groups) + 1u, min((items + 1023u) / 1024u, 65535u));
     tsr_set_work(uint(tsr_w_groups) + 2u, 1u);

@@ -32,9 +32,8 @@ void main() {
         return;
     }
     uint node_count = min(tsr_work_word(state + uint(tsr_st_nodes)), uint(tsr_max_nodes));
-    uint from = tsr_header(tsr_b_node_at) + tile * uint(tsr_max_nodes);
     for (uint i = lane; i < node_count; i += 64u)
-        tsr_keep(nodes + i, tsr_work_word(from + i));
+        tsr_keep(nodes + i, tsr_work_word(tsr_node_at(tile, i)));
     uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
     for (uint i = lane; i < blocks; i += 64u) {
         uint block = tsr_block_at(tile, i);

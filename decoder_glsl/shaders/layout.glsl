@@ -61,15 +61,17 @@ const int tsr_b_folds_u = 11;
 const int tsr_b_stride_s = 12;
 const int tsr_b_stride_t = 13;
 const int tsr_b_keep_nodes = 14; // 1: the split trees are kept for sampling
-const int tsr_b_capacity = 15;   // tiles that the work buffer is laid out for
-const int tsr_b_raw_at = 16;     // words in the work buffer
+const int tsr_b_blocks_at = 15;  // words in the work buffer
+const int tsr_b_raw_at = 16;
 const int tsr_b_multipliers_at = 17;
 const int tsr_b_node_at = 18;
 const int tsr_b_payload_bytes = 19;
 const int tsr_b_counts_at = 20; // in the work buffer: how many raw levels each segment gave
+const int tsr_b_items_at = 21;
+const int tsr_b_items_room = 22; // items
 const int tsr_batch_words = 32;
 
-const int tsr_tile_words = 8;
+const int tsr_tile_words = 12;
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
 const int tsr_tile_segments = 2;
@@ -78,6 +80,10 @@ const int tsr_tile_y = 4;
 const int tsr_tile_layer = 5;
 const int tsr_tile_origin = 6;      // its first u | v << 16, when texels are folded over layers
 const int tsr_tile_multipliers = 7; // of its corrections, from tsr_b_multipliers_at; or none
+const int tsr_tile_blocks = 8;      // its first block record, counted in records
+const int tsr_tile_block_room = 9;  // records
+const int tsr_tile_nodes = 10;      // its first kept node, from tsr_b_node_at
+const int tsr_tile_node_room = 11;
 
 const int tsr_segment_words = 8;
 const int tsr_seg_tile = 0;
@@ -92,11 +98,12 @@ const int tsr_seg_sorted = 7; // where its sorted coefficients go, in entries
 const int tsr_correction_words = 4; // tile, byte, 16-bit words, chunk
 
 const uint tsr_none = 0xFFFFFFFFu;
+const uint tsr_nowhere = 0xF0000000u; // a word past any buffer
 
 // ---- Binding 2, work: what the passes hand to each other.
 const int tsr_w_groups = 0; // arguments of the indirect dispatch of texels.comp, three words
 const int tsr_w_items = 3;  // number of items
-const int tsr_w_state = 8;  // tile states, tsr_b_capacity of them
+const int tsr_w_state = 8;  // the tile states; what follows is placed by the batch header
 const int tsr_state_words = 8;
 const int tsr_st_blocks = 0;
 const int tsr_st_rans = 1;  // where segment 0 goes on after the tree
@@ -105,8 +112,6 @@ const int tsr_st_nodes = 3;
 const int tsr_st_damaged = 4; // 0: sound; else a bit for what was wrong
 const int tsr_st_levels = 5;  // coefficients of the tile
 const int tsr_st_largest = 6; // most coefficients of one block
-// Then the blocks, tsr_max_blocks a tile, then the items, tsr_max_items a tile; then what the batch
-// header places.
 const int tsr_block_words = 4;
 const int tsr_k_place = 0; // origin (5 bits each, u lowest) | shape << 20
 const int tsr_k_first = 1; // its first level, counted in its segment

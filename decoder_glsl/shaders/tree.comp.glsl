@@ -27,8 +27,8 @@ TsrNode tsr_child(TsrNode parent, int split, uint child, uint first_slot) {
 }
 
 void tsr_store_node(uint tile, uint slot, uint value) {
-    if (tsr_header(tsr_b_keep_nodes) != 0u && slot < uint(tsr_max_nodes))
-        tsr_set_work(tsr_header(tsr_b_node_at) + tile * uint(tsr_max_nodes) + slot, value);
+    if (tsr_header(tsr_b_keep_nodes) != 0u)
+        tsr_set_work(tsr_node_at(tile, slot), value);
 }
 
 void tsr_decode_tree(uint tile) {
@@ -41,6 +41,7 @@ void tsr_decode_tree(uint tile) {
     stack[0].place = tsr_tile(tile, tsr_tile_shape) << 20;
     stack[0].depths = 0u;
     int waiting = 1;
+    uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint blocks = 0u;
     uint nodes = 0u;
     uint slots = 1u;
@@ -52,7 +53,7 @@ void tsr_decode_tree(uint tile) {
         int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * 6u + angular);
         nodes += 1u;
         if (split == 0) {
-            if (blocks >= uint(tsr_max_blocks))
+            if (blocks >= room)
                 break;
             waiting -= 1;
             tsr_set_work(tsr_block_at(tile, blocks), node.place);
