@@ -33,8 +33,14 @@ public:
         const std::uint64_t left = file.budget > fixed ? file.budget - fixed : 0;
         BatchFeed feed(file, plain.plan, limits_within(std::min(left, std::uint64_t{256} << 20)),
                        false, [&](DecodeBatch& batch) { return decode(file, batch); });
+        TESSERA_TRY(fill_background(file));
         const TileGrid& grid = file.reader.grid();
         for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
+            const auto location = file.reader.locate(tile);
+            if (!location.ok())
+                return location.status();
+            if (location->length == 0)
+                continue;
             const Box4 box = grid.box(tile);
             TESSERA_TRY(
                 feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
@@ -67,6 +73,12 @@ private:
         texels_ = std::move(*texels);
         TESSERA_TRY(texels_.interpolate(hardware_filter));
         return put_parameters(file, plain);
+    }
+
+    // Half the tiles of a window onto a few objects hold nothing else.
+    Status fill_background(const TextureFile& file) {
+        const auto texel = std::as_bytes(file.tables.words().subspan(tsr_t_background_texel, 2));
+        return texels_.clear(texel.first(texel_bytes(file.format())));
     }
 
     Status decode(TextureFile& file, const DecodeBatch& batch) {

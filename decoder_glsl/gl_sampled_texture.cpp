@@ -84,10 +84,11 @@ std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
 BatchLimits limits_within(std::uint64_t bytes) {
     constexpr std::uint64_t block = 128ull << 20; // the largest storage buffer that is asked for
     BatchLimits limits;
-    // Payloads are the least of it; a level takes 8 bytes of work and 16 of coefficients.
-    limits.words = std::min(bytes / 8, block) / 4;
-    limits.coefficients = std::min(bytes / 4, block) / 16;
-    limits.work_words = std::min(bytes / 8 * 5, block) / 4;
+    // A byte of payload may hold 8 levels, each 8 bytes of work and 16 of coefficients; the payload
+    // itself and the records of tiles are the least of it.
+    limits.words = std::min(bytes / 16, block) / 4;
+    limits.coefficients = std::min(bytes / 16 * 9, block) / 16;
+    limits.work_words = std::min(bytes / 16 * 6, block) / 4;
     limits.tiles = 2048;
     return limits;
 }
@@ -113,13 +114,21 @@ Status BatchFeed::finish() {
     if (builder_.empty())
         return {};
     DecodeBatch batch = builder_.finish();
-    const std::uint64_t needed =
-        4 * (batch.work_words + batch.words.size()) + 16 * batch.coefficients;
-    if (batch.work_words > limits_.work_words || batch.coefficients > limits_.coefficients ||
-        batch.words.size() > limits_.words)
+    const auto share = [](std::uint64_t needed, std::uint64_t limit) {
+        return static_cast<double>(needed) / static_cast<double>(std::max<std::uint64_t>(limit, 1));
+    };
+    // Above 1: a tile alone, since the builder takes no second one past the limits.
+    const double most = std::max({share(batch.work_words, limits_.work_words),
+                                  share(batch.coefficients, limits_.coefficients),
+                                  share(batch.words.size(), limits_.words)});
+    if (most > 1)
         return {ErrorCode::unsupported,
-                file_.reader.name() + ": tile " + std::to_string(batch.tiles[0]) + " alone needs " +
-                    mebibytes(needed) + " to decode; the budget leaves less"};
+                file_.reader.name() + ": tile " + std::to_string(batch.tiles[0]) +
+                    " alone needs more work memory than a budget of " + mebibytes(file_.budget) +
+                    " leaves for decoding; " +
+                    mebibytes(static_cast<std::uint64_t>(most * static_cast<double>(file_.budget)) +
+                              (1u << 20)) +
+                    " would do"};
     return flush_(batch);
 }
 

@@ -160,6 +160,15 @@ void GlTexture::clear() {
     glClearTexImage(id(), 0, names.layout, names.type, nullptr);
 }
 
+Status GlTexture::clear(std::span<const std::byte> texel) {
+    if (texel.size() != texel_bytes(format_))
+        return {ErrorCode::bad_argument, "texture '" + name_ + "': a texel has " +
+                                             std::to_string(texel_bytes(format_)) + " bytes"};
+    const FormatNames names = names_of(format_);
+    glClearTexImage(id(), 0, names.layout, names.type, texel.data());
+    return {};
+}
+
 Status GlTexture::interpolate(bool linear) {
     if (linear && names_of(format_).integer)
         return {ErrorCode::bad_argument,

@@ -51,6 +51,8 @@ public:
     Status read(std::uint32_t first, std::span<std::byte> layers) const;
     // All texels to zero.
     void clear();
+    // All texels to `texel`, texel_bytes(format()) bytes.
+    Status clear(std::span<const std::byte> texel);
 
     // Linear interpolation between texels, or none. Formats of integers have none.
     Status interpolate(bool linear);

@@ -12,7 +12,9 @@ constexpr int patch_words = 8192; // of shaders/patch.glsl
 // Items of a block whose coefficients have `support` frequencies along s and t: shaders/patch.glsl.
 std::uint32_t items_of(const BlockShape& shape, int planes, int support_s, int support_t) {
     const int words = planes * support_t * (support_s + shape.n[2]);
-    const int positions = std::clamp(patch_words / words, 1, 64);
+    int positions = std::clamp(patch_words / words, 1, 64);
+    if (positions > 32 && positions < 52)
+        positions = 32;
     return static_cast<std::uint32_t>((shape.n[0] * shape.n[1] + positions - 1) / positions);
 }
 

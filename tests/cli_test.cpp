@@ -98,7 +98,8 @@ protected:
 const std::string small_scene = "bake composed --size 32x16x9x5 --spp 2 ";
 
 TEST_F(Cli, ExplainsItself) {
-    for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet"}) {
+    for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet",
+                             "montage", "render", "bench"}) {
         const Outcome help = run(std::string(verb) + " --help");
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("Examples:"), std::string::npos) << verb;
@@ -358,6 +359,137 @@ TEST_F(Cli, DrawsSheets) {
     succeed("sheet l.exr -o l.png -q");
     fail(7, "sheet a.tess l.exr -o x.png", {});
     fail(7, "compare a.tess l.exr", {"32x16x9x5", "4x3x2x1"});
+}
+
+TEST_F(Cli, DrawsViews) {
+    succeed(small_scene + "-q -o a.tess");
+    succeed("render a.tess -o v.png --views paper --size 16x12 -q");
+    succeed("render a.tess -o v.exr --eye 6,2,-8 --look 0,1,0 --fov 30 --size 16x12 -q");
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.tess", "v-1.png", "v-2.png", "v-3.png",
+                                                 "v-4.png", "v-5.png", "v.exr"}));
+    const auto before = names();
+    fail(1, "render -o x.png", {".tess", "--scene"});
+    fail(1, "render a.tess", {"--output"});
+    fail(1, "render a.tess -o x.jpeg", {"x.jpeg"});
+    fail(1, "render a.tess -o x.png --eye 1,2", {"--eye", "1,2"});
+    fail(1, "render a.tess -o x.png --eye 1,0,0", {"outside"});
+    fail(1, "render a.tess -o x.png --look 10,0,0", {"same point"});
+    fail(1, "render a.tess -o x.png --fov 180", {"180"});
+    fail(1, "render a.tess -o x.png --size 99999x1", {"--size"});
+    fail(1, "render a.tess -o x.png --views paper --orbit 3", {"--orbit"});
+    fail(1, "render a.tess -o x.png --orbit 0", {"--orbit"});
+    fail(1, "render a.tess -o x.png --via magic", {"--via"});
+    fail(1, "render a.tess -o x.png --budget 0", {"--budget"});
+    fail(1, "render a.tess -o x.png --truth mirror", {"composed"});
+    fail(1, "render a.tess -o x.png --truth-spp 4", {"--truth"});
+    fail(1, "render a.tess -o x.png --sheet s.jpg", {"s.jpg"});
+    fail(2, "render none.tess -o x.png", {"none.tess"});
+    fail(2, "render a.tess -o none/x.png", {"none/x.png"});
+    spit(at("y.tess"), "not a Tessera file");
+    fail(3, "render y.tess -o x.png", {"y.tess"});
+    fs::remove(at("y.tess"));
+    succeed(small_scene + "-q -o f.rgb");
+    succeed("encode f.rgb --size 32x16x9x5 -q -o f.tess");
+    fail(5, "render f.tess -o x.png", {"--proxy"});
+    // No driver at all, or a build without a GPU: the same advice.
+    fail(5, "render a.tess -o x.png --via load", {"--via cpu"}, "__EGL_VENDOR_LIBRARY_DIRS=none");
+    fs::remove(at("f.rgb"));
+    fs::remove(at("f.tess"));
+    EXPECT_EQ(names(), before);
+}
+
+TEST_F(Cli, SetsPicturesSideBySide) {
+    succeed(small_scene + "-q -o a.tess");
+    succeed("render a.tess -o v.png --views paper --size 16x12 -q");
+    const Outcome o = run("montage v-1.png v-2.png v-3.png --columns 2 --middle 10 -o m.png");
+    EXPECT_EQ(o.out, "m.png: 44 x 76 pixels\n") << o.err; // gaps of 8, labels of 16
+    succeed("montage v-1.png --label 'one, two' -o m.png -q");
+    fail(1, "montage -o m.png", {"pictures"});
+    fail(1, "montage v-1.png v-2.png --label one -o m.png", {"1 labels for 2"});
+    fail(1, "montage v-1.png -o m.jpg", {"m.jpg"});
+    fail(2, "montage none.png -o m.png", {"none.png"});
+    fail(3, "montage a.tess -o m.png", {"a.tess"});
+}
+
+// A file of 8 tiles in a small window.
+const std::string bench_scene =
+    "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20";
+const std::string bench_a = "bench gpu a.tess --size 48x32 --frames 2 --warm-up 1 ";
+
+TEST_F(Cli, ChecksWhatToBench) {
+    fail(1, "bench", {"target"});
+    fail(1, "bench cpu a.tess", {"cpu", "gpu"});
+    fail(1, "bench gpu", {"file"});
+    fail(1, "bench gpu a.rgb", {"a.rgb", ".tess"});
+    fail(1, "bench gpu a.tess --skip all", {"--skip"});
+    fail(1, "bench gpu a.tess --frames 0", {"--frames"});
+    fail(2, "bench gpu none.tess", {"none.tess"});
+}
+
+TEST_F(Cli, BenchesTheGpu) {
+    if (std::getenv("TESSERA_NO_GPU") != nullptr)
+        GTEST_SKIP() << "TESSERA_NO_GPU is set";
+    succeed(bench_scene);
+    fail(1, bench_a + "--size 48", {"--size"});
+    fail(1, bench_a + "--eye 1,0,0", {"sphere"});
+    fail(2, bench_a + "--original none.rgb", {"none.rgb"});
+    const Json report = json(bench_a + "--budget 8 --json");
+    EXPECT_EQ(report["tiles"], 8);
+    EXPECT_EQ(report["width"], 48);
+    std::vector<std::string> rows;
+    for (const Json& row : report["rows"]) {
+        const std::string name = row["via"].get<std::string>() + " " +
+                                 row["fetches"].get<std::string>() + " " +
+                                 row["frame"].get<std::string>();
+        rows.push_back(name);
+        ASSERT_FALSE(row.contains("missing")) << row;
+        EXPECT_GT(row["device_ms"]["median"].get<double>(), 0) << name;
+        EXPECT_GE(row["device_ms"]["p95"], row["device_ms"]["median"]) << name;
+        EXPECT_GT(row["wall_ms"]["median"].get<double>(), 0) << name;
+        EXPECT_GT(row["bytes"].get<double>(), 0) << name;
+        // All ways give the same picture, but for how finely the texture unit mixes.
+        const bool filtered = name.find("filtered") != std::string::npos;
+        EXPECT_TRUE(row["same_picture"] == true || (filtered && row["psnr"] > 50.0)) << row;
+    }
+    EXPECT_EQ(rows,
+              (std::vector<std::string>{"raw 16 steady", "raw 4 filtered steady", "load 16 steady",
+                                        "load 4 filtered steady", "feedback 16 cold",
+                                        "feedback 16 steady", "feedback 4 filtered cold",
+                                        "feedback 4 filtered steady", "sample evaluated steady"}));
+    for (const std::size_t cold : {4u, 6u}) {
+        const Json& frame = report["rows"][cold]["tiles_per_frame"];
+        EXPECT_GT(frame["decoded"].get<double>(), 0);
+        EXPECT_EQ(frame["late"], 0.0);
+        EXPECT_LT(report["rows"][cold + 1]["tiles_per_frame"]["decoded"], frame["decoded"]);
+        for (const std::size_t row : {cold, cold + 1})
+            EXPECT_LE(report["rows"][row]["bytes"].get<double>(), 8 << 20);
+    }
+    ASSERT_EQ(report["decode"].size(), 3u);
+    EXPECT_EQ(report["decode"][0]["what"], "whole file");
+    EXPECT_EQ(report["decode"][0]["texels"], 64 * 32 * 16 * 16);
+    EXPECT_GT(report["decode"][0]["texels_per_second"].get<double>(), 0);
+}
+
+TEST_F(Cli, BenchSaysWhatCannotBe) {
+    if (std::getenv("TESSERA_NO_GPU") != nullptr)
+        GTEST_SKIP() << "TESSERA_NO_GPU is set";
+    const std::string scene = "bake composed --size 16x8x8x8 --spp 1 -q ";
+    succeed(scene + "-o a.tess --max-error 4");
+    succeed(scene + "-o a.rgb");
+    const std::string bench = bench_a + "--skip load --skip decode --original a.rgb ";
+    const Json report = json(bench + "--budget 1 --json");
+    EXPECT_EQ(report["rows"].size(), 7u);
+    EXPECT_EQ(report["decode"].size(), 0u);
+    for (const Json& row : report["rows"]) {
+        EXPECT_EQ(row.contains("missing"), row["via"] != "raw") << row;
+        const std::string missing = row.value("missing", "");
+        EXPECT_EQ(missing.find("corrections") != std::string::npos, row["via"] == "sample");
+        EXPECT_EQ(missing.find("budget") != std::string::npos, row["via"] == "feedback");
+    }
+    const Outcome text = run(bench + "--skip feedback");
+    EXPECT_EQ(text.code, 0) << text.err;
+    for (const char* word : {"16 fetches, of a.rgb", "corrections", "wall ms"})
+        EXPECT_NE(text.out.find(word), std::string::npos) << text.out;
 }
 
 } // namespace

@@ -3,7 +3,9 @@
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
 #include "corpus/shade.h"
+#include "tests/sample_probes.h"
 #include "tools/command.h"
+#include "tools/gpu_renderer.h"
 #include "tools/png_file.h"
 #include "tools/render_views.h"
 #include "tools/texel_cache.h"
@@ -320,9 +322,10 @@ protected:
 
 TEST_F(Render, DrawsMeasuresAndShows) {
     const std::string file = encode("composed", "c.tess");
-    ASSERT_TRUE(run({file, "-o", at("v.png"), "--views", "paper", "--size", "40x30", "--truth",
-                     "composed", "--truth-spp", "2", "--sheet", at("s.png"), "--json"})
-                    .ok());
+    ASSERT_TRUE(
+        run({file, "-o", at("v.png"), "--views", "paper", "--size", "40x30", "--truth", "composed",
+             "--truth-spp", "2", "--sheet", at("s.png"), "--json", "--write-all"})
+            .ok());
     const Json json = Json::parse(out_);
     ASSERT_EQ(json["views"].size(), 5u);
     for (const Json& view : json["views"]) {
@@ -332,6 +335,7 @@ TEST_F(Render, DrawsMeasuresAndShows) {
         EXPECT_EQ(read_png_shape(view["output"].get<std::string>())->width, 40u);
     }
     EXPECT_GT(read_png_shape(at("s.png"))->height, 5u * 30);
+    EXPECT_TRUE(fs::exists(at("v-5-truth.png")) && fs::exists(at("v-1-uncompressed.png")));
     // The original from a file, without a scene, and an orbit.
     ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--size", "8x8", "--original", file,
                      "--json"})
@@ -340,6 +344,26 @@ TEST_F(Render, DrawsMeasuresAndShows) {
     EXPECT_TRUE(fs::exists(at("o-2.png")));
     ASSERT_TRUE(run({file, "-o", at("q.png"), "--size", "8x8", "-q"}).ok());
     EXPECT_EQ(out_, "");
+}
+
+TEST_F(Render, DrawsATextureThatNoFileHolds) {
+    const std::vector<std::string> how = {"--views", "1",        "--size", "40x30",
+                                          "--truth", "composed", "--json"};
+    std::vector<std::string> words = {
+        "-o", at("s.png"), "--scene", "composed", "--texture-size", "32x16x8x8", "--spp", "2"};
+    words.insert(words.end(), how.begin(), how.end());
+    ASSERT_TRUE(run(words).ok());
+    const Json scene = Json::parse(out_);
+    words = {encode("composed", "c.tess"), "-o", at("c.png")};
+    words.insert(words.end(), how.begin(), how.end());
+    ASSERT_TRUE(run(words).ok());
+    EXPECT_EQ(scene["views"][0]["uncompressed_truth"],
+              Json::parse(out_)["views"][0]["uncompressed_truth"]);
+    EXPECT_FALSE(scene["views"][0].contains("compressed_truth"));
+    // 422 TB.
+    EXPECT_TRUE(run({"-o", at("h.png"), "--scene", "lamps", "--texture-size", "65536x16384x256x256",
+                     "--spp", "1", "--size", "8x6"})
+                    .ok());
 }
 
 TEST_F(Render, WritesExr) {
@@ -378,11 +402,186 @@ TEST_F(Render, RefusesWithReasons) {
     fails(ErrorCode::bad_argument, {file, "-o", out, "--via", "magic"}, "magic");
     fails(ErrorCode::bad_argument, {at("c.rgb"), "-o", out}, ".tess");
     fails(ErrorCode::unsupported, {encode("composed", "flat.tess", false), "-o", out}, "--proxy");
+    fails(ErrorCode::bad_argument, {"-o", out}, "--scene");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--scene", "composed"}, "not both");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--texture-size", "8x8x8x8"}, "--scene");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--spp", "2"}, "--truth");
+    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "nowhere"}, "aliasing-near");
+    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--via", "load"}, "CPU");
+    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--texture-size", "8x8x8"},
+          "8x8x8");
+    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--truth", "mirror"},
+          "mirror");
     fails(ErrorCode::io, {at("none.tess"), "-o", out}, "none.tess");
+    fails(ErrorCode::io, {at("none.tess"), "-o", at("none/v.png")}, "no folder");
+    fails(ErrorCode::io, {at("none.tess"), "-o", out, "--sheet", at("none/s.png")}, "no folder");
     std::ofstream(at("bad.tess")) << "not a texture";
     fails(ErrorCode::invalid_file, {at("bad.tess"), "-o", out}, "bad.tess");
     EXPECT_FALSE(fs::exists(out));
 }
+
+#ifdef TESSERA_GPU
+class GpuRender : public Render {
+protected:
+    void SetUp() override {
+        Render::SetUp();
+        if (std::getenv("TESSERA_NO_GPU") != nullptr)
+            GTEST_SKIP() << "TESSERA_NO_GPU is set";
+    }
+
+    // A file in small tiles, so that the borders of many cross the picture.
+    static std::vector<std::byte> small_tiles(const std::string& scene) {
+        const auto source = bake(scene, {64, 32, 16, 12}, 1);
+        EncodeOptions options;
+        options.tile_extent = {16, 8, 8, 8};
+        std::vector<std::byte> bytes;
+        EXPECT_TRUE(encode_memory(*source, bytes, options).ok());
+        return bytes;
+    }
+};
+
+// Where single precision cannot be held to double: less than a thousandth of the radius from the
+// silhouette, where the place runs off like a square root and rounding decides between hit and
+// miss; and what sample_probes.h excepts for all tests of the sampler.
+bool is_ill_conditioned(const Extent4& size, const Camera& camera, std::uint32_t i,
+                        std::uint32_t j) {
+    const glm::dvec3 ray = camera.direction(i + 0.5, j + 0.5);
+    const glm::dvec3 gap = camera.eye - glm::dot(camera.eye, ray) * ray;
+    const double nearest = glm::length(gap) / corpus::window_radius;
+    if (std::abs(nearest - 1) < 1e-3)
+        return true;
+    if (nearest > 1)
+        return false;
+    const glm::dvec3 place = gap - corpus::window_radius * std::sqrt(1 - nearest * nearest) * ray;
+    const test::Condition c = test::condition_of(size, {glm::vec3(place), glm::vec3(-ray)});
+    return c.planar < 3e-4 || c.jumps;
+}
+
+// Over all pixels that can be judged, as displayed, in steps of 8 bits.
+double worst_difference(const View& a, const View& b, const Extent4& size, const Camera& camera,
+                        SampleType type) {
+    const auto shown = [&](float x) {
+        const double value = std::max(double{x}, 0.0);
+        return 255 * (type == SampleType::half16 ? value / (1 + value) : value);
+    };
+    double worst = 0;
+    std::size_t judged = 0;
+    for (std::uint32_t j = 0; j < camera.height; ++j)
+        for (std::uint32_t i = 0; i < camera.width; ++i) {
+            if (is_ill_conditioned(size, camera, i, j))
+                continue;
+            ++judged;
+            const std::size_t at = (std::size_t{j} * camera.width + i) * 3;
+            for (std::size_t c = at; c < at + 3; ++c)
+                worst = std::max(worst, std::abs(shown(a.rgb[c]) - shown(b.rgb[c])));
+        }
+    EXPECT_GT(judged, std::size_t{camera.width} * camera.height * 98 / 100);
+    return worst;
+}
+
+TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
+    for (const char* scene : {"composed", "lamps"}) {
+        const std::vector<std::byte> bytes = small_tiles(scene);
+        const auto file = wrap_memory(bytes);
+        const auto decoder = Decoder::open(*file);
+        ASSERT_TRUE(decoder.ok());
+        const auto texels = decoded_source(*decoder);
+        const TextureDesc& desc = decoder->desc();
+        const Camera cameras[] = {camera_at(aslant, {45, 120, 90}),
+                                  camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 90, 90}),
+                                  camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 90, 70})};
+        for (const char* via : {"load", "feedback", "sample"}) {
+            const auto renderer =
+                make_gpu_renderer(decoder->container(), paper_window, grey, {via, 64});
+            ASSERT_TRUE(renderer.ok()) << renderer.status().message();
+            for (const Camera& camera : cameras) {
+                const View expected = texture_view(*texels, camera, {}, {16, 8, 8, 8});
+                const View view = view_of(**renderer, camera);
+                EXPECT_EQ(view.remark, "");
+                const double worst = worst_difference(view, expected, desc.size, camera, desc.type);
+                RecordProperty(std::string(scene) + " " + via, std::to_string(worst));
+                EXPECT_LE(worst, 1.5) << scene << " " << via << " " << camera.eye.x;
+            }
+            EXPECT_GT((*renderer)->device_use()->bytes, 0u);
+            EXPECT_LE((*renderer)->device_use()->bytes, 64u << 20);
+        }
+    }
+}
+
+TEST_F(GpuRender, KeepsThePlaceOfTheSphere) {
+    const std::vector<std::byte> bytes = small_tiles("composed");
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const glm::dvec3 there{1, -2, 5};
+    const auto here = make_gpu_renderer(decoder->container(), paper_window, grey, {"load", 64});
+    const auto moved = make_gpu_renderer(decoder->container(), {there, 2 * corpus::window_radius},
+                                         grey, {"load", 64});
+    ASSERT_TRUE(here.ok() && moved.ok()); // two contexts in one program
+    const View a = view_of(**here, camera_at(aslant, {45, 60, 45}));
+    const View b = view_of(
+        **moved, camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 60, 45}));
+    EXPECT_LE(worst_difference(a, b, decoder->desc().size, camera_at(aslant, {45, 60, 45}),
+                               SampleType::unorm8),
+              0.5);
+}
+
+// The budget that the remark gives holds what the view needs.
+TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
+    const auto source = bake("gallery", {256, 128, 8, 8}, 1);
+    EncodeOptions options;
+    options.tile_extent = {32, 16, 8, 8};
+    options.rate = {RateTarget::Kind::quality, 20};
+    std::vector<std::byte> bytes;
+    ASSERT_TRUE(encode_memory(*source, bytes, options).ok());
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const auto texels = decoded_source(*decoder);
+    const Camera camera = camera_at(aslant, {45, 80, 60});
+    const Picture expected = to_picture(texture_view(*texels, camera), SampleType::unorm8);
+    const auto tiny = make_gpu_renderer(decoder->container(), paper_window, grey, {"feedback", 6});
+    ASSERT_TRUE(tiny.ok()) << tiny.status().message();
+    const View coarse = view_of(**tiny, camera);
+    EXPECT_LE((*tiny)->device_use()->bytes, (6u << 20) + camera.width * camera.height * 16 + 4096);
+    unsigned missing = 0, touched = 0, budget = 0, advice = 0;
+    ASSERT_EQ(std::sscanf(coarse.remark.c_str(),
+                          "%u of the %u tiles that it touches found no place within --budget %u "
+                          "and are drawn coarsely; --budget %u",
+                          &missing, &touched, &budget, &advice),
+              4)
+        << coarse.remark;
+    EXPECT_GT(missing, 0u);
+    EXPECT_LT(missing, touched);
+    EXPECT_EQ(budget, 6u);
+    EXPECT_LT(advice, 20u) << "not just anything";
+    EXPECT_EQ(view_of(**tiny, camera).rgb, coarse.rgb) << "a view that stands still keeps still";
+    // Coarse is not empty: like the picture, unlike the background that it would be without.
+    const double psnr = likeness_of(expected, to_picture(coarse, SampleType::unorm8)).psnr;
+    EXPECT_GT(psnr, likeness_of(expected, blank_picture(80, 60, 128)).psnr + 3);
+    const auto enough =
+        make_gpu_renderer(decoder->container(), paper_window, grey, {"feedback", advice});
+    ASSERT_TRUE(enough.ok()) << enough.status().message();
+    const View whole = view_of(**enough, camera);
+    EXPECT_EQ(whole.remark, "");
+    EXPECT_GT(likeness_of(expected, to_picture(whole, SampleType::unorm8)).psnr, psnr + 10);
+}
+
+TEST_F(GpuRender, OrbitsByFeedback) {
+    const std::string file = encode("composed", "c.tess");
+    ASSERT_TRUE(run({file, "-o", at("f.png"), "--orbit", "3", "--size", "40x30", "--via",
+                     "feedback", "--original", file, "--json"})
+                    .ok());
+    const Json json = Json::parse(out_);
+    EXPECT_GT(json["device"]["bytes"].get<double>(), 0);
+    for (const Json& view : json["views"])
+        EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 45) << view;
+    ASSERT_TRUE(run({file, "-o", at("g.png"), "--size", "8x8", "--via", "sample"}).ok());
+    EXPECT_NE(out_.find("MiB held"), std::string::npos) << out_;
+    fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1"},
+          "--via cpu");
+}
+#endif
 
 } // namespace
 } // namespace tessera

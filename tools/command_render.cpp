@@ -1,10 +1,8 @@
-#include "codec/decoder.h"
 #include "corpus/bake.h"
-#include "format/sampler.h"
 #include "tools/command.h"
-#include "tools/gpu_renderer.h"
 #include "tools/interrupt.h"
 #include "tools/progress.h"
+#include "tools/render_stage.h"
 #include "tools/render_views.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
@@ -17,153 +15,28 @@
 namespace tessera {
 namespace {
 
-// Small along s and t: an observer sees each place from one direction.
-constexpr Extent4 lazy_block{8, 8, 4, 4};
-
 struct Arguments {
-    std::string file, via = "cpu", truth, original, sheet;
-    ViewRequest request;
+    StageRequest stage;
+    ViewRequest views;
     TextureArguments texture; // threads and quiet
-    unsigned budget_mib = 512, truth_samples = 16;
-    std::optional<unsigned> samples;
-    bool json = false;
+    std::string sheet;
+    bool json = false, write_all = false;
 };
 
-// The compressed file and what else is drawn. Members are destroyed last to first: renderers before
-// what they read.
-struct Stage {
-    std::unique_ptr<ByteSource> bytes;
-    std::unique_ptr<Decoder> decoder;
-    std::unique_ptr<TexelSource> texels, original;
-    std::unique_ptr<ViewRenderer> compressed, uncompressed, truth; // the last two may be absent
-
-    const TextureDesc& desc() const { return decoder->desc(); }
-    const Description& description() const { return decoder->container().description(); }
-    const Metadata& metadata() const { return decoder->container().metadata(); }
-    unsigned renderers() const { return 1 + (uncompressed ? 1 : 0) + (truth ? 1 : 0); }
-};
-
-glm::dvec3 background_of(const FileHeader& header) {
-    std::byte texel[8];
-    for (std::size_t c = 0; c < 4; ++c) {
-        const std::uint16_t sample = header.background[c];
-        if (header.desc.type == SampleType::unorm8) {
-            texel[c] = std::byte(sample);
-        } else {
-            texel[2 * c] = std::byte(sample & 255);
-            texel[2 * c + 1] = std::byte(sample >> 8);
-        }
-    }
-    const glm::dvec4 value = texel_value(header.desc, texel);
-    return header.desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
-}
-
-// The number that the file remembers under `key` from when it was baked.
-std::optional<std::uint64_t> remembered(const Metadata& metadata, const std::string& key) {
-    const auto entry = metadata.find(key);
-    std::uint64_t number = 0;
-    if (entry == metadata.end() || !parse_number(entry->second, number))
-        return std::nullopt;
-    return number;
-}
-
-Result<std::unique_ptr<TexelSource>> open_original(const Arguments& a, const Stage& stage) {
-    const TextureKind kind = kind_of(a.original);
-    if (kind != TextureKind::raw && kind != TextureKind::tess)
-        return Status(ErrorCode::bad_argument,
-                      a.original + ": --original takes a raw file or a .tess, whose texels can be "
-                                   "read in any order");
-    TextureHints hints;
-    hints.size = stage.desc().size;
-    hints.type = stage.desc().type;
-    hints.channels = stage.desc().channels;
-    auto opened = open_texture(a.original, hints);
-    if (!opened.ok())
-        return opened.status();
-    if (opened->source->desc() != stage.desc())
-        return Status(ErrorCode::bad_argument,
-                      a.original + ": its samples are not of the type or number of those of " +
-                          a.file);
-    return std::move(opened->source);
-}
-
-// The texture before compression, baked where it is looked at.
-Result<std::unique_ptr<TexelSource>> bake_original(const Arguments& a, const Stage& stage) {
-    const std::uint64_t samples =
-        a.samples ? *a.samples : remembered(stage.metadata(), "Samples per texel").value_or(16);
-    if (samples > corpus::max_samples_per_texel)
-        return Status(ErrorCode::bad_argument,
-                      a.file + ": says it has " + std::to_string(samples) +
-                          " samples per texel, too many; --spp says another number");
-    auto baked =
-        corpus::make_baked_source(a.truth, stage.desc().size, static_cast<unsigned>(samples),
-                                  remembered(stage.metadata(), "Seed").value_or(1));
-    if (baked.ok() && (*baked)->desc() != stage.desc())
-        return Status(ErrorCode::bad_argument, a.file + ": its samples are not of the type or " +
-                                                   "number of those of the scene " + a.truth);
-    return baked;
-}
-
-Status add_truth(const Arguments& a, const SphereWindow& window, const RenderOptions& options,
-                 Stage& stage) {
-    auto scene = corpus::make_scene(a.truth);
-    if (!scene.ok())
-        return scene.status().with_context("--truth");
-    const auto said = stage.metadata().find("Scene");
-    if (said != stage.metadata().end() && said->second != a.truth)
-        return {ErrorCode::bad_argument,
-                a.file + ": is of the scene " + said->second + ", not " + a.truth};
-    if (scene->type != stage.desc().type)
-        return {ErrorCode::bad_argument, a.file + ": is " + name_of(stage.desc().type) +
-                                             ", and the scene " + a.truth + " is " +
-                                             name_of(scene->type)};
-    stage.truth = make_truth_renderer(std::move(*scene), window, a.truth_samples, options);
-    return {};
-}
-
-Status set_up(const Arguments& a, const RenderOptions& options, Stage& stage) {
-    if (kind_of(a.file) != TextureKind::tess)
-        return {ErrorCode::bad_argument, a.file + ": render draws .tess files"};
-    auto bytes = open_file(a.file);
-    if (!bytes.ok())
-        return bytes.status();
-    stage.bytes = std::move(*bytes);
-    auto decoder = Decoder::open(*stage.bytes);
-    if (!decoder.ok())
-        return decoder.status();
-    stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
-    const auto window = sphere_window(stage.description());
-    if (!window.ok())
-        return window.status().with_context(a.file);
-    const FileHeader& header = stage.decoder->container().header();
-    const glm::dvec3 background = background_of(header);
-    if (a.via == "cpu") {
-        stage.texels = decoded_source(*stage.decoder);
-        stage.compressed =
-            make_texture_renderer(*stage.texels, stage.decoder->container().grid().tile_extent(),
-                                  *window, background, options);
-    } else {
-        auto gpu = make_gpu_renderer(a.file, a.via, a.budget_mib);
-        if (!gpu.ok())
-            return gpu.status();
-        stage.compressed = std::move(*gpu);
-    }
-    if (!a.truth.empty())
-        TESSERA_TRY(add_truth(a, *window, options, stage));
-    if (a.truth.empty() && a.original.empty())
-        return {};
-    auto original = a.original.empty() ? bake_original(a, stage) : open_original(a, stage);
-    if (!original.ok())
-        return original.status();
-    stage.original = std::move(*original);
-    stage.uncompressed =
-        make_texture_renderer(*stage.original, lazy_block, *window, background, options);
-    return {};
+// "v-2.png" -> "v-2-truth.png".
+std::string beside(const std::string& output, const char* what) {
+    std::filesystem::path path(output);
+    path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
+    return path.string();
 }
 
 Status check_outputs(const Arguments& a, const std::vector<PlannedView>& plan) {
-    for (const PlannedView& view : plan)
+    for (const PlannedView& view : plan) {
         TESSERA_TRY(check_view_path(view.output));
+        for (const char* what : {"truth", "uncompressed"})
+            if (a.write_all)
+                TESSERA_TRY(check_view_path(beside(view.output, what)));
+    }
     if (a.sheet.empty())
         return {};
     if (std::filesystem::path(a.sheet).extension() != ".png")
@@ -202,32 +75,36 @@ private:
 struct DrawnView {
     ViewPictures pictures; // kept for the sheet only
     ViewFigures figures;
-    double seconds = 0; // of drawing the compressed file
+    double seconds = 0; // of drawing what is written
+    std::string remark;
 };
 
-Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, Steps& steps) {
+// A view of each renderer that there is; the stage's subject is written, and the others on request.
+Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, bool write_all,
+                       Steps& steps) {
     DrawnView drawn;
     drawn.pictures.name = planned.name;
-    const SampleType type = stage.desc().type;
-    steps.begin();
-    const auto start = std::chrono::steady_clock::now();
-    const auto view = stage.compressed->render(planned.camera);
-    if (!view.ok())
-        return view.status();
-    drawn.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    TESSERA_TRY(write_view(planned.output, *view, type));
-    drawn.pictures.compressed = to_picture(*view, type);
-    const auto add = [&](ViewRenderer* renderer, std::optional<Picture>& picture) -> Status {
+    const SampleType type = stage.desc.type;
+    const auto add = [&](ViewRenderer* renderer, std::optional<Picture>& picture,
+                         const char* what) -> Status {
         if (!renderer)
             return {};
         steps.begin();
-        const auto other = renderer->render(planned.camera);
-        if (other.ok())
-            picture = to_picture(*other, type);
-        return other.status();
+        const auto start = std::chrono::steady_clock::now();
+        const auto view = renderer->render(planned.camera);
+        if (!view.ok())
+            return view.status();
+        picture = to_picture(*view, type);
+        if (renderer != &stage.subject())
+            return write_all ? write_view(beside(planned.output, what), *view, type) : Status();
+        drawn.seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        drawn.remark = view->remark;
+        return write_view(planned.output, *view, type);
     };
-    TESSERA_TRY(add(stage.uncompressed.get(), drawn.pictures.uncompressed));
-    TESSERA_TRY(add(stage.truth.get(), drawn.pictures.truth));
+    TESSERA_TRY(add(stage.compressed.get(), drawn.pictures.compressed, "compressed"));
+    TESSERA_TRY(add(stage.uncompressed.get(), drawn.pictures.uncompressed, "uncompressed"));
+    TESSERA_TRY(add(stage.truth.get(), drawn.pictures.truth, "truth"));
     drawn.figures = measure(drawn.pictures);
     return drawn;
 }
@@ -248,9 +125,15 @@ Json to_json(const glm::dvec3& point) {
 
 void report_json(const Arguments& a, const Stage& stage, const std::vector<PlannedView>& plan,
                  const std::vector<DrawnView>& views) {
-    Json json = {{"file", a.file}, {"size", to_string(stage.desc().size)}, {"via", a.via}};
-    if (!a.truth.empty())
-        json["truth"] = a.truth;
+    Json json = {{"size", to_string(stage.desc.size)}, {"via", a.stage.via}};
+    if (a.stage.file.empty())
+        json["scene"] = a.stage.scene;
+    else
+        json["file"] = a.stage.file;
+    if (!a.stage.truth.empty())
+        json["truth"] = a.stage.truth;
+    if (const auto use = stage.subject().device_use())
+        json["device"] = {{"name", use->name}, {"bytes", use->bytes}};
     for (std::size_t i = 0; i < views.size(); ++i) {
         Json view = {{"name", plan[i].name},
                      {"output", plan[i].output},
@@ -259,13 +142,16 @@ void report_json(const Arguments& a, const Stage& stage, const std::vector<Plann
                      {"width", plan[i].camera.width},
                      {"height", plan[i].camera.height},
                      {"seconds", views[i].seconds}};
+        if (!views[i].remark.empty())
+            view["remark"] = views[i].remark;
         view.update(to_json(views[i].figures));
         json["views"].push_back(view);
     }
     print_json(json);
 }
 
-void report_text(const std::vector<PlannedView>& plan, const std::vector<DrawnView>& views) {
+void report_text(const Stage& stage, const std::vector<PlannedView>& plan,
+                 const std::vector<DrawnView>& views) {
     std::vector<ViewFigures> figures;
     for (std::size_t i = 0; i < views.size(); ++i) {
         std::printf("%s: %u x %u pixels in %.2f s\n", plan[i].output.c_str(), plan[i].camera.width,
@@ -274,10 +160,21 @@ void report_text(const std::vector<PlannedView>& plan, const std::vector<DrawnVi
     }
     if (!figures.front().empty())
         std::printf("\n%s", to_table(figures).c_str());
+    if (const auto use = stage.subject().device_use())
+        std::printf("%s: %.1f MiB held\n", use->name.c_str(),
+                    static_cast<double>(use->bytes) / (1 << 20));
+}
+
+// Pictures that lack something are pictures all the same, so this is not an error.
+void report_remarks(const std::vector<PlannedView>& plan, const std::vector<DrawnView>& views) {
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (!views[i].remark.empty())
+            std::fprintf(stderr, "tessera render: note: %s: %s\n", plan[i].output.c_str(),
+                         views[i].remark.c_str());
 }
 
 Status run(const Arguments& a) {
-    const auto plan = plan_views(a.request);
+    const auto plan = plan_views(a.views);
     if (!plan.ok())
         return plan.status();
     TESSERA_TRY(check_outputs(a, *plan));
@@ -286,17 +183,19 @@ Status run(const Arguments& a) {
     {
         Progress progress("tessera render", a.texture.quiet);
         Steps steps(progress.function(), 1);
-        const RenderOptions options{a.texture.threads, std::uint64_t{a.budget_mib} << 20,
+        const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
                                     steps.function()};
-        TESSERA_TRY(set_up(a, options, stage));
+        auto made = set_up_stage(a.stage, options);
+        if (!made.ok())
+            return made.status();
+        stage = std::move(*made);
         steps.set_count(plan->size() * stage.renderers());
-        const auto window = sphere_window(stage.description());
         for (const PlannedView& view : *plan)
-            TESSERA_TRY(check_outside(*window, view.camera).with_context(view.name));
+            TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
         for (const PlannedView& view : *plan) {
             if (interrupted_by())
                 return {ErrorCode::runtime, "interrupted"};
-            auto drawn = draw(view, stage, steps);
+            auto drawn = draw(view, stage, a.write_all, steps);
             if (!drawn.ok())
                 return drawn.status();
             if (a.sheet.empty())
@@ -304,12 +203,13 @@ Status run(const Arguments& a) {
             views.push_back(std::move(*drawn));
         }
     }
+    report_remarks(*plan, views);
     if (!a.sheet.empty())
         TESSERA_TRY(write_sheet(a.sheet, views));
     if (a.json)
         report_json(a, stage, *plan, views);
     else if (!a.texture.quiet)
-        report_text(*plan, views);
+        report_text(stage, *plan, views);
     return {};
 }
 
@@ -334,45 +234,58 @@ void declare_camera(CLI::App& c, ViewRequest& r) {
 
 void add_render_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("file", a.file, "A .tess with a texture on a sphere")->required();
-        c.add_option("-o,--output", a.request.output,
+        StageRequest& r = a.stage;
+        c.add_option("file", r.file, "A .tess with a texture on a sphere");
+        c.add_option(
+            "--scene", r.scene,
+            "In place of a file: the uncompressed texture of a built-in scene, baked where "
+            "it is looked at, so that no size is too large");
+        c.add_option("--texture-size", r.texture_size,
+                     "UxVxSxT of that texture (default: the scene's own, see bake --list)");
+        c.add_option("-o,--output", a.views.output,
                      "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
             ->required();
-        declare_camera(c, a.request);
-        c.add_option("--via", a.via,
-                     "How texels get into the picture: cpu, or on the GPU load, feedback, sample")
+        declare_camera(c, a.views);
+        c.add_option(
+             "--via", r.via,
+             "cpu, or on the GPU: load (decoded at once), feedback (a cache of the tiles in "
+             "view), sample (decoded in every pixel)")
             ->check(CLI::IsMember({"cpu", "load", "feedback", "sample"}))
             ->capture_default_str();
-        c.add_option("--budget", a.budget_mib, "MiB of decoded texels kept in memory")
+        c.add_option("--budget", r.budget_mib,
+                     "MiB: of decoded texels in memory; on the GPU, of all that it holds for the "
+                     "file")
             ->check(CLI::Range(1u, 1u << 20))
             ->capture_default_str();
-        auto* truth = c.add_option("--truth", a.truth,
+        auto* truth = c.add_option("--truth", r.truth,
                                    "A built-in scene to ray trace and measure against, together "
                                    "with the uncompressed texture");
-        c.add_option("--truth-spp", a.truth_samples, "Rays per pixel of the truth")
+        c.add_option("--truth-spp", r.truth_samples, "Rays per pixel of the truth")
             ->check(CLI::Range(1u, 65536u))
             ->capture_default_str()
             ->needs(truth);
-        auto* original = c.add_option("--original", a.original,
-                                      "The uncompressed texture (raw or .tess); without it, it is "
-                                      "baked where it is looked at");
-        c.add_option("--spp", a.samples,
-                     "Samples per texel of that baking (default: what the file says, or 16)")
-            ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-            ->needs(truth)
-            ->excludes(original);
+        c.add_option("--original", r.original,
+                     "The uncompressed texture (raw or .tess); without it, it is baked where it is "
+                     "looked at");
+        c.add_option("--spp", r.samples,
+                     "Samples per texel of what is baked (default: what the file says, or 16)")
+            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
+        c.add_flag("--write-all", a.write_all,
+                   "Write what it is measured against as well: name-truth.png and "
+                   "name-uncompressed.png beside each view");
         c.add_option("--sheet", a.sheet, "One .png with all views, and the differences");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };
     add_verb<Arguments>(
         app, chosen, "render", "Draw what an observer sees of the sphere",
-        "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of reading,\n"
-        "decoding and sampling the compressed file only.\n\n"
+        "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
+        "written only, with reading and decoding.\n\n"
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
-        "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720",
+        "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720 --via feedback\n"
+        "  tessera render --scene composed --texture-size 1024x512x128x128 -o v.png --views 1",
         declare, run);
 }
 

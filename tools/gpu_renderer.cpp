@@ -1,11 +1,182 @@
 #include "tools/gpu_renderer.h"
 
-namespace tessera {
+#ifdef TESSERA_GPU
+#include "decoder_glsl/gl_context.h"
+#include "decoder_glsl/gl_view_renderer.h"
+#include "tools/interrupt.h"
 
-Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const std::string& file,
-                                                        const std::string& via, unsigned) {
-    return Status(ErrorCode::unsupported,
-                  file + ": this build cannot draw via '" + via + "'; 'cpu' always works");
+#include <optional>
+#endif
+
+namespace tessera {
+namespace {
+
+// A GPU is never the only way.
+Status or_by_cpu(const Status& status, const std::string& via) {
+    if (status.code() != ErrorCode::unsupported)
+        return status;
+    return Status(ErrorCode::unsupported, status.message() + " (--via cpu always works)")
+        .with_context("--via " + via);
 }
+
+} // namespace
+
+#ifdef TESSERA_GPU
+namespace {
+
+// A view that stands still needs two frames: one that marks its tiles, one that has them.
+constexpr int most_frames = 8;
+
+std::array<float, 3> single(const glm::dvec3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+class GpuRenderer final : public ViewRenderer {
+public:
+    GpuRenderer(HeadlessContext context, const ContainerReader& reader, const SphereWindow& window,
+                const glm::dvec3& background, const GpuRenderOptions& options)
+        : context_(std::move(context)), reader_(reader), window_(window), background_(background),
+          options_(options) {}
+    GpuRenderer(const GpuRenderer&) = delete;
+    GpuRenderer& operator=(const GpuRenderer&) = delete;
+    ~GpuRenderer() override {
+        // What lives in the context dies first, in it.
+        if (context_.make_current()) {
+            view_.reset();
+            texture_.reset();
+        }
+    }
+
+    Status open() {
+        SampledTextureOptions options;
+        options.residency = options_.via == "load"       ? Residency::on_load
+                            : options_.via == "feedback" ? Residency::on_feedback
+                                                         : Residency::on_sample;
+        options.budget = budget();
+        auto texture = SampledTexture::create(reader_, options);
+        if (!texture.ok())
+            return texture.status();
+        texture_.emplace(std::move(*texture));
+        auto view = GlViewRenderer::create(*texture_);
+        if (!view.ok())
+            return view.status();
+        view_.emplace(std::move(*view));
+        return {};
+    }
+
+    Result<View> render(const Camera& camera) override {
+        TESSERA_TRY(check_outside(window_, camera));
+        TESSERA_TRY(context_.make_current());
+        const auto report = draw(seen_from(camera));
+        if (!report.ok())
+            return report.status();
+        if (texture_->damaged_tiles() > 0)
+            return Status(ErrorCode::invalid_file,
+                          reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
+                              " tiles are damaged; tessera validate says which");
+        const auto pixels = view_->read();
+        if (!pixels.ok())
+            return pixels.status();
+        View view{camera.width, camera.height, {}, remark_on(*report)};
+        view.rgb.reserve(pixels->size() / 4 * 3);
+        for (std::size_t i = 0; i < pixels->size(); i += 4)
+            view.rgb.insert(view.rgb.end(), {(*pixels)[i], (*pixels)[i + 1], (*pixels)[i + 2]});
+        return view;
+    }
+
+    std::optional<DeviceUse> device_use() const override {
+        return DeviceUse{context_.device(), texture_->bytes() + view_->bytes()};
+    }
+
+private:
+    std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
+
+    ViewCamera seen_from(const Camera& camera) const {
+        ViewCamera v;
+        v.eye = single(camera.eye - window_.centre);
+        v.forward = single(camera.forward);
+        v.right = single(camera.right);
+        v.up = single(camera.up);
+        v.radius = static_cast<float>(window_.radius);
+        for (int c = 0; c < 3; ++c)
+            v.outside[static_cast<std::size_t>(c)] = static_cast<float>(background_[c]);
+        v.outside[3] = 1;
+        v.width = camera.width;
+        v.height = camera.height;
+        return v;
+    }
+
+    // Until a frame has all that it can have.
+    Result<UpdateReport> draw(const ViewCamera& camera) {
+        UpdateReport report;
+        for (int frame = 0; frame < most_frames; ++frame) {
+            if (interrupted_by())
+                return Status(ErrorCode::runtime, "interrupted");
+            TESSERA_TRY(view_->draw(camera));
+            const auto updated = texture_->update(true);
+            if (!updated.ok())
+                return updated.status();
+            report = *updated;
+            if (report.decoded == 0)
+                break;
+        }
+        return report;
+    }
+
+    std::string remark_on(const UpdateReport& report) const {
+        const std::uint32_t missing = report.waiting + report.decoded;
+        if (missing == 0)
+            return {};
+        return std::to_string(missing) + " of the " + std::to_string(report.touched) +
+               " tiles that it touches found no place within --budget " +
+               std::to_string(options_.budget_mib) + " and are drawn coarsely; --budget " +
+               std::to_string(sufficient_mib(report.touched)) + " holds them all";
+    }
+
+    // A budget with a slot for each of so many tiles. A sixth of a budget is for decoding, and slots
+    // stand in lines of at most 2048 pixels, the last of which may be lost to rounding.
+    std::uint64_t sufficient_mib(std::uint32_t tiles) const {
+        const Extent4 tile = reader_.grid().box(0).extent();
+        const std::uint64_t width = std::uint64_t{tile[0]} * (tile[2] + 1);
+        const std::uint64_t slot =
+            width * tile[1] * (tile[3] + 1) * (reader_.desc().type == SampleType::half16 ? 8 : 4);
+        const std::uint64_t wanted = tiles + std::max<std::uint64_t>(2048 / width, 1);
+        const std::uint64_t more = wanted - std::min(wanted, texture_->cache_slots());
+        return (budget() + more * slot * 6 / 5 + (1u << 20) - 1) >> 20;
+    }
+
+    HeadlessContext context_;
+    const ContainerReader& reader_;
+    SphereWindow window_;
+    glm::dvec3 background_;
+    GpuRenderOptions options_;
+    std::optional<SampledTexture> texture_;
+    std::optional<GlViewRenderer> view_;
+};
+
+} // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SphereWindow& window,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options) {
+    auto context = HeadlessContext::create();
+    if (!context.ok())
+        return or_by_cpu(context.status(), options.via);
+    auto renderer =
+        std::make_unique<GpuRenderer>(std::move(*context), reader, window, background, options);
+    const Status opened = renderer->open();
+    if (!opened.ok())
+        return or_by_cpu(opened, options.via);
+    return std::unique_ptr<ViewRenderer>(std::move(renderer));
+}
+#else
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader&, const SphereWindow&,
+                                                        const glm::dvec3&,
+                                                        const GpuRenderOptions& options) {
+    return or_by_cpu({ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)"},
+                     options.via);
+}
+#endif
 
 } // namespace tessera

@@ -1,18 +1,33 @@
-// Views drawn on the GPU.
+// Views of a compressed file drawn on the GPU.
 #pragma once
 
+#include "format/container_reader.h"
 #include "tools/view_renderer.h"
 
+#include <glm/vec3.hpp>
 #include <memory>
 #include <string>
 
 namespace tessera {
 
-// Draws the compressed `file`. `via` says how its texels reach the shader: "load" (tiles decoded
-// on the CPU and uploaded), "feedback" (the shader asks for tiles, which the GPU decodes) or
-// "sample" (tiles decoded while sampling). `budget_mib`: graphics memory for texels. Errors:
-// unsupported, where there is no such GPU or way; those of reading the file.
-Result<std::unique_ptr<ViewRenderer>>
-make_gpu_renderer(const std::string& file, const std::string& via, unsigned budget_mib);
+// How the texels of `reader` are held on the device, and in how much of its memory.
+struct GpuRenderOptions {
+    // As decoder_glsl/gl_sampled_texture.h explains: "load", all tiles decoded into an ordinary
+    // texture; "feedback", a cache of the tiles that views touch, kept from one view to the next;
+    // "sample", nothing decoded but the entropy coding.
+    std::string via = "feedback";
+    unsigned budget_mib = 512;
+};
+
+// The same picture as make_texture_renderer() within what filtering hardware rounds. On feedback a
+// view is drawn anew until nothing that it touches is missing; tiles that the budget has no room
+// for stay coarse, and the view's remark says so.
+//
+// `reader` must outlive it. One thread. Errors: unsupported (no device offers what it takes; this
+// build has no GPU host; the file does not fit into the budget this way), invalid_file, io.
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SphereWindow& window,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options);
 
 } // namespace tessera

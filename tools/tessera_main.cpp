@@ -13,8 +13,9 @@
 namespace tessera {
 namespace {
 
-const char* const verbs[] = {"bake",    "encode", "decode", "info", "validate",
-                             "compare", "sheet",  "render", "help", "version"};
+const char* const verbs[] = {"bake",    "encode", "decode",  "info",    "validate",
+                             "compare", "sheet",  "montage", "shaders", "render",
+                             "bench",   "help",   "version"};
 
 std::string version_text() {
     return std::string("tessera ") + library_version + ", file format " +
@@ -55,7 +56,10 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
     add_info_command(app, chosen);
     add_validate_command(app, chosen);
     add_sheet_command(app, chosen);
+    add_montage_command(app, chosen);
+    add_shaders_command(app, chosen);
     add_render_command(app, chosen);
+    add_bench_command(app, chosen);
     CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
     auto topic = std::make_shared<std::string>();
     help->add_option("verb", *topic, "The verb to explain");

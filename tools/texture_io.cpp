@@ -168,6 +168,9 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 Status check_output_path(const std::string& path) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
+    const fs::path folder = fs::path(path).parent_path();
+    if (!folder.empty() && !fs::is_directory(folder, ignored))
+        return {ErrorCode::io, path + ": there is no folder " + folder.string()};
     if (!fs::exists(status) || fs::is_regular_file(status))
         return {};
     return {ErrorCode::io, path + ": exists and is not a plain file"};

@@ -34,8 +34,8 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const TextureDesc& desc,
                                                   const Description& description, unsigned threads);
 
-// Whether a file may be written there: a plain file or nothing. Renaming over a device or a folder
-// would destroy it or fail after all the work. Errors: io.
+// Whether a file may be written there: a plain file or nothing, in a folder that exists. Renaming over
+// a device or a folder would destroy it or fail after all the work. Errors: io.
 Status check_output_path(const std::string& path);
 
 } // namespace tessera

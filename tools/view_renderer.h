@@ -8,6 +8,7 @@
 
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,23 @@ namespace tessera {
 struct View {
     std::uint32_t width = 0, height = 0;
     std::vector<float> rgb;
+    std::string remark{}; // what it lacks, for a person; usually empty
+};
+
+// The device that draws, and what is held in its memory.
+struct DeviceUse {
+    std::string name;
+    std::uint64_t bytes = 0;
 };
 
 class ViewRenderer {
 public:
     virtual ~ViewRenderer() = default;
-    // Errors: bad_argument where the eye is not outside the sphere; io, invalid_file.
+    // Errors: bad_argument where the eye is not outside the sphere; io, invalid_file; runtime, also
+    // when interrupted.
     virtual Result<View> render(const Camera& camera) = 0;
+    // Nothing where the CPU draws.
+    virtual std::optional<DeviceUse> device_use() const { return std::nullopt; }
 };
 
 // The sphere that the texture lies on.

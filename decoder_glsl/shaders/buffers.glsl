@@ -6,10 +6,10 @@
 #include "layout.glsl"
 
 #if !defined(__cplusplus) && !defined(TSR_READ_ONLY)
-layout(std430, binding = 0) readonly buffer TesseraTables { uint tsr_tables[]; };
-layout(std430, binding = 1) readonly buffer TesseraBatch { uint tsr_batch[]; };
-layout(std430, binding = 2) buffer TesseraWork { uint tsr_work[]; };
-layout(std430, binding = 3) buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
+layout(std430, binding = 0) restrict readonly buffer TesseraTables { uint tsr_tables[]; };
+layout(std430, binding = 1) restrict readonly buffer TesseraBatch { uint tsr_batch[]; };
+layout(std430, binding = 2) restrict buffer TesseraWork { uint tsr_work[]; };
+layout(std430, binding = 3) restrict buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
 #define TSR_ATOMIC_ADD(index, value) atomicAdd(tsr_work[index], value)
 #define TSR_ATOMIC_OR(index, value) atomicOr(tsr_work[index], value)
 #define TSR_ATOMIC_MAX(index, value) atomicMax(tsr_work[index], value)

@@ -36,7 +36,7 @@
 #include "sampler_layout.glsl"
 #include "surface.glsl"
 
-layout(std430, binding = TESSERA_BINDING_SAMPLER) readonly buffer TesseraSampler {
+layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer TesseraSampler {
     uint tsr_sampler[];
 };
 

@@ -1,5 +1,5 @@
 // A tile cache: the page table says where a tile is, and sampling marks the tiles that it touches.
-layout(std430, binding = TESSERA_BINDING_MARKS) buffer TesseraMarks { uint tsr_marks[]; };
+layout(std430, binding = TESSERA_BINDING_MARKS) restrict buffer TesseraMarks { uint tsr_marks[]; };
 
 // Every invocation writes the same word, so the order does not matter; most find it written.
 void tsr_mark(uint tile) {

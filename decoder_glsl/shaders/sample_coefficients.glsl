@@ -3,9 +3,9 @@
 #ifndef TESSERA_BINDING_DIRECTORY
 #define TESSERA_BINDING_DIRECTORY 6
 #endif
-layout(std430, binding = 0) readonly buffer TesseraTables { uint tsr_tables[]; };
-layout(std430, binding = 3) readonly buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
-layout(std430, binding = TESSERA_BINDING_DIRECTORY) readonly buffer TesseraDirectory {
+layout(std430, binding = 0) restrict readonly buffer TesseraTables { uint tsr_tables[]; };
+layout(std430, binding = 3) restrict readonly buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
+layout(std430, binding = TESSERA_BINDING_DIRECTORY) restrict readonly buffer TesseraDirectory {
     uint tsr_directory[];
 };
 #define TSR_READ_ONLY

@@ -70,6 +70,8 @@ struct TsrItem {
     uint colour_count;
     uint alpha_count;
     int later; // word of the shared memory where the values after pass s begin
+    int plane_before; // words from one plane to the next, before pass s and after it
+    int plane_after;
     TsrFormat format;
     TsrTarget target;
 };
@@ -96,41 +98,55 @@ TsrItem tsr_item(uint number) {
         tsr_segment(segment, tsr_seg_sorted) + tsr_work_word(block + uint(tsr_k_first));
     item.colour_count = min(counts & 0xFFFFu, 3u * uint(tsr_max_coded));
     item.alpha_count = min(counts >> 16, uint(tsr_max_coded));
-    item.later = item.patch_of.planes * item.patch_of.support_t * item.patch_of.support_s *
-                 item.positions;
+    item.plane_before = item.patch_of.support_t * item.patch_of.support_s * item.positions;
+    item.plane_after = item.patch_of.support_t * item.patch_of.sides.z * item.positions;
+    item.later = item.patch_of.planes * item.plane_before;
     item.format = tsr_format();
     item.target = tsr_target(item.tile);
     return item;
 }
 
-// Word of a value before pass s: [plane][kt][ks][position], and after it: [plane][kt][s][position].
-int tsr_before_s(TsrItem item, int plane, int kt, int ks, int position) {
-    return ((plane * item.patch_of.support_t + kt) * item.patch_of.support_s + ks) *
-               item.positions +
-           position;
+// Word of a value of plane 0 before pass s: [kt][ks][position], and after it: [kt][s][position]. The
+// other planes follow at the distances plane_before and plane_after.
+int tsr_before_s(TsrItem item, int kt, int ks, int position) {
+    return (kt * item.patch_of.support_s + ks) * item.positions + position;
 }
-int tsr_after_s(TsrItem item, int plane, int kt, int s, int position) {
-    return item.later +
-           ((plane * item.patch_of.support_t + kt) * item.patch_of.sides.z + s) * item.positions +
-           position;
+int tsr_after_s(TsrItem item, int kt, int s, int position) {
+    return item.later + (kt * item.patch_of.sides.z + s) * item.positions + position;
 }
 int tsr_get(int at) {
-    return at >= 0 && at < tsr_patch_words ? tsr_patch_memory[at] : 0;
+    return uint(at) < uint(tsr_patch_words) ? tsr_patch_memory[at] : 0;
 }
 void tsr_put(int at, int value) {
-    if (at >= 0 && at < tsr_patch_words)
+    if (uint(at) < uint(tsr_patch_words))
         tsr_patch_memory[at] = value;
 }
+ivec3 tsr_get_planes(TsrItem item, int at, int distance) {
+    int planes = item.patch_of.planes;
+    return ivec3(tsr_get(at), planes > 1 ? tsr_get(at + distance) : 0,
+                 planes > 2 ? tsr_get(at + 2 * distance) : 0);
+}
+void tsr_put_planes(TsrItem item, int at, int distance, ivec3 value) {
+    int planes = item.patch_of.planes;
+    tsr_put(at, value.x);
+    if (planes > 1)
+        tsr_put(at + distance, value.y);
+    if (planes > 2)
+        tsr_put(at + 2 * distance, value.z);
+}
 
-// Planes 0 to 2, or plane 3 alone.
-void tsr_put_column(TsrItem item, int first_plane, int position, uint key, ivec3 value) {
+// Planes 0 to 2, or plane 3 alone; clamped where a pass follows.
+void tsr_put_column(TsrItem item, int first_plane, int position, uint key, ivec3 column) {
     int ks = min(int((key >> 10) & 31u), item.patch_of.support_s - 1);
     int kt = min(int(key >> 15), item.patch_of.support_t - 1);
-    tsr_put(tsr_before_s(item, first_plane, kt, ks, position), value.x);
-    if (first_plane == 0 && item.patch_of.planes > 1)
-        tsr_put(tsr_before_s(item, 1, kt, ks, position), value.y);
-    if (first_plane == 0 && item.patch_of.planes > 2)
-        tsr_put(tsr_before_s(item, 2, kt, ks, position), value.z);
+    bool passes = item.patch_of.sides.z > 1 || item.patch_of.sides.w > 1;
+    ivec3 value = passes ? tsr_clamped(column) : column;
+    int at = tsr_before_s(item, kt, ks, position);
+    if (first_plane != 0) {
+        tsr_put(at + 3 * item.plane_before, value.x);
+        return;
+    }
+    tsr_put_planes(item, at, item.plane_before, value);
 }
 
 void tsr_step(TsrItem item, TSR_INOUT(TsrWalk) w, int first_plane, int position, uint at, uint end) {
@@ -183,70 +199,80 @@ void tsr_sum_u_v(TsrItem item, int lane) {
     tsr_walk_run(item, 3, lane, item.coefficients + item.colour_count, item.alpha_count);
 }
 
-// The values of a column in all planes; plane 3 is apart, since sums take three.
-ivec3 tsr_get_before(TsrItem item, int kt, int ks, int position) {
-    return ivec3(tsr_get(tsr_before_s(item, 0, kt, ks, position)),
-                 item.patch_of.planes > 1 ? tsr_get(tsr_before_s(item, 1, kt, ks, position)) : 0,
-                 item.patch_of.planes > 2 ? tsr_get(tsr_before_s(item, 2, kt, ks, position)) : 0);
-}
-ivec3 tsr_get_after(TsrItem item, int kt, int s, int position) {
-    return ivec3(tsr_get(tsr_after_s(item, 0, kt, s, position)),
-                 item.patch_of.planes > 1 ? tsr_get(tsr_after_s(item, 1, kt, s, position)) : 0,
-                 item.patch_of.planes > 2 ? tsr_get(tsr_after_s(item, 2, kt, s, position)) : 0);
+// What an invocation does in the stages after the walk: one position, and every `step`-th row from
+// `first` on, where rows are the values that a position has.
+struct TsrShare {
+    int position;
+    int first;
+    int step;
+};
+
+TsrShare tsr_share(TsrItem item, int lane) {
+    TsrShare share;
+    int positions = clamp(item.positions, 1, 64);
+    share.step = 64 / positions;
+    share.first = lane / positions;
+    share.position = lane - share.first * positions;
+    if (!item.real || item.positions < 1)
+        share.first = 65536;
+    if (share.first >= share.step)
+        share.first = 65536; // past every row
+    return share;
 }
 
 // Stage 2, for one position, s and kt.
 void tsr_sum_s_at(TsrItem item, int kt, int s, int position) {
     int ns = item.patch_of.sides.z;
     int basis = tsr_basis_of(ns) + s;
+    int from = tsr_before_s(item, kt, 0, position);
     TsrSum sum = tsr_no_sum();
     TsrSum alpha = tsr_no_sum();
-    ivec3 value = ivec3(0);
+    ivec3 value = tsr_get_planes(item, from, item.plane_before);
     ivec3 alpha_value = ivec3(0);
     bool has_alpha = item.patch_of.planes > 3;
-    for (int ks = 0; ks < item.patch_of.support_s; ++ks) {
-        TSR_LOOP;
-        uint b = tsr_table(basis + ks * ns);
-        value = tsr_get_before(item, kt, ks, position);
-        tsr_add(sum, b, value);
-        if (has_alpha) {
-            alpha_value = ivec3(tsr_get(tsr_before_s(item, 3, kt, ks, position)), 0, 0);
-            tsr_add(alpha, b, alpha_value);
+    if (has_alpha)
+        alpha_value.x = tsr_get(from + 3 * item.plane_before);
+    // The basis of frequency 0 is 1: a sum of it alone is the value itself.
+    if (item.patch_of.support_s > 1) {
+        for (int ks = 0; ks < item.patch_of.support_s; ++ks) {
+            TSR_LOOP;
+            uint b = tsr_table(basis + ks * ns);
+            tsr_add_clamped(sum, b, tsr_get_planes(item, from, item.plane_before));
+            if (has_alpha)
+                tsr_add_clamped(alpha, b, ivec3(tsr_get(from + 3 * item.plane_before), 0, 0));
+            from += item.positions;
         }
-    }
-    if (ns > 1) {
         value = tsr_rounded(sum);
         alpha_value = tsr_rounded(alpha);
     }
-    tsr_put(tsr_after_s(item, 0, kt, s, position), value.x);
-    if (item.patch_of.planes > 1)
-        tsr_put(tsr_after_s(item, 1, kt, s, position), value.y);
-    if (item.patch_of.planes > 2)
-        tsr_put(tsr_after_s(item, 2, kt, s, position), value.z);
+    if (item.patch_of.sides.w > 1) {
+        value = tsr_clamped(value);
+        alpha_value = tsr_clamped(alpha_value);
+    }
+    int to = tsr_after_s(item, kt, s, position);
+    tsr_put_planes(item, to, item.plane_after, value);
     if (has_alpha)
-        tsr_put(tsr_after_s(item, 3, kt, s, position), alpha_value.x);
+        tsr_put(to + 3 * item.plane_after, alpha_value.x);
 }
 
 void tsr_sum_s(TsrItem item, int lane) {
-    if (!item.real)
-        return;
-    int ns = item.patch_of.sides.z;
-    int work = item.positions * ns * item.patch_of.support_t;
-    for (int i = lane; i < work; i += 64) {
+    TsrShare share = tsr_share(item, lane);
+    int ns = max(item.patch_of.sides.z, 1);
+    int rows = ns * item.patch_of.support_t;
+    for (int row = share.first; row < rows; row += share.step) {
         TSR_LOOP;
-        int row = i / item.positions;
-        tsr_sum_s_at(item, row / ns, row % ns, i - row * item.positions);
+        int kt = row / ns;
+        tsr_sum_s_at(item, kt, row - kt * ns, share.position);
     }
 }
 
-// The pixel of a texel of the tile.
-ivec3 tsr_place(TsrTarget target, int u, int v, int s, int t) {
+// The pixel of the tile's texel (u, v, 0, 0).
+uvec3 tsr_place(TsrTarget target, int u, int v) {
     uvec2 all = target.first + uvec2(uint(u), uint(v));
     uvec2 fold = uvec2(all.x / target.fold.x, all.y / target.fold.y);
-    return ivec3(target.pixel +
-                 uvec3((all.x - fold.x * target.fold.x) * target.stride.x + uint(s),
-                       (all.y - fold.y * target.fold.y) * target.stride.y + uint(t),
-                       fold.y * target.folds_u + fold.x));
+    return target.pixel + uvec3((all.x - fold.x * target.fold.x) * target.stride.x,
+                                (all.y - fold.y * target.fold.y) * target.stride.y,
+                                fold.y * target.folds_u + fold.x);
 }
 
 ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
@@ -266,48 +292,53 @@ ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
                  item.format.largest);
 }
 
-// Stage 3, for one texel.
-void tsr_sum_t_at(TsrItem item, int s, int t, int position) {
+// Stage 3, for one position, s and t: the codes before corrections.
+ivec4 tsr_sum_t_at(TsrItem item, int s, int t, int position) {
     int nt = item.patch_of.sides.w;
     int basis = tsr_basis_of(nt) + t;
-    TsrSum sum = tsr_no_sum();
-    TsrSum alpha = tsr_no_sum();
-    ivec3 value = ivec3(0);
-    ivec3 alpha_value = ivec3(0);
-    for (int kt = 0; kt < item.patch_of.support_t; ++kt) {
-        TSR_LOOP;
-        uint b = tsr_table(basis + kt * nt);
-        value = tsr_get_after(item, kt, s, position);
-        tsr_add(sum, b, value);
-        if (item.patch_of.planes > 3) {
-            alpha_value = ivec3(tsr_get(tsr_after_s(item, 3, kt, s, position)), 0, 0);
-            tsr_add(alpha, b, alpha_value);
+    int from = tsr_after_s(item, 0, s, position);
+    bool has_alpha = item.patch_of.planes > 3;
+    ivec3 value = tsr_get_planes(item, from, item.plane_after);
+    ivec3 alpha_value = ivec3(has_alpha ? tsr_get(from + 3 * item.plane_after) : 0, 0, 0);
+    if (item.patch_of.support_t > 1) {
+        TsrSum sum = tsr_no_sum();
+        TsrSum alpha = tsr_no_sum();
+        int step = item.patch_of.sides.z * item.positions;
+        for (int kt = 0; kt < item.patch_of.support_t; ++kt) {
+            TSR_LOOP;
+            uint b = tsr_table(basis + kt * nt);
+            tsr_add_clamped(sum, b, tsr_get_planes(item, from, item.plane_after));
+            if (has_alpha)
+                tsr_add_clamped(alpha, b, ivec3(tsr_get(from + 3 * item.plane_after), 0, 0));
+            from += step;
         }
-    }
-    if (nt > 1) {
         value = tsr_rounded(sum);
         alpha_value = tsr_rounded(alpha);
     }
-    int place = int(item.first) + position;
-    int nu = max(item.patch_of.sides.x, 1);
-    int u = item.origin.x + place % nu;
-    int v = item.origin.y + place / nu;
-    int in_s = item.origin.z + s;
-    int in_t = item.origin.w + t;
-    ivec4 codes = tsr_codes(item.format, ivec4(value.x, value.y, value.z, alpha_value.x));
-    codes = tsr_corrected(item, codes, u, v, in_s, in_t);
-    tsr_write_texel(tsr_place(item.target, u, v, in_s, in_t), tsr_samples(item.format, codes));
+    return tsr_codes(item.format, ivec4(value.x, value.y, value.z, alpha_value.x));
 }
 
 void tsr_sum_t(TsrItem item, int lane) {
-    if (!item.real)
-        return;
-    int ns = item.patch_of.sides.z;
-    int work = item.positions * ns * item.patch_of.sides.w;
-    for (int i = lane; i < work; i += 64) {
-        TSR_LOOP;
-        int row = i / item.positions;
-        tsr_sum_t_at(item, row % ns, row / ns, i - row * item.positions);
+    TsrShare share = tsr_share(item, lane);
+    int nu = max(item.patch_of.sides.x, 1);
+    int place = int(item.first) + share.position;
+    int row_v = place / nu;
+    int u = item.origin.x + place - row_v * nu;
+    int v = item.origin.y + row_v;
+    uvec3 pixel = tsr_place(item.target, u, v);
+    for (int s = share.first; s < item.patch_of.sides.z; s += share.step) {
+        ivec4 codes = ivec4(0);
+        for (int t = 0; t < item.patch_of.sides.w; ++t) {
+            TSR_LOOP;
+            // Without a frequency along t all are the same.
+            if (t == 0 || item.patch_of.support_t > 1)
+                codes = tsr_sum_t_at(item, s, t, share.position);
+            int in_s = item.origin.z + s;
+            int in_t = item.origin.w + t;
+            ivec4 corrected = tsr_corrected(item, codes, u, v, in_s, in_t);
+            tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
+                            tsr_samples(item.format, corrected));
+        }
     }
 }
 

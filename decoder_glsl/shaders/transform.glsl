@@ -25,10 +25,19 @@ TsrSum tsr_no_sum() {
     return sum;
 }
 
+// A pass clamps what goes into it.
+ivec3 tsr_clamped(ivec3 value) {
+    return clamp(value, -(1 << 26), (1 << 26) - 1);
+}
+
+// Precondition: the value is clamped.
+void tsr_add_clamped(TSR_INOUT(TsrSum) sum, uint basis, ivec3 value) {
+    sum.high += basis * uvec3(value >> 11);
+    sum.low += basis * uvec3(value & 2047);
+}
+
 void tsr_add(TSR_INOUT(TsrSum) sum, uint basis, ivec3 value) {
-    ivec3 x = clamp(value, -(1 << 26), (1 << 26) - 1);
-    sum.high += basis * uvec3(x >> 11);
-    sum.low += basis * uvec3(x & 2047);
+    tsr_add_clamped(sum, basis, tsr_clamped(value));
 }
 
 ivec3 tsr_rounded(TsrSum sum) {

@@ -1,0 +1,192 @@
+#include "tools/render_stage.h"
+
+#include "corpus/bake.h"
+#include "format/sampler.h"
+#include "tools/gpu_renderer.h"
+#include "tools/parse.h"
+#include "tools/texture_io.h"
+
+namespace tessera {
+namespace {
+
+// Small along s and t: an observer sees each place from one direction.
+constexpr Extent4 lazy_block{8, 8, 4, 4};
+
+constexpr unsigned usual_samples = 16; // per texel, as tessera bake has it
+
+glm::dvec3 background_of(const FileHeader& header) {
+    std::byte texel[8];
+    for (std::size_t c = 0; c < 4; ++c) {
+        const std::uint16_t sample = header.background[c];
+        if (header.desc.type == SampleType::unorm8) {
+            texel[c] = std::byte(sample);
+        } else {
+            texel[2 * c] = std::byte(sample & 255);
+            texel[2 * c + 1] = std::byte(sample >> 8);
+        }
+    }
+    const glm::dvec4 value = texel_value(header.desc, texel);
+    return header.desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
+}
+
+// The number that the file remembers under `key` from when it was baked.
+std::optional<std::uint64_t> remembered(const Metadata& metadata, const std::string& key) {
+    const auto entry = metadata.find(key);
+    std::uint64_t number = 0;
+    if (entry == metadata.end() || !parse_number(entry->second, number))
+        return std::nullopt;
+    return number;
+}
+
+Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
+    const TextureKind kind = kind_of(r.original);
+    if (kind != TextureKind::raw && kind != TextureKind::tess)
+        return Status(ErrorCode::bad_argument,
+                      r.original + ": --original takes a raw file or a .tess, whose texels can be "
+                                   "read in any order");
+    TextureHints hints;
+    hints.size = stage.desc.size;
+    hints.type = stage.desc.type;
+    hints.channels = stage.desc.channels;
+    auto opened = open_texture(r.original, hints);
+    if (!opened.ok())
+        return opened.status();
+    if (opened->source->desc() != stage.desc)
+        return Status(ErrorCode::bad_argument,
+                      r.original + ": its samples are not of the type or number of those of " +
+                          r.file);
+    return std::move(opened->source);
+}
+
+// The texture before compression, baked where it is looked at.
+Result<std::unique_ptr<TexelSource>> bake_original(const StageRequest& r, const Stage& stage) {
+    const Metadata& metadata = stage.decoder->container().metadata();
+    const std::uint64_t samples =
+        r.samples ? *r.samples : remembered(metadata, "Samples per texel").value_or(usual_samples);
+    if (samples > corpus::max_samples_per_texel)
+        return Status(ErrorCode::bad_argument,
+                      r.file + ": says it has " + std::to_string(samples) +
+                          " samples per texel, too many; --spp says another number");
+    auto baked = corpus::make_baked_source(r.truth, stage.desc.size, static_cast<unsigned>(samples),
+                                           remembered(metadata, "Seed").value_or(1));
+    if (baked.ok() && (*baked)->desc() != stage.desc)
+        return Status(ErrorCode::bad_argument, r.file + ": its samples are not of the type or " +
+                                                   "number of those of the scene " + r.truth);
+    return baked;
+}
+
+Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
+                 const RenderOptions& options, Stage& stage) {
+    auto scene = corpus::make_scene(r.truth);
+    if (!scene.ok())
+        return scene.status().with_context("--truth");
+    if (!of_scene.empty() && of_scene != r.truth)
+        return {ErrorCode::bad_argument,
+                subject + ": is of the scene " + of_scene + ", not " + r.truth};
+    if (scene->type != stage.desc.type)
+        return {ErrorCode::bad_argument, subject + ": is " + name_of(stage.desc.type) +
+                                             ", and the scene " + r.truth + " is " +
+                                             name_of(scene->type)};
+    stage.truth = make_truth_renderer(std::move(*scene), stage.window, r.truth_samples, options);
+    return {};
+}
+
+// A compressed file, and the texture that it was made from where there is something to compare.
+Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+    if (kind_of(r.file) != TextureKind::tess)
+        return {ErrorCode::bad_argument, r.file + ": render draws .tess files"};
+    auto bytes = open_file(r.file);
+    if (!bytes.ok())
+        return bytes.status();
+    stage.bytes = std::move(*bytes);
+    auto decoder = Decoder::open(*stage.bytes);
+    if (!decoder.ok())
+        return decoder.status();
+    stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
+    stage.desc = stage.decoder->desc();
+    const ContainerReader& container = stage.decoder->container();
+    const auto window = sphere_window(container.description());
+    if (!window.ok())
+        return window.status().with_context(r.file);
+    stage.window = *window;
+    const glm::dvec3 background = background_of(container.header());
+    if (!r.truth.empty()) {
+        const auto said = container.metadata().find("Scene");
+        TESSERA_TRY(add_truth(r, r.file, said == container.metadata().end() ? "" : said->second,
+                              options, stage));
+    }
+    if (r.via == "cpu") {
+        stage.texels = decoded_source(*stage.decoder);
+        stage.compressed = make_texture_renderer(*stage.texels, container.grid().tile_extent(),
+                                                 stage.window, background, options);
+    } else {
+        auto gpu = make_gpu_renderer(container, stage.window, background, {r.via, r.budget_mib});
+        if (!gpu.ok())
+            return gpu.status();
+        stage.compressed = std::move(*gpu);
+    }
+    if (r.truth.empty() && r.original.empty())
+        return {};
+    auto original = r.original.empty() ? bake_original(r, stage) : open_original(r, stage);
+    if (!original.ok())
+        return original.status();
+    stage.original = std::move(*original);
+    stage.uncompressed =
+        make_texture_renderer(*stage.original, lazy_block, stage.window, background, options);
+    return {};
+}
+
+// A texture that no file holds: of any size, as only what is looked at is ever made.
+Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+    const auto info = corpus::find_scene(r.scene);
+    if (!info.ok())
+        return info.status().with_context("--scene");
+    Extent4 size = info->default_size;
+    if (!r.texture_size.empty()) {
+        const auto parsed = parse_extent(r.texture_size);
+        if (!parsed.ok())
+            return parsed.status().with_context("--texture-size");
+        size = *parsed;
+    }
+    auto baked = corpus::make_baked_source(r.scene, size, r.samples.value_or(usual_samples), 1);
+    if (!baked.ok())
+        return baked.status().with_context("--scene " + r.scene);
+    stage.original = std::move(*baked);
+    stage.desc = stage.original->desc();
+    stage.window = {glm::dvec3{0.0}, corpus::window_radius};
+    if (!r.truth.empty())
+        TESSERA_TRY(add_truth(r, "--scene", r.scene, options, stage));
+    const auto scene = corpus::make_scene(r.scene);
+    if (!scene.ok())
+        return scene.status();
+    stage.uncompressed = make_texture_renderer(*stage.original, lazy_block, stage.window,
+                                               scene->background, options);
+    return {};
+}
+
+Status check_request(const StageRequest& r) {
+    if (r.file.empty() == r.scene.empty())
+        return {ErrorCode::bad_argument, "a .tess file or --scene is needed, and not both"};
+    if (r.file.empty() && (r.via != "cpu" || !r.original.empty()))
+        return {ErrorCode::bad_argument,
+                "--via and --original belong to a .tess file; --scene is drawn on the CPU"};
+    if (!r.file.empty() && !r.texture_size.empty())
+        return {ErrorCode::bad_argument, "--texture-size belongs to --scene"};
+    if (r.samples && !r.original.empty())
+        return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
+    if (r.samples && r.truth.empty() && r.scene.empty())
+        return {ErrorCode::bad_argument, "--spp belongs to --truth or --scene: nothing is baked"};
+    return {};
+}
+
+} // namespace
+
+Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options) {
+    TESSERA_TRY(check_request(request));
+    Stage stage;
+    TESSERA_TRY(request.file.empty() ? add_scene(request, options, stage)
+                                     : add_file(request, options, stage));
+    return stage;
+}
+
+} // namespace tessera
