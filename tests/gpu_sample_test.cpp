@@ -271,7 +271,8 @@ TEST_F(GpuSample, BudgetsHoldAndAMovingCameraIsServed) {
     ASSERT_TRUE(reference);
 
     const std::uint64_t least = smallest_budget(file.reader());
-    for (const std::uint64_t budget : {least, least + (std::uint64_t{3} << 20), std::uint64_t{64} << 20}) {
+    for (const std::uint64_t budget :
+         {least, least + (std::uint64_t{3} << 20), std::uint64_t{64} << 20}) {
         SCOPED_TRACE(budget);
         auto texture =
             SampledTexture::create(file.reader(), with(Residency::on_feedback, true, budget));

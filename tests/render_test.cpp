@@ -490,7 +490,7 @@ TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
         const Camera cameras[] = {camera_at(aslant, {45, 120, 90}),
                                   camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 90, 90}),
                                   camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 90, 70})};
-        for (const char* via : {"load", "feedback", "sample"}) {
+        for (const char* via : {"gpu", "load", "feedback", "sample"}) {
             const auto renderer =
                 make_gpu_renderer(decoder->container(), paper_window, grey, {via, 64});
             ASSERT_TRUE(renderer.ok()) << renderer.status().message();

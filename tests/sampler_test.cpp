@@ -19,8 +19,8 @@ using namespace glm;
 #include "decoder_glsl/shaders/surface.glsl"
 } // namespace shader
 
-using test::condition_of;
 using test::Condition;
+using test::condition_of;
 using test::pi;
 using test::Probe;
 using test::ProbeMaker;

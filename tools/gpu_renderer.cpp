@@ -49,7 +49,8 @@ public:
 
     Status open() {
         SampledTextureOptions options;
-        options.residency = options_.via == "load"       ? Residency::on_load
+        options.residency = options_.via == "gpu"        ? choose_residency(reader_, budget())
+                            : options_.via == "load"     ? Residency::on_load
                             : options_.via == "feedback" ? Residency::on_feedback
                                                          : Residency::on_sample;
         options.budget = budget();

@@ -14,7 +14,8 @@ namespace tessera {
 struct GpuRenderOptions {
     // As decoder_glsl/gl_sampled_texture.h explains: "load", all tiles decoded into an ordinary
     // texture; "feedback", a cache of the tiles that views touch, kept from one view to the next;
-    // "sample", nothing decoded but the entropy coding.
+    // "sample", nothing decoded but the entropy coding; "gpu", the first of them that the budget
+    // has room for.
     std::string via = "feedback";
     unsigned budget_mib = 512;
 };
