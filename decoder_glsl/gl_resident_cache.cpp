@@ -34,6 +34,7 @@ public:
         TESSERA_TRY(create_objects());
         if (coarse_)
             TESSERA_TRY(make_coarse());
+        file_.decoder.free_work(); // frames need far less at a time
         return drop_cache();
     }
 
@@ -81,8 +82,12 @@ public:
         const std::vector<DecodeJob> list(jobs->begin(), jobs->end());
         report.decoded = static_cast<std::uint32_t>(list.size());
         report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
-        TESSERA_TRY(decode(list, wait));
+        const Status decoded = decode(list, wait);
+        if (!decoded.ok()) // a slot that was not filled must not be shown
+            for (const DecodeJob& job : list)
+                TESSERA_TRY(cache_->mark_failed(job.tile));
         TESSERA_TRY(upload_pages());
+        TESSERA_TRY(decoded);
         if (borders_)
             TESSERA_TRY(fill_borders(list));
         TESSERA_TRY(take_gl_errors("filling the tile cache"));

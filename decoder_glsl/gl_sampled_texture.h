@@ -38,7 +38,7 @@ Residency choose_residency(const ContainerReader& reader, std::uint64_t budget);
 std::uint64_t decoded_bytes(const ContainerReader& reader);
 
 struct UpdateReport {
-    std::uint32_t touched = 0; // tiles that the frames since the last update sampled
+    std::uint32_t touched = 0; // tiles that the newest frame whose marks are known sampled
     std::uint32_t decoded = 0; // tiles decoded now
     std::uint32_t waiting = 0; // tiles that found no slot, or wait for the next update
     bool current = false;      // the marks of the last frame were looked at, not only older ones
@@ -68,7 +68,8 @@ public:
 
     // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
     // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
-    // never stalls: the marks may be those of one or two frames ago. Errors: io, invalid_file, runtime.
+    // stalls only when three frames are unfinished: the marks may be those of one or two frames ago.
+    // Errors: io, invalid_file, runtime; the tiles of that update stay coarse then.
     Result<UpdateReport> update(bool wait);
     // Forgets all cached tiles, as if nothing had been drawn.
     Status drop_cache();

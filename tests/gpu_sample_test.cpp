@@ -409,6 +409,34 @@ TEST_F(GpuSample, DamagedTilesAreCountedAndDrawnAsBackground) {
     }
 }
 
+// A page whose checksum is wrong is found while frames are drawn: the update says so, and what was to
+// be decoded with it is never shown undecoded.
+TEST_F(GpuSample, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
+    Bytes file = mixed_file(SampleType::unorm8, 3, 50);
+    file[file.size() - 100] ^= std::byte{1};
+    const auto source = wrap_memory(file);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader) << reader.status().message();
+    auto options = with(Residency::on_feedback, true);
+    EXPECT_FALSE(SampledTexture::create(*reader, options)) << "coarse texels read every page";
+    options.coarse = false;
+    auto texture = SampledTexture::create(*reader, options);
+    ASSERT_TRUE(texture) << texture.status().message();
+    auto renderer = GlViewRenderer::create(*texture);
+    ASSERT_TRUE(renderer);
+    unsigned errors = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(30.0 * frame)));
+        const auto report = texture->update(true);
+        errors += !report;
+        EXPECT_TRUE(report || report.status().code() == ErrorCode::invalid_file);
+    }
+    EXPECT_GE(errors, 1u);
+    EXPECT_EQ(texture->cache_stats()->failures > 0, true);
+    for (const float value : drawn(*texture, *renderer, camera_at(0)))
+        ASSERT_TRUE(value >= 0 && value <= 1);
+}
+
 TEST_F(GpuSample, SaysWhatDoesNotFit) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     const auto refusal = [&](const ContainerReader& reader, Residency residency,
