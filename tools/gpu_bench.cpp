@@ -3,7 +3,7 @@
 
 #include "codec/metrics.h"
 #include "decoder_glsl/gl_context.h"
-#include "decoder_glsl/gl_view_renderer.h"
+#include "tools/gpu_camera.h"
 #include "tools/gpu_stage_times.h"
 #include "tools/gpu_times.h"
 #include "tools/interrupt.h"
@@ -37,22 +37,6 @@ constexpr Amount on_software{"640x360", 10, 2, 3, 1};
 
 // A view that stands still needs two frames: one that marks its tiles, one that has them.
 constexpr int most_settling_frames = 8;
-
-ViewCamera seen_from(const SphereWindow& window, const Camera& camera) {
-    const auto single = [](const glm::dvec3& v) -> std::array<float, 3> {
-        return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-    };
-    ViewCamera v;
-    v.eye = single(camera.eye - window.centre);
-    v.forward = single(camera.forward);
-    v.right = single(camera.right);
-    v.up = single(camera.up);
-    v.radius = static_cast<float>(window.radius);
-    v.outside = {0, 0, 0, 1};
-    v.width = camera.width;
-    v.height = camera.height;
-    return v;
-}
 
 // A texture and what draws it, in the order in which they die.
 struct Subject {
@@ -116,7 +100,7 @@ private:
             return window.status().with_context(reader_.name());
         for (const PlannedView& view : *plan) {
             TESSERA_TRY(check_outside(*window, view.camera).with_context(view.name));
-            cameras_.push_back(seen_from(*window, view.camera));
+            cameras_.push_back(gpu_camera(view.camera, *window, glm::dvec3(0)));
         }
         report_.width = cameras_.front().width;
         report_.height = cameras_.front().height;

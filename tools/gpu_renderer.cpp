@@ -2,7 +2,7 @@
 
 #ifdef TESSERA_GPU
 #include "decoder_glsl/gl_context.h"
-#include "decoder_glsl/gl_view_renderer.h"
+#include "tools/gpu_camera.h"
 #include "tools/interrupt.h"
 
 #include <optional>
@@ -26,10 +26,6 @@ namespace {
 
 // A view that stands still needs two frames: one that marks its tiles, one that has them.
 constexpr int most_frames = 8;
-
-std::array<float, 3> single(const glm::dvec3& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 class GpuRenderer final : public ViewRenderer {
 public:
@@ -68,7 +64,7 @@ public:
     Result<View> render(const Camera& camera) override {
         TESSERA_TRY(check_outside(window_, camera));
         TESSERA_TRY(context_.make_current());
-        const auto report = draw(seen_from(camera));
+        const auto report = draw(gpu_camera(camera, window_, background_));
         if (!report.ok())
             return report.status();
         if (texture_->damaged_tiles() > 0)
@@ -91,21 +87,6 @@ public:
 
 private:
     std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
-
-    ViewCamera seen_from(const Camera& camera) const {
-        ViewCamera v;
-        v.eye = single(camera.eye - window_.centre);
-        v.forward = single(camera.forward);
-        v.right = single(camera.right);
-        v.up = single(camera.up);
-        v.radius = static_cast<float>(window_.radius);
-        for (int c = 0; c < 3; ++c)
-            v.outside[static_cast<std::size_t>(c)] = static_cast<float>(background_[c]);
-        v.outside[3] = 1;
-        v.width = camera.width;
-        v.height = camera.height;
-        return v;
-    }
 
     // Until a frame has all that it can have.
     Result<UpdateReport> draw(const ViewCamera& camera) {
