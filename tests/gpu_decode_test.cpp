@@ -3,6 +3,9 @@
 #include "decoder_glsl/gl_context.h"
 #include "decoder_glsl/gl_tile_decoder.h"
 #include "tests/decode_cases.h"
+#ifdef TESSERA_WITH_CORPUS
+#include "corpus/bake.h"
+#endif
 
 #include <cstdlib>
 
@@ -93,6 +96,25 @@ TEST_F(GpuDecode, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
     for (const DecodeCase& test : random_cases())
         expect_same_texels(test, 3);
 }
+
+#ifdef TESSERA_WITH_CORPUS
+TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
+    for (const corpus::SceneInfo& scene : corpus::scenes())
+        for (const RateTarget rate : {RateTarget{RateTarget::Kind::quality, 55},
+                                      RateTarget{RateTarget::Kind::max_error, 8}}) {
+            const auto baked = corpus::make_baked_source(scene.name, {40, 36, 12, 10}, 1, 1);
+            ASSERT_TRUE(baked) << baked.status().message();
+            EncodeOptions options;
+            options.rate = rate;
+            options.threads = 2;
+            DecodeCase test;
+            test.name = scene.name;
+            const auto report = encode_memory(**baked, test.file, options);
+            ASSERT_TRUE(report) << report.status().message();
+            expect_same_texels(test, 64);
+        }
+}
+#endif
 
 // Payloads of random bytes, half of them with a sound start: the device refuses what the CPU refuses,
 // draws the background there, and everything else comes out the same.
