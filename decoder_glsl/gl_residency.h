@@ -59,6 +59,7 @@ public:
     virtual Result<UpdateReport> update(bool) { return UpdateReport{}; }
     virtual Status drop_cache() { return {}; }
     virtual std::uint64_t slots() const { return 0; }
+    virtual std::uint64_t budget_for(std::uint64_t) const { return 0; }
     virtual const TileCacheStats* stats() const { return nullptr; }
 };
 

@@ -15,6 +15,9 @@ using namespace layout;
 // A tile's share of the lists for small passes: 12 strips of 6 words.
 constexpr std::uint64_t job_bytes = 12 * 6 * 4;
 
+// Of a budget a sixth is for decoding, within these bounds.
+constexpr std::uint64_t least_work = 2ull << 20, most_work = 96ull << 20;
+
 // Marks on their way back: the copy of a frame's marks and the fence behind it.
 struct MarksInFlight {
     GlBuffer copy;
@@ -53,6 +56,11 @@ public:
     std::uint64_t damaged_tiles() const override { return damaged_; }
     std::uint64_t slots() const override { return cache_->slots(); }
     const TileCacheStats* stats() const override { return &cache_->stats(); }
+    // plan_memory() backwards; a line of slots may be lost to rounding.
+    std::uint64_t budget_for(std::uint64_t tiles) const override {
+        const std::uint64_t bytes = fixed_bytes_ + (tiles + slots_across()) * slot_bytes_;
+        return std::max(std::min(bytes + bytes / 5, bytes + most_work), bytes + least_work) + 4096;
+    }
 
     Status drop_cache() override {
         auto cache = TileCache::create(slots_, grid_.tiles());
@@ -117,24 +125,24 @@ private:
         stride_t_ = std::min(tile[3], grid_.size()[3]) + 1;
         slot_width_ = std::min(tile[0], grid_.size()[0]) * stride_s_;
         slot_height_ = std::min(tile[1], grid_.size()[1]) * stride_t_;
-        const std::uint64_t slot_bytes =
+        slot_bytes_ =
             std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
         const std::uint64_t coarse_bytes = coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
-        work_bytes_ = std::clamp<std::uint64_t>(file_.budget / 6, 2ull << 20, 96ull << 20);
-        const std::uint64_t fixed = file_.decoder.bytes() + work_bytes_ +
-                                    (1 + 1 + std::size(in_flight_)) * tile_bytes + coarse_bytes +
-                                    words_.size() * 4;
-        if (file_.budget < fixed + slot_bytes)
+        work_bytes_ = std::clamp(file_.budget / 6, least_work, most_work);
+        fixed_bytes_ = file_.decoder.bytes() + (1 + 1 + std::size(in_flight_)) * tile_bytes +
+                       coarse_bytes + words_.size() * 4;
+        const std::uint64_t fixed = fixed_bytes_ + work_bytes_;
+        if (file_.budget < fixed + slot_bytes_)
             return {ErrorCode::unsupported, file_.reader.name() +
                                                 ": a tile cache of one tile takes " +
-                                                mebibytes(fixed + slot_bytes) + ", the budget is " +
-                                                mebibytes(file_.budget)};
+                                                mebibytes(fixed + slot_bytes_) +
+                                                ", the budget is " + mebibytes(file_.budget)};
         // Slots stand in lines of equal length, a line or several a layer: round up to whole lines
         // where the budget allows, else down.
-        const std::uint64_t most = (file_.budget - fixed) / slot_bytes;
+        const std::uint64_t most = (file_.budget - fixed) / slot_bytes_;
         const std::uint64_t wanted = std::min(most, std::max<std::uint64_t>(full_tiles_, 1));
-        const std::uint64_t across = std::clamp(2048u / slot_width_, 1u, 1024u);
+        const std::uint64_t across = slots_across();
         std::uint64_t lines = (wanted + across - 1) / across;
         columns_ = static_cast<std::uint32_t>((wanted + lines - 1) / lines);
         if (lines * columns_ > most)
@@ -149,6 +157,8 @@ private:
         shape_ = {columns_ * slot_width_, rows_ * slot_height_, static_cast<std::uint32_t>(layers)};
         return {};
     }
+
+    std::uint64_t slots_across() const { return std::clamp(2048u / slot_width_, 1u, 1024u); }
 
     Status create_objects() {
         auto texels = GlTexture::create(file_.format(), shape_, "tile cache");
@@ -379,7 +389,8 @@ private:
     std::uint64_t full_tiles_ = 0;
     std::uint32_t stride_s_ = 0, stride_t_ = 0, slot_width_ = 0, slot_height_ = 0; // pixels
     std::uint32_t columns_ = 0, rows_ = 0;
-    std::uint64_t slots_ = 0, work_bytes_ = 0;
+    std::uint64_t slots_ = 0, slot_bytes_ = 0, work_bytes_ = 0;
+    std::uint64_t fixed_bytes_ = 0; // whatever the number of slots
     TextureShape shape_;
 
     GlTexture texels_;

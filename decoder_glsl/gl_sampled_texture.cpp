@@ -233,6 +233,9 @@ std::uint64_t SampledTexture::damaged_tiles() const {
 std::uint64_t SampledTexture::cache_slots() const {
     return state_->resident->slots();
 }
+std::uint64_t SampledTexture::budget_for(std::uint64_t tiles) const {
+    return state_->resident->budget_for(tiles);
+}
 const TileCacheStats* SampledTexture::cache_stats() const {
     return state_->resident->stats();
 }

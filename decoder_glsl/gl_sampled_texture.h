@@ -79,6 +79,8 @@ public:
     // only updates that wait look for them.
     std::uint64_t damaged_tiles() const;
     std::uint64_t cache_slots() const; // on_feedback; else 0
+    // on_feedback: a budget, in bytes, whose cache has a slot for each of `tiles`; else 0.
+    std::uint64_t budget_for(std::uint64_t tiles) const;
     const TileCacheStats* cache_stats() const;
     void set_stage_hook(GlTileDecoder::StageHook hook);
 

@@ -299,6 +299,13 @@ TEST_F(GpuSample, BudgetsHoldAndAMovingCameraIsServed) {
             EXPECT_LE(largest_difference(picture, expected), 1.0 / 255);
         else // coarse texels stand in: the picture is there, blurred
             EXPECT_LE(mean_difference(picture, expected), 0.1);
+        if (still->waiting > 0) {
+            auto enough =
+                SampledTexture::create(file.reader(), with(Residency::on_feedback, true,
+                                                           texture->budget_for(still->touched)));
+            ASSERT_TRUE(enough) << enough.status().message();
+            EXPECT_GE(enough->cache_slots(), still->touched);
+        }
         EXPECT_TRUE(budget != least || still->waiting > 0) << texture->cache_slots() << " slots";
         EXPECT_TRUE(budget != 64ull << 20 || still->waiting == 0);
     }

@@ -112,19 +112,7 @@ private:
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
                " tiles that it touches found no place within --budget " +
                std::to_string(options_.budget_mib) + " and are drawn coarsely; --budget " +
-               std::to_string(sufficient_mib(report.touched)) + " holds them all";
-    }
-
-    // A budget with a slot for each of so many tiles. A sixth of a budget is for decoding, and slots
-    // stand in lines of at most 2048 pixels, the last of which may be lost to rounding.
-    std::uint64_t sufficient_mib(std::uint32_t tiles) const {
-        const Extent4 tile = reader_.grid().box(0).extent();
-        const std::uint64_t width = std::uint64_t{tile[0]} * (tile[2] + 1);
-        const std::uint64_t slot =
-            width * tile[1] * (tile[3] + 1) * (reader_.desc().type == SampleType::half16 ? 8 : 4);
-        const std::uint64_t wanted = tiles + std::max<std::uint64_t>(2048 / width, 1);
-        const std::uint64_t more = wanted - std::min(wanted, texture_->cache_slots());
-        return (budget() + more * slot * 6 / 5 + (1u << 20) - 1) >> 20;
+               std::to_string((texture_->budget_for(report.touched) >> 20) + 1) + " holds them all";
     }
 
     HeadlessContext context_;
