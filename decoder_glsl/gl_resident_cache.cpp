@@ -87,9 +87,10 @@ public:
             cache_->touch(touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
         if (!jobs.ok())
             return jobs.status();
-        const std::vector<DecodeJob> list(jobs->begin(), jobs->end());
+        std::vector<DecodeJob> list(jobs->begin(), jobs->end());
         report.decoded = static_cast<std::uint32_t>(list.size());
         report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
+        const Status unreadable = leave_out_unreadable(list);
         const Status decoded = decode(list, wait);
         if (!decoded.ok()) // a slot that was not filled must not be shown
             for (const DecodeJob& job : list)
@@ -99,6 +100,7 @@ public:
         if (borders_)
             TESSERA_TRY(fill_borders(list));
         TESSERA_TRY(take_gl_errors("filling the tile cache"));
+        TESSERA_TRY(unreadable);
         return report;
     }
 
@@ -236,6 +238,24 @@ private:
         for (const DecodeJob& job : jobs)
             TESSERA_TRY(feed.add(job.tile, place_of(job.slot)));
         return feed.finish();
+    }
+
+    // Takes tiles whose pages cannot be read out of the list, for good, and returns the first reason.
+    Status leave_out_unreadable(std::vector<DecodeJob>& jobs) {
+        Status first;
+        std::vector<DecodeJob> readable;
+        for (const DecodeJob& job : jobs) {
+            const auto bytes = file_.reader.load_tile(job.tile); // cached for decode()
+            if (bytes.ok()) {
+                readable.push_back(job);
+                continue;
+            }
+            if (first.ok())
+                first = bytes.status();
+            TESSERA_TRY(cache_->mark_failed(job.tile));
+        }
+        jobs = std::move(readable);
+        return first;
     }
 
     void note_damage(std::uint32_t tile) {

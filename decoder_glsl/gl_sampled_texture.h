@@ -69,7 +69,8 @@ public:
     // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
     // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
     // stalls only when three frames are unfinished: the marks may be those of one or two frames ago.
-    // Errors: io, invalid_file, runtime; the tiles of that update stay coarse then.
+    // Errors: io, invalid_file (tiles that could not be read, which stay coarse from then on; all else
+    // was done), runtime.
     Result<UpdateReport> update(bool wait);
     // Forgets all cached tiles, as if nothing had been drawn.
     Status drop_cache();

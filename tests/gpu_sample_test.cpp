@@ -439,7 +439,9 @@ TEST_F(GpuSample, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
         EXPECT_TRUE(report || report.status().code() == ErrorCode::invalid_file);
     }
     EXPECT_GE(errors, 1u);
-    EXPECT_EQ(texture->cache_stats()->failures > 0, true);
+    // Only the tiles of the page are lost.
+    EXPECT_GE(texture->cache_stats()->failures, 1u);
+    EXPECT_LE(texture->cache_stats()->failures, 8u);
     for (const float value : drawn(*texture, *renderer, camera_at(0)))
         ASSERT_TRUE(value >= 0 && value <= 1);
 }
