@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures everything in tests/regression/results.csv again (about 10 minutes) and says what changed.
+# Measures everything in tests/regression/results.csv again (a minute or two) and says what changed.
 #   tools/regression.sh PEERS.rgb      the rivals' texture, composed_128x64x32x32.rgb.zst unpacked
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 [ $# -eq 1 ] || stop "usage: tools/regression.sh composed_128x64x32x32.rgb"
