@@ -8,30 +8,10 @@
 namespace tessera {
 namespace {
 
-using Texel = std::array<std::int32_t, 4>;
-
-// YCoCg-R (Malvar and Sullivan, JVT-I014): lossless in integers. Planes are Y, Co, Cg.
-void forward_ycocg(Texel& c) {
-    const std::int32_t co = c[0] - c[2];
-    const std::int32_t t = c[2] + (co >> 1);
-    const std::int32_t cg = c[1] - t;
-    c = {t + (cg >> 1), co, cg, c[3]};
-}
-
-void inverse_ycocg(Texel& c) {
-    const std::int32_t t = c[0] - (c[2] >> 1);
-    const std::int32_t g = c[2] + t;
-    const std::int32_t b = t - (c[1] >> 1);
-    c = {b + c[1], g, b, c[3]};
-}
+using Texel = TexelCodes;
 
 Texel background_planes(const ColourCoding& colour) {
-    Texel texel{};
-    for (int c = 0; c < colour.desc.channels; ++c)
-        texel[c] = sample_code(colour.background[c], colour.desc.type);
-    if (colour.transform == ColourTransform::ycocg_r)
-        forward_ycocg(texel);
-    return texel;
+    return texel_planes(colour.background, colour.desc, colour.transform);
 }
 
 // Calls visit(index in planes, texel address) for every texel of the box order; u runs innermost, so

@@ -22,11 +22,6 @@ constexpr int length_raw_bits(int token) {
     return token <= 1 ? 0 : token == 2 ? 1 : 2;
 }
 
-constexpr int size_class(const BlockShape& shape) {
-    const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
-    return std::min(bits / 2, size_classes - 1);
-}
-
 // Magnitudes 1..4 are tokens 0..3; token 3 + g covers 2^g magnitudes from 2^g + 3.
 struct MagnitudeToken {
     int token = 0;

@@ -163,7 +163,6 @@ DecodeBatch BatchBuilder::finish() {
         std::memcpy(words.data() + words[tsr_b_payload_at], payloads_.data(), payloads_.size());
 
     words[tsr_b_tiles] = tiles;
-    words[tsr_b_segments] = segments;
     words[tsr_b_raw_chunks] = batch.raw_chunks;
     words[tsr_b_corrections] = batch.corrections;
     words[tsr_b_fold_u] = plan_.fold_u;

@@ -1,13 +1,15 @@
 #include "decoder_glsl/decode_tables.h"
 
+#include "decoder_glsl/plain_pixels.h"
 #include "decoder_glsl/shader_layout.h"
 #include "format/code_tables.h"
 #include "format/coding_parameters.h"
 #include "format/colour_rotation.h"
 #include "format/dct_basis.h"
+#include "format/sample_code.h"
 
 #include <algorithm>
-#include <bit>
+#include <cstring>
 #include <set>
 
 namespace tessera {
@@ -67,40 +69,18 @@ void put_transform_tables(Words& words) {
             words[at++] = signed_word(basis(n)[i]);
 }
 
-// The background as planes; the forward colour transform of FORMAT.md 4.5.
-std::array<std::int32_t, 4> background_planes(const FileHeader& header) {
-    std::array<std::int32_t, 4> c{};
-    for (std::size_t i = 0; i < header.desc.channels; ++i) {
-        const std::int32_t bits = header.background[i];
-        const bool negative = header.desc.type == SampleType::half16 && bits >= 0x8000;
-        c[i] = negative ? -(bits & 0x7FFF) : bits;
-    }
-    if (header.colour == ColourTransform::ycocg_r) {
-        const std::int32_t co = c[0] - c[2];
-        const std::int32_t t = c[2] + (co >> 1);
-        const std::int32_t cg = c[1] - t;
-        c = {t + (cg >> 1), co, cg, c[3]};
-    }
-    return c;
-}
-
-// The background as the four stored channels of shaders/colour.glsl.
-std::array<std::uint32_t, 4> background_texel(const FileHeader& header) {
-    const bool bytes = header.desc.type == SampleType::unorm8;
-    const auto sample = [&](std::size_t i) -> std::uint32_t {
-        return header.background[i] == 0x8000 && !bytes ? 0u : header.background[i];
-    };
-    const std::uint32_t one = bytes ? 255u : 0x3C00u;
-    switch (header.desc.channels) {
-    case 1:
-        return {sample(0), sample(0), sample(0), one};
-    case 2:
-        return {sample(0), sample(0), sample(0), sample(1)};
-    case 3:
-        return {sample(0), sample(1), sample(2), one};
-    default:
-        return {sample(0), sample(1), sample(2), sample(3)};
-    }
+// The background as a pixel of the textures; a half of -0 decodes to +0.
+std::array<std::uint32_t, 2> background_pixel(const FileHeader& header) {
+    const TextureDesc& desc = header.desc;
+    std::array<std::byte, 8> texel{}, pixel{};
+    for (std::size_t c = 0; c < desc.channels; ++c)
+        store_sample(texel.data() + c * sample_bytes(desc.type),
+                     code_sample(sample_code(header.background[c], desc.type), desc.type),
+                     desc.type);
+    put_pixels(desc, Box4::whole({1, 1, 1, 1}), texel, 1, pixel);
+    std::array<std::uint32_t, 2> words;
+    std::memcpy(words.data(), pixel.data(), sizeof words);
+    return words;
 }
 
 void put_header(const FileHeader& header, const CodingParameters& coding, Words& words) {
@@ -109,19 +89,16 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_planes] = desc.channels;
     words[tsr_t_colour] = header.colour == ColourTransform::ycocg_r;
     words[tsr_t_rotates] = coding.colour_rotation && desc.channels >= 3;
-    const auto planes = background_planes(header);
+    const auto planes = texel_planes(header.background, desc, header.colour);
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_background + i] = signed_word(planes[i]);
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
     words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];
-    const auto texel = background_texel(header);
-    const bool bytes = desc.type == SampleType::unorm8;
-    words[tsr_t_background_texel] =
-        bytes ? texel[0] | (texel[1] << 8) | (texel[2] << 16) | (texel[3] << 24)
-              : texel[0] | (texel[1] << 16);
-    words[tsr_t_background_texel + 1] = bytes ? 0 : texel[2] | (texel[3] << 16);
+    const auto pixel = background_pixel(header);
+    words[tsr_t_background_texel] = pixel[0];
+    words[tsr_t_background_texel + 1] = pixel[1];
 }
 
 // Scan indices of a block's frequencies, and of the earlier neighbours of each (FORMAT.md 3.4).
@@ -197,11 +174,6 @@ void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleT
     }
 }
 
-std::uint32_t size_class(const BlockShape& shape) {
-    const int bits = std::bit_width(static_cast<unsigned>(shape.texels()));
-    return static_cast<std::uint32_t>(std::min(bits / 2, size_classes - 1));
-}
-
 } // namespace
 
 void DecodeTables::add_subtree(const BlockShape& shape) {
@@ -247,7 +219,6 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.code_tables_ = std::make_unique<const CodeTables>(coding->parameters);
     put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
-    words[tsr_t_shape_count] = static_cast<std::uint32_t>(tables.ids_.size());
     words[tsr_t_shapes] = tsr_t_end;
     for (const auto& [shape, id] : tables.ids_) {
         const ScanOrder order = make_scan_order(shape, coding->scan_weights);
@@ -262,7 +233,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
                               (std::uint32_t{n[3]} << 24);
         record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
         record[tsr_s_coded] = static_cast<std::uint32_t>(order.length());
-        record[tsr_s_size_class] = size_class(shape);
+        record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
         put_scales(shape, *coding, header.desc.type, record);
         for (int split = 0; split < 2; ++split) {
             std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};

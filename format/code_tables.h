@@ -10,7 +10,9 @@
 #include "format/rans.h"
 #include "format/scan_order.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,6 +32,11 @@ constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18
 constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
 constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
 constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
+// The table that codes the length of plane 0.
+constexpr int size_class(const BlockShape& shape) {
+    const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
+    return std::min(bits / 2, size_classes - 1);
+}
 constexpr int depth_classes = max_split_depth + 1;
 
 constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation

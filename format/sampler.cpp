@@ -1,6 +1,7 @@
 #include "format/sampler.h"
 
 #include "format/half.h"
+#include "format/sample_code.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,14 +59,9 @@ Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
 
 glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel) {
     glm::dvec4 value{0.0};
-    for (int c = 0; c < desc.channels; ++c) {
-        if (desc.type == SampleType::unorm8) {
-            value[c] = std::to_integer<int>(texel[c]) / 255.0;
-            continue;
-        }
-        const unsigned low = std::to_integer<unsigned>(texel[2 * c]);
-        const unsigned high = std::to_integer<unsigned>(texel[2 * c + 1]);
-        value[c] = half_to_float(static_cast<std::uint16_t>(low | high << 8));
+    for (int c = 0; c < desc.channels; ++c, texel += sample_bytes(desc.type)) {
+        const std::uint16_t sample = load_sample(texel, desc.type);
+        value[c] = desc.type == SampleType::unorm8 ? sample / 255.0 : half_to_float(sample);
     }
     return value;
 }

@@ -1,10 +1,10 @@
 // The OpenGL host on whatever device is there; on CI that is Mesa's llvmpipe. Without a context these
 // tests fail: TESSERA_NO_GPU=1 in the environment skips them instead.
-#include "decoder_glsl/gl_context.h"
 #include "decoder_glsl/gl_device.h"
 #include "decoder_glsl/gl_error.h"
 #include "decoder_glsl/gl_objects.h"
 #include "decoder_glsl/shader_source.h"
+#include "tests/gpu_fixture.h"
 #include "tests/shader_programs.h"
 
 #include <gtest/gtest.h>
@@ -23,27 +23,14 @@ namespace {
 
 using Words = std::vector<std::uint32_t>;
 
-bool skip_asked() {
-    const char* value = std::getenv("TESSERA_NO_GPU");
-    return value != nullptr && std::string(value) == "1";
-}
-
-class Gl : public testing::Test {
+class Gl : public GpuTest {
 protected:
-    void SetUp() override {
-        if (skip_asked())
-            GTEST_SKIP() << "TESSERA_NO_GPU=1";
-        auto created = HeadlessContext::create();
-        ASSERT_TRUE(created) << created.status().message();
-        context_.emplace(std::move(*created));
-    }
     void TearDown() override {
         if (context_) {
             const Status status = take_gl_errors("left over");
             EXPECT_TRUE(status) << status.message();
         }
     }
-    std::optional<HeadlessContext> context_;
 };
 
 std::span<const std::byte> bytes_of(const Words& words) {
@@ -459,7 +446,7 @@ void expect_outcome(const char* variable, const char* value, const char* pattern
 }
 
 TEST(GlMissing, OldDrivers) {
-    if (skip_asked())
+    if (no_gpu_asked())
         GTEST_SKIP() << "TESSERA_NO_GPU=1";
     // Only Mesa can pretend.
     expect_outcome("MESA_GL_VERSION_OVERRIDE", "3.3",

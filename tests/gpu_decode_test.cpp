@@ -1,28 +1,16 @@
 // The decoder on the device: the same texels as the CPU, bit for bit.
 #include "codec/memory_source.h"
-#include "decoder_glsl/gl_context.h"
 #include "decoder_glsl/gl_tile_decoder.h"
 #include "tests/decode_cases.h"
+#include "tests/gpu_fixture.h"
 #ifdef TESSERA_WITH_CORPUS
 #include "corpus/bake.h"
 #endif
 
-#include <cstdlib>
-
 namespace tessera::test {
 namespace {
 
-class GpuDecode : public ::testing::Test {
-protected:
-    void SetUp() override {
-        if (std::getenv("TESSERA_NO_GPU") != nullptr)
-            GTEST_SKIP() << "TESSERA_NO_GPU is set";
-        auto context = HeadlessContext::create();
-        ASSERT_TRUE(context) << context.status().message();
-        context_.emplace(std::move(*context));
-    }
-    std::optional<HeadlessContext> context_;
-};
+class GpuDecode : public GpuTest {};
 
 // Texels that differ over the whole file, decoded in batches of at most `batch_tiles`.
 void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {

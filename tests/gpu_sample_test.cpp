@@ -1,12 +1,11 @@
 // Sampling on the device: the three residencies against the sampler on the CPU, and what surrounds
 // them: budgets, coarse texels, eviction, damaged files.
 #include "codec/memory_source.h"
-#include "decoder_glsl/gl_context.h"
 #include "decoder_glsl/gl_view_renderer.h"
 #include "tests/decode_cases.h"
+#include "tests/gpu_fixture.h"
 #include "tests/sample_probes.h"
 
-#include <cstdlib>
 #include <cstring>
 
 namespace tessera::test {
@@ -64,16 +63,8 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
     return file;
 }
 
-class GpuSample : public ::testing::Test {
+class GpuSample : public GpuTest {
 protected:
-    void SetUp() override {
-        if (std::getenv("TESSERA_NO_GPU") != nullptr)
-            GTEST_SKIP() << "TESSERA_NO_GPU is set";
-        auto context = HeadlessContext::create();
-        ASSERT_TRUE(context) << context.status().message();
-        context_.emplace(std::move(*context));
-    }
-
     // Colours at the probes, drawn until no tile is late.
     static std::vector<glm::vec4> sampled(SampledTexture& texture,
                                           const std::vector<Probe>& probes) {
@@ -106,8 +97,6 @@ protected:
             colours.push_back(all[i]);
         return colours;
     }
-
-    std::optional<HeadlessContext> context_;
 };
 
 // What tessera_sample() gives for a texel of fewer than four channels.

@@ -4,6 +4,9 @@
 #include "corpus/catalog.h"
 #include "corpus/shade.h"
 #include "tests/sample_probes.h"
+#ifdef TESSERA_GPU
+#include "tests/gpu_fixture.h"
+#endif
 #include "tools/command.h"
 #include "tools/gpu_renderer.h"
 #include "tools/png_file.h"
@@ -425,8 +428,8 @@ class GpuRender : public Render {
 protected:
     void SetUp() override {
         Render::SetUp();
-        if (std::getenv("TESSERA_NO_GPU") != nullptr)
-            GTEST_SKIP() << "TESSERA_NO_GPU is set";
+        if (test::no_gpu_asked())
+            GTEST_SKIP() << "TESSERA_NO_GPU=1";
     }
 
     // A file in small tiles, so that the borders of many cross the picture.

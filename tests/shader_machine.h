@@ -20,7 +20,6 @@
 #include <vector>
 
 #define TSR_INOUT(type) type&
-#define TSR_OUT(type) type&
 #define TSR_LOOP shader_machine_round()
 
 namespace tessera::shaders {

@@ -1,6 +1,7 @@
 #include "tools/render_stage.h"
 
 #include "corpus/bake.h"
+#include "format/sample_code.h"
 #include "format/sampler.h"
 #include "tools/gpu_renderer.h"
 #include "tools/parse.h"
@@ -16,15 +17,9 @@ constexpr unsigned usual_samples = 16; // per texel, as tessera bake has it
 
 glm::dvec3 background_of(const FileHeader& header) {
     std::byte texel[8];
-    for (std::size_t c = 0; c < 4; ++c) {
-        const std::uint16_t sample = header.background[c];
-        if (header.desc.type == SampleType::unorm8) {
-            texel[c] = std::byte(sample);
-        } else {
-            texel[2 * c] = std::byte(sample & 255);
-            texel[2 * c + 1] = std::byte(sample >> 8);
-        }
-    }
+    for (std::size_t c = 0; c < 4; ++c)
+        store_sample(texel + c * sample_bytes(header.desc.type), header.background[c],
+                     header.desc.type);
     const glm::dvec4 value = texel_value(header.desc, texel);
     return header.desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
 }

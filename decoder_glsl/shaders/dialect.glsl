@@ -5,7 +5,6 @@
 #define TSR_DIALECT
 #ifndef __cplusplus
 #define TSR_INOUT(type) inout type
-#define TSR_OUT(type) out type
 // Stands first in the body of every loop; C++ counts there.
 #define TSR_LOOP
 // Vulkan numbers all kinds of bindings together; each kind has a descriptor set there.

@@ -19,7 +19,6 @@ const int tsr_t_fraction = 8;
 const int tsr_t_correction_step = 9; // 2 E + 1
 const int tsr_t_offsets = 10;        // plane 0: magnitude 1, larger; the other planes: the same
 const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_pack
-const int tsr_t_shape_count = 16;
 const int tsr_t_shapes = 17; // word of the first shape record
 const int tsr_t_zero = 32;   // frequencies of 0: [4][20][10]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
@@ -47,7 +46,6 @@ const int tsr_scan_words = 8;
 
 // ---- Binding 1, batch: what to decode and the payloads; read only.
 const int tsr_b_tiles = 0;
-const int tsr_b_segments = 1;
 const int tsr_b_raw_chunks = 2; // of 64 raw levels
 const int tsr_b_corrections = 3;
 const int tsr_b_tile_at = 4; // words where the records begin
@@ -130,7 +128,6 @@ const uint tsr_damage_end = 8u;
 const uint tsr_damage_corrections = 16u;
 
 // ---- Binding 3, coefficients: sorted by t, s, v, u frequency, four words each: frequency, planes 0..2.
-const int tsr_coefficient_words = 4;
 
 // ---- Page table of the sampler: a slot of the tile cache, or one of these.
 const uint tsr_page_missing = 0xFFFFFFFFu;

@@ -220,39 +220,51 @@ TsrShare tsr_share(TsrItem item, int lane) {
     return share;
 }
 
+// Planes 0 to 2, and plane 3 in alpha.x.
+struct TsrValues {
+    ivec3 colour;
+    ivec3 alpha;
+};
+
+// A pass along an axis of n texels, for its texel x: the sum over the first `support` frequencies, of
+// which that of 0 is at word `from`, the next `step` words on, and the other planes `plane` words.
+TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int from, int step, int plane) {
+    bool has_alpha = item.patch_of.planes > 3;
+    TsrValues values;
+    values.colour = tsr_get_planes(item, from, plane);
+    values.alpha = ivec3(has_alpha ? tsr_get(from + 3 * plane) : 0, 0, 0);
+    // The basis of frequency 0 is 1: a sum of it alone is the value itself.
+    if (support < 2)
+        return values;
+    int basis = tsr_basis_of(n) + x;
+    TsrSum colour = tsr_no_sum();
+    TsrSum alpha = tsr_no_sum();
+    for (int k = 0; k < support; ++k) {
+        TSR_LOOP;
+        uint b = tsr_table(basis + k * n);
+        int at = from + k * step;
+        tsr_add_clamped(colour, b, tsr_get_planes(item, at, plane));
+        if (has_alpha)
+            tsr_add_clamped(alpha, b, ivec3(tsr_get(at + 3 * plane), 0, 0));
+    }
+    values.colour = tsr_rounded(colour);
+    values.alpha = tsr_rounded(alpha);
+    return values;
+}
+
 // Stage 2, for one position, s and kt.
 void tsr_sum_s_at(TsrItem item, int kt, int s, int position) {
-    int ns = item.patch_of.sides.z;
-    int basis = tsr_basis_of(ns) + s;
-    int from = tsr_before_s(item, kt, 0, position);
-    TsrSum sum = tsr_no_sum();
-    TsrSum alpha = tsr_no_sum();
-    ivec3 value = tsr_get_planes(item, from, item.plane_before);
-    ivec3 alpha_value = ivec3(0);
-    bool has_alpha = item.patch_of.planes > 3;
-    if (has_alpha)
-        alpha_value.x = tsr_get(from + 3 * item.plane_before);
-    // The basis of frequency 0 is 1: a sum of it alone is the value itself.
-    if (item.patch_of.support_s > 1) {
-        for (int ks = 0; ks < item.patch_of.support_s; ++ks) {
-            TSR_LOOP;
-            uint b = tsr_table(basis + ks * ns);
-            tsr_add_clamped(sum, b, tsr_get_planes(item, from, item.plane_before));
-            if (has_alpha)
-                tsr_add_clamped(alpha, b, ivec3(tsr_get(from + 3 * item.plane_before), 0, 0));
-            from += item.positions;
-        }
-        value = tsr_rounded(sum);
-        alpha_value = tsr_rounded(alpha);
-    }
+    TsrValues values =
+        tsr_sum_along(item, item.patch_of.sides.z, s, item.patch_of.support_s,
+                      tsr_before_s(item, kt, 0, position), item.positions, item.plane_before);
     if (item.patch_of.sides.w > 1) {
-        value = tsr_clamped(value);
-        alpha_value = tsr_clamped(alpha_value);
+        values.colour = tsr_clamped(values.colour);
+        values.alpha = tsr_clamped(values.alpha);
     }
     int to = tsr_after_s(item, kt, s, position);
-    tsr_put_planes(item, to, item.plane_after, value);
-    if (has_alpha)
-        tsr_put(to + 3 * item.plane_after, alpha_value.x);
+    tsr_put_planes(item, to, item.plane_after, values.colour);
+    if (item.patch_of.planes > 3)
+        tsr_put(to + 3 * item.plane_after, values.alpha.x);
 }
 
 void tsr_sum_s(TsrItem item, int lane) {
@@ -294,28 +306,12 @@ ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
 
 // Stage 3, for one position, s and t: the codes before corrections.
 ivec4 tsr_sum_t_at(TsrItem item, int s, int t, int position) {
-    int nt = item.patch_of.sides.w;
-    int basis = tsr_basis_of(nt) + t;
-    int from = tsr_after_s(item, 0, s, position);
-    bool has_alpha = item.patch_of.planes > 3;
-    ivec3 value = tsr_get_planes(item, from, item.plane_after);
-    ivec3 alpha_value = ivec3(has_alpha ? tsr_get(from + 3 * item.plane_after) : 0, 0, 0);
-    if (item.patch_of.support_t > 1) {
-        TsrSum sum = tsr_no_sum();
-        TsrSum alpha = tsr_no_sum();
-        int step = item.patch_of.sides.z * item.positions;
-        for (int kt = 0; kt < item.patch_of.support_t; ++kt) {
-            TSR_LOOP;
-            uint b = tsr_table(basis + kt * nt);
-            tsr_add_clamped(sum, b, tsr_get_planes(item, from, item.plane_after));
-            if (has_alpha)
-                tsr_add_clamped(alpha, b, ivec3(tsr_get(from + 3 * item.plane_after), 0, 0));
-            from += step;
-        }
-        value = tsr_rounded(sum);
-        alpha_value = tsr_rounded(alpha);
-    }
-    return tsr_codes(item.format, ivec4(value.x, value.y, value.z, alpha_value.x));
+    TsrValues values =
+        tsr_sum_along(item, item.patch_of.sides.w, t, item.patch_of.support_t,
+                      tsr_after_s(item, 0, s, position), item.patch_of.sides.z * item.positions,
+                      item.plane_after);
+    return tsr_codes(item.format, ivec4(values.colour.x, values.colour.y, values.colour.z,
+                                        values.alpha.x));
 }
 
 void tsr_sum_t(TsrItem item, int lane) {
