@@ -49,6 +49,15 @@ BitCosts::BitCosts(const CodeTables& tables) {
         fill<colour_kinds>(colour[i], tables.colour[i]);
         colour[i][2] += static_cast<float>(rotation_index_bits);
     }
+    for (std::size_t i = 0; i < prediction.size(); ++i)
+        fill<prediction_kinds>(prediction[i], tables.prediction[i]);
+    for (std::size_t i = 0; i < displacement_kind.size(); ++i)
+        fill<displacement_kinds>(displacement_kind[i], tables.displacement_kind[i]);
+    for (std::size_t i = 0; i < displacement.size(); ++i) {
+        fill<displacement_tokens>(displacement[i], tables.displacement[i]);
+        for (std::size_t token = 1; token < displacement_tokens; ++token)
+            displacement[i][token] += static_cast<float>(token);
+    }
     for (std::size_t s = 0; s < split.size(); ++s)
         for (std::size_t a = 0; a < split[s].size(); ++a)
             fill<split_kinds>(split[s][a], tables.split[s][a]);

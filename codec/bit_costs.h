@@ -17,6 +17,10 @@ struct BitCosts {
     std::array<std::array<float, length_tokens>, length_tokens> other_length;
     std::array<std::array<std::array<float, split_kinds>, depth_classes>, depth_classes> split;
     std::array<std::array<float, colour_kinds>, 2> colour; // with raw bits
+    std::array<std::array<float, prediction_kinds>, prediction_contexts> prediction;
+    std::array<std::array<float, displacement_kinds>, 2> displacement_kind;
+    std::array<std::array<float, displacement_tokens>, displacement_classes>
+        displacement; // with raw bits and sign
 };
 
 } // namespace tessera

@@ -43,6 +43,8 @@ Result<Decoder> Decoder::open(ByteSource& source) {
     if (!parameters)
         return parameters.status().with_context(source.name());
     const FileHeader& header = container->header();
+    if (const Status agree = check_features(*parameters, header.required_features); !agree.ok())
+        return agree.with_context(source.name());
     const ColourCoding colour{header.desc, header.colour, header.background,
                               (header.required_features & feature_corrections) != 0};
     auto coding = std::make_unique<TileCoding>(*parameters, header.desc.type, header.desc.channels);

@@ -89,7 +89,8 @@ ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
     contents.metadata.try_emplace("Software", std::string("Tessera ") + library_version);
     contents.colour = plan.colour.transform;
     contents.background = plan.colour.background;
-    contents.required_features = plan.colour.corrections ? feature_corrections : 0;
+    contents.required_features = (plan.colour.corrections ? feature_corrections : 0) |
+                                 (pass.parameters.prediction ? feature_prediction : 0);
     contents.codec_parameters = coding;
     contents.tile = [&pass](std::uint64_t tile) -> std::span<const std::byte> {
         return pass.tiles[tile].payload;

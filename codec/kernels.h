@@ -50,6 +50,11 @@ struct Kernels {
     void (*round_rows)(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride,
                        int shift);
 
+    // sums[i] += four times the texel half-way between neighbours (FORMAT.md 4.6): two rows, and along
+    // them i and, if between, i + 1.
+    void (*add_half_texels)(const std::int32_t* upper, const std::int32_t* lower, bool between,
+                            int n, std::int32_t* sums);
+
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
@@ -64,6 +69,10 @@ struct Kernels {
     // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u
     // frequencies of a row in the order of forward_order(nu).
     void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
+    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n <= 32 floats; row y of b is the one at
+    // first + y within 0..last. Rows of a lie a_stride apart, those of b b_stride.
+    void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
+                                    int first, int last, int rows, int n, float* sums);
     // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
     // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,

@@ -145,6 +145,29 @@ inline float one_cost(float a2, float base, float slope) {
     return a2 < coded ? a2 : coded;
 }
 
+void add_half_texels(const std::int32_t* upper, const std::int32_t* lower, bool between, int n,
+                     std::int32_t* sums) {
+    if (between)
+        for (int i = 0; i < n; ++i)
+            sums[i] += (upper[i] + upper[i + 1]) + (lower[i] + lower[i + 1]);
+    else
+        for (int i = 0; i < n; ++i)
+            sums[i] += 2 * (upper[i] + lower[i]);
+}
+
+void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
+                             int last, int rows, int n, float* sums) {
+    for (int y = 0; y < rows; ++y) {
+        const int wanted = first + y;
+        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        const float* row = a + y * a_stride;
+        for (int x = 0; x < n; ++x) {
+            const float difference = row[x] - from[x];
+            sums[x] += difference * difference;
+        }
+    }
+}
+
 CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
     float cost[lanes] = {}, energy[lanes] = {};
     int i = 0;
@@ -373,8 +396,9 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,         inverse_rows,   inverse_planes, round_rows, store_ycocg8,
-            forward_rows, forward_planes, forward_image,  coding_cost};
+    return {name,           inverse_rows, inverse_planes, round_rows,
+            add_half_texels, store_ycocg8, forward_rows,   forward_planes,
+            forward_image,  add_squared_differences,      coding_cost};
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "codec/reconstruct.h"
 
+#include "codec/copy_prediction.h"
 #include "codec/kernels.h"
 #include "format/colour_rotation.h"
 
@@ -192,11 +193,32 @@ private:
 
 } // namespace
 
+void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
+                       ReconstructScratch& scratch, TilePlanes& planes) {
+    BlockReconstruction(levels, block, coding, scratch, planes).run();
+    if (levels.predictions.empty())
+        return;
+    const BlockPrediction& prediction = levels.predictions[block];
+    for (int p = 0; p < coding.planes; ++p) {
+        std::vector<std::int32_t>& plane = planes.plane[static_cast<std::size_t>(p)];
+        scratch.predicted.clear();
+        if (prediction.from != CopyFrom::nothing)
+            predict_plane(levels.blocks[block], prediction, levels.shape, plane, scratch.predicted);
+        add_predicted(levels.blocks[block], scratch.predicted, coding.type, levels.shape, plane);
+    }
+}
+
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes) {
     planes.resize(levels.shape, coding.planes);
-    for (std::size_t block = 0; block < levels.blocks.size(); ++block)
-        BlockReconstruction(levels, block, coding, scratch, planes).run();
+    if (levels.predictions.empty()) {
+        for (std::size_t block = 0; block < levels.blocks.size(); ++block)
+            reconstruct_block(levels, block, coding, scratch, planes);
+        return;
+    }
+    for (const std::uint16_t block :
+         copy_depths(levels.shape, levels.blocks, levels.predictions).order)
+        reconstruct_block(levels, block, coding, scratch, planes);
 }
 
 } // namespace tessera

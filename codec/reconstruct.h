@@ -13,11 +13,16 @@ namespace tessera {
 struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
     std::array<std::vector<std::int32_t>, 3> rotated;
+    std::vector<std::int32_t> predicted;
     RecentShapes shapes; // of the one TileCoding that the scratch is used with
 };
 
 // Fills all planes of the tile. Every value is defined for any levels that decode_levels can give.
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes);
+
+// One block of a tile, after everything that it copies from.
+void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
+                       ReconstructScratch& scratch, TilePlanes& planes);
 
 } // namespace tessera

@@ -7,7 +7,8 @@ namespace tessera {
 TileCoding::TileCoding(const CodingParameters& coding_parameters, SampleType sample_type,
                        int plane_count)
     : parameters(coding_parameters), tables(coding_parameters.parameters), type(sample_type),
-      planes(plane_count), rotates(coding_parameters.colour_rotation && plane_count >= 3) {}
+      planes(plane_count), rotates(coding_parameters.colour_rotation && plane_count >= 3),
+      predicts(coding_parameters.prediction) {}
 
 const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
     {

@@ -31,7 +31,8 @@ public:
     const CodeTables tables;
     const SampleType type;
     const int planes;   // one a channel
-    const bool rotates; // blocks carry a colour symbol
+    const bool rotates;  // blocks carry a colour symbol
+    const bool predicts; // blocks carry a prediction
 
     const ScaleSet& scales(const ShapeCoding& shape, int plane, int colour) const {
         return colour != 0 && plane < 3 ? shape.rotated_scales

@@ -20,6 +20,18 @@ struct StatisticsVisitor {
         statistics.chain(other_length_offset + previous * (length_tokens - 1), length_tokens - 1,
                          length_tokens, token);
     }
+    void prediction(int context, int symbol) {
+        statistics.chain(prediction_offset + context * (prediction_kinds - 1), prediction_kinds - 1,
+                         prediction_kinds, symbol);
+    }
+    void displacement_kind(int direction, int kind) {
+        statistics.chain(displacement_kind_offset + direction * (displacement_kinds - 1),
+                         displacement_kinds - 1, displacement_kinds, kind);
+    }
+    void displacement(int table, int token) {
+        statistics.chain(displacement_offset + table * (displacement_tokens - 1),
+                         displacement_tokens - 1, displacement_tokens, token);
+    }
     void zero(int parameter, bool is_zero) { statistics.decide(parameter, !is_zero); }
     void magnitude(int p_class, int context, int token) {
         statistics.chain(magnitude_offset +
@@ -46,6 +58,15 @@ struct CodingVisitor {
     }
     void other_length(int previous, int token) {
         tables.other_length[static_cast<std::size_t>(previous)].encode(coder, token);
+    }
+    void prediction(int context, int symbol) {
+        tables.prediction[static_cast<std::size_t>(context)].encode(coder, symbol);
+    }
+    void displacement_kind(int direction, int kind) {
+        tables.displacement_kind[static_cast<std::size_t>(direction)].encode(coder, kind);
+    }
+    void displacement(int table, int token) {
+        tables.displacement[static_cast<std::size_t>(table)].encode(coder, token);
     }
     void zero(int parameter, bool is_zero) {
         coder.bit(!is_zero, tables.zero[static_cast<std::size_t>(parameter)]);

@@ -20,7 +20,12 @@ public:
             work_ = 0;
             last_colour_ = ColourMemory{};
             if (i == 0 && !node(Block{{0, 0, 0, 0}, shape, 0, 0}))
-                return damaged(i, "more than 4096 blocks");
+                return damaged(i, "split tree out of range");
+            if (i == 0 && copies_ &&
+                copy_depths(shape, out_.blocks, out_.predictions).largest > max_copy_depth)
+                return damaged(i, "copies of copies, more than 15 deep");
+            if (i == 0 && !copies_)
+                out_.predictions.clear();
             const std::size_t end =
                 i + 1 < parts.segments.size()
                     ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
@@ -52,12 +57,21 @@ private:
         out_.splits.push_back(static_cast<std::uint8_t>(split));
         if (split == Split::none) {
             out_.blocks.push_back(block);
-            return out_.blocks.size() <= max_leaves;
+            return out_.blocks.size() <= max_leaves && (!coding_.predicts || prediction(block));
         }
         const Children children = children_of(block, split);
         for (int i = 0; i < children.count; ++i)
             if (!node(children.block[static_cast<std::size_t>(i)]))
                 return false;
+        return true;
+    }
+
+    bool prediction(const Block& block) {
+        out_.predictions.emplace_back();
+        BlockPrediction& prediction = out_.predictions.back();
+        if (!decode_prediction(rans_, coding_.tables, block, predictions_, prediction))
+            return false;
+        copies_ = copies_ || prediction.from != CopyFrom::nothing;
         return true;
     }
 
@@ -154,6 +168,8 @@ private:
     ContextGrid grid_;
     RecentShapes shapes_;
     ColourMemory last_colour_;
+    PredictionMemory predictions_;
+    bool copies_ = false; // a block does
     int work_ = 0;
 };
 

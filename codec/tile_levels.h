@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/block.h"
+#include "format/prediction.h"
 
 #include <cstdint>
 #include <span>
@@ -28,6 +29,7 @@ struct TileLevels {
     std::vector<Block> blocks;         // leaves in decoding order
     std::vector<std::uint8_t> colours; // of each block: 0 plain, else 1 + rotation
     std::vector<std::uint8_t> splits;  // Split of every node, parents before children
+    std::vector<BlockPrediction> predictions; // of each block; empty: no block copies anything
     std::vector<PlaneLevels> planes;   // blocks.size() * number of planes
     std::vector<NonZero> nonzeros;
 
@@ -36,6 +38,7 @@ struct TileLevels {
         blocks.clear();
         colours.clear();
         splits.clear();
+        predictions.clear();
         planes.clear();
         nonzeros.clear();
     }

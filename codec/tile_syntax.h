@@ -1,6 +1,7 @@
 // The order of a tile's symbols, written once for everything that walks it on the encoder's side:
 // counting, coding, estimating. A Visitor gets
-//   split(depth classes, kind), first_length(size class, token), other_length(previous, token),
+//   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
+//   displacement(class, token), first_length(size class, token), other_length(previous, token),
 //   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
 #pragma once
 
@@ -77,6 +78,8 @@ public:
 
     void walk_tree(const TileLevels& tile) {
         std::size_t next = 0;
+        predictions_ = PredictionMemory{};
+        leaf_ = 0;
         walk_node(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0}, next);
     }
 
@@ -121,11 +124,48 @@ private:
     void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {
         const auto split = static_cast<Split>(tile.splits[next++]);
         visitor_.split(node.spatial_depth, node.angular_depth, static_cast<int>(split));
-        if (split == Split::none)
+        if (split == Split::none) {
+            if (coding_.predicts)
+                walk_prediction(tile, node);
             return;
+        }
         const Children children = children_of(node, split);
         for (int i = 0; i < children.count; ++i)
             walk_node(tile, children.block[static_cast<std::size_t>(i)], next);
+    }
+
+    void walk_prediction(const TileLevels& tile, const Block& block) {
+        const BlockPrediction prediction =
+            tile.predictions.empty() ? BlockPrediction{} : tile.predictions[leaf_];
+        ++leaf_;
+        const int context = predictions_.context_of(block);
+        if (context < 0)
+            return;
+        visitor_.prediction(context, prediction_symbol(prediction.from, context));
+        predictions_.remember(prediction.from != CopyFrom::nothing);
+        for (int direction = 0; direction < copy_directions; ++direction) {
+            if (!prediction.copies_along(direction))
+                continue;
+            const Displacement& to = prediction.displacement[static_cast<std::size_t>(direction)];
+            const int kind = predictions_.kind_of(direction, to);
+            visitor_.displacement_kind(direction, kind);
+            const Displacement from = predictions_.known(direction, 0);
+            if (kind == 2) {
+                walk_component(displacement_class(direction, 0), to.u - from.u);
+                walk_component(displacement_class(direction, 1), to.v - from.v);
+            }
+            predictions_.remember(direction, to);
+        }
+    }
+
+    void walk_component(int table, int difference) {
+        const auto magnitude = static_cast<unsigned>(std::abs(difference));
+        const int token = static_cast<int>(std::bit_width(magnitude));
+        visitor_.displacement(table, token);
+        if (token == 0)
+            return;
+        visitor_.raw(magnitude - (1u << (token - 1)), token - 1);
+        visitor_.raw(difference < 0, 1);
     }
 
     // Codes the last plane of `planes`; the earlier ones give the cross contexts.
@@ -162,6 +202,8 @@ private:
     Visitor& visitor_;
     ContextGrid grid_;
     ColourMemory last_colour_;
+    PredictionMemory predictions_;
+    std::size_t leaf_ = 0; // of the tree walk
 };
 
 } // namespace tessera

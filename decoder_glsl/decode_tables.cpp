@@ -209,6 +209,8 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     if (!coding.ok())
         return coding.status().with_context(reader.name());
     const FileHeader& header = reader.header();
+    if (const Status agree = check_features(*coding, header.required_features); !agree.ok())
+        return agree.with_context(reader.name());
     DecodeTables tables;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;

@@ -57,6 +57,9 @@ CodeTables::CodeTables(const Parameters& parameters) {
         build_next(row, split_kinds - 1);
     build_next(correction, correction_chain);
     build_next(colour, colour_kinds - 1);
+    build_next(prediction, prediction_kinds - 1);
+    build_next(displacement_kind, displacement_kinds - 1);
+    build_next(displacement, displacement_tokens - 1);
 }
 
 } // namespace tessera

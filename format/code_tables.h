@@ -60,7 +60,18 @@ constexpr int correction_parameters = correction_contexts * correction_chain;
 constexpr int colour_offset = correction_offset + correction_parameters;
 constexpr int colour_parameters =
     2 * (colour_kinds - 1); // after a plain block, after a rotated one
-constexpr int parameter_count = colour_offset + colour_parameters;
+constexpr int prediction_kinds = 4;      // nothing, along s, along t, both (see format/prediction.h)
+constexpr int prediction_contexts = 6;   // what lies before: s, t, both; times the block before
+constexpr int displacement_kinds = 3;    // the last one, the one before it, a new one
+constexpr int displacement_tokens = 9;   // bit length of a component's magnitude, 0..255
+constexpr int displacement_classes = 2;  // along the parallax, across it
+constexpr int prediction_offset = colour_offset + colour_parameters;
+constexpr int prediction_parameters = prediction_contexts * (prediction_kinds - 1);
+constexpr int displacement_kind_offset = prediction_offset + prediction_parameters;
+constexpr int displacement_kind_parameters = 2 * (displacement_kinds - 1);
+constexpr int displacement_offset = displacement_kind_offset + displacement_kind_parameters;
+constexpr int displacement_parameters = displacement_classes * (displacement_tokens - 1);
+constexpr int parameter_count = displacement_offset + displacement_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -99,6 +110,9 @@ struct CodeTables {
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
     std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
     std::array<SymbolTable<colour_kinds>, 2> colour; // [last block with a colour was rotated]
+    std::array<SymbolTable<prediction_kinds>, prediction_contexts> prediction;
+    std::array<SymbolTable<displacement_kinds>, 2> displacement_kind; // [along s, along t]
+    std::array<SymbolTable<displacement_tokens>, displacement_classes> displacement;
 };
 
 // Built-in defaults: what files start from and what small files use as they are.

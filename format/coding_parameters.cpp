@@ -1,6 +1,7 @@
 #include "format/coding_parameters.h"
 
 #include "format/bytes.h"
+#include "format/syntax.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -79,7 +80,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     put(coding.correction_error, 2);
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
-    put(coding.colour_rotation ? 1 : 0, 1);
+    put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u), 1);
 
     RansEncoder encoder;
     walk(
@@ -128,9 +129,10 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 1)
+    if (flags > 3)
         return damaged("unknown flags");
-    coding.colour_rotation = flags == 1;
+    coding.colour_rotation = (flags & 1) != 0;
+    coding.prediction = (flags & 2) != 0;
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;
@@ -151,6 +153,16 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     if (!decoder.ended_well())
         return damaged("tables do not end where they should");
     return coding;
+}
+
+Status check_features(const CodingParameters& coding, std::uint64_t required_features) {
+    const bool prediction = (required_features & feature_prediction) != 0;
+    if (coding.prediction != prediction)
+        return {ErrorCode::invalid_file,
+                "section CODE and the header differ about prediction (required feature 4)"};
+    if (prediction && (required_features & feature_corrections) != 0)
+        return {ErrorCode::invalid_file, "prediction and corrections in one file"};
+    return {};
 }
 
 } // namespace tessera

@@ -17,6 +17,7 @@ struct CodingParameters {
     std::array<StepCode, max_planes> step{};
     StepCode rotated_step;        // of the first three planes of blocks with rotated colour
     bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
+    bool prediction = false;      // blocks say what they copy (required feature 4)
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
     std::uint16_t correction_error = 0; // E of 3.6, in sample codes; used with corrections
@@ -28,5 +29,8 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding);
 
 // Errors: invalid_file, with the field.
 Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes);
+
+// What the header says of the file's tools must be what the section says. Errors: invalid_file.
+Status check_features(const CodingParameters& coding, std::uint64_t required_features);
 
 } // namespace tessera

@@ -37,7 +37,8 @@ inline constexpr std::uint32_t min_page_target = 16, max_page_target = 4096; // 
 // Bits of required_features (FORMAT.md 1.5).
 inline constexpr std::uint64_t feature_levels = 1u << 0;
 inline constexpr std::uint64_t feature_corrections = 1u << 1;
-inline constexpr std::uint64_t known_features = feature_corrections;
+inline constexpr std::uint64_t feature_prediction = 1u << 4;
+inline constexpr std::uint64_t known_features = feature_corrections | feature_prediction;
 // "corrections", "bit 17": for messages and listings.
 std::string feature_name(unsigned bit);
 
