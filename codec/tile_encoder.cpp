@@ -20,6 +20,10 @@ EffortSettings EffortSettings::of(int effort) {
         settings.search.grids = diagonal;
     else if (effort <= 4)
         settings.search.grids = diagonal | grid(0, 1) | grid(1, 2) | grid(2, 3);
+    if (effort >= 5)
+        settings.search.copies = {16, 6};
+    if (effort >= 7)
+        settings.search.copies = {24, 10};
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;
@@ -31,14 +35,64 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
                          TileLevels& out) {
     planes_from_texels(texels, *colour_, shape, planes_);
     search_.choose_blocks(planes_, out);
+    out.predictions.clear();
+    encode_blocks(out);
+    if (!coding_->predicts || settings_->search.copies.along == 0)
+        return;
+    // What the tile looks like without copies stands for what its blocks could copy.
+    reconstruct(out, *coding_, scratch_, decoded_);
+    if (search_.choose_copies(decoded_, copies_)) {
+        encode_copies(copies_);
+        std::swap(out, copies_);
+    }
+}
+
+void TileEncoder::encode_blocks(TileLevels& out) {
     last_rotation_ = 1;
     for (const Block& block : out.blocks)
-        encode_block(block, out);
+        encode_block(block, {}, out);
+}
+
+// Closed loop: each block copies from what the decoder will have.
+void TileEncoder::encode_copies(TileLevels& out) {
+    CopyDepths depths = copy_depths(out.shape, out.blocks, out.predictions);
+    while (depths.largest > max_copy_depth) {
+        for (std::size_t i = 0; i < out.blocks.size(); ++i)
+            if (depths.depth[i] > max_copy_depth)
+                out.predictions[i] = {};
+        depths = copy_depths(out.shape, out.blocks, out.predictions);
+    }
+    const auto planes = static_cast<std::size_t>(coding_->planes);
+    out.planes.assign(out.blocks.size() * planes, {});
+    out.colours.assign(out.blocks.size(), 0);
+    last_rotation_ = 1;
+    decoded_.resize(out.shape, coding_->planes);
+    for (const std::uint16_t i : depths.order) {
+        trial_.clear();
+        encode_block(out.blocks[i], out.predictions[i], trial_);
+        for (std::size_t plane = 0; plane < planes; ++plane) {
+            out.planes[i * planes + plane] = trial_.planes[plane];
+            out.planes[i * planes + plane].first +=
+                static_cast<std::uint32_t>(out.nonzeros.size());
+        }
+        out.colours[i] = trial_.colours[0];
+        out.nonzeros.insert(out.nonzeros.end(), trial_.nonzeros.begin(), trial_.nonzeros.end());
+        reconstruct_block(out, i, *coding_, scratch_, decoded_);
+    }
+    // Levels in the order of the blocks, as a decoder reads them.
+    trial_.nonzeros.clear();
+    for (PlaneLevels& plane : out.planes) {
+        const auto levels = out.levels(plane);
+        plane.first = static_cast<std::uint32_t>(trial_.nonzeros.size());
+        trial_.nonzeros.insert(trial_.nonzeros.end(), levels.begin(), levels.end());
+    }
+    out.nonzeros.swap(trial_.nonzeros);
 }
 
 // Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
-void TileEncoder::encode_block(const Block& block, TileLevels& out) {
-    search_.transform_block(block, coefficients_);
+void TileEncoder::encode_block(const Block& block, const BlockPrediction& prediction,
+                               TileLevels& out) {
+    search_.transform_block(block, prediction, decoded_, coefficients_);
     const TileLevels::Mark mark = out.mark();
     const float plain = quantizer_.quantize(coefficients_, out);
     if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))

@@ -3,6 +3,7 @@
 
 #include "codec/block_quantizer.h"
 #include "codec/block_search.h"
+#include "codec/reconstruct.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
 
@@ -36,7 +37,9 @@ public:
     void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
 
 private:
-    void encode_block(const Block& block, TileLevels& out);
+    void encode_blocks(TileLevels& out);
+    void encode_copies(TileLevels& out);
+    void encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -45,9 +48,10 @@ private:
     int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
     BlockSearch search_;
     BlockQuantizer quantizer_;
-    TilePlanes planes_;
+    TilePlanes planes_, decoded_;
+    ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;
-    TileLevels trial_;
+    TileLevels trial_, copies_;
 };
 
 } // namespace tessera
