@@ -19,7 +19,7 @@ constexpr float bits_per_class = 0.30f;
 constexpr float bits_per_octave_of_energy = 0.85f;
 constexpr float rounding_error = 1.0f / 12.0f;
 constexpr float block_overhead_bits = 3.0f;
-static float copy_mode_bits = getenv("CM")?atof(getenv("CM")):1.0f;
+static float copy_mode_bits = getenv("CM")?atof(getenv("CM")):12.0f;
 static float displacement_bits = getenv("DB")?atof(getenv("DB")):5.0f; // with what merging saves
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
@@ -495,6 +495,7 @@ void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
 void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,
                                   const TilePlanes& reconstructed, BlockCoefficients& out) {
     out.shape = block.shape;
+    out.copies = prediction.from != CopyFrom::nothing;
     const auto& n = block.shape.n;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);

@@ -19,6 +19,7 @@ struct EffortSettings {
     bool recode =
         true; // code again under tables fitted to all tiles; else those of the sample stay
     bool rotate_colours = true; // try rotated colour axes for every block
+    int copy_rounds = 1;        // of the search for blocks that copy
     bool second_pass = false;   // decide again under the tables of the first pass
 
     static EffortSettings of(int effort); // 0..9
@@ -39,7 +40,9 @@ public:
 private:
     void encode_blocks(TileLevels& out);
     void encode_copies(TileLevels& out);
-    void encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
+    void encode_best(const Block& block, BlockPrediction& prediction);
+    // Returns the block's cost: squared steps, a bit being worth lambda of them.
+    float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -51,7 +54,7 @@ private:
     TilePlanes planes_, decoded_;
     ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;
-    TileLevels trial_, copies_;
+    TileLevels trial_, other_trial_, copies_;
 };
 
 } // namespace tessera
