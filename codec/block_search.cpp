@@ -334,7 +334,9 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
     const float* base = base_costs(shape).data();
     const Kernels& k = kernels();
+    // They change places below.
     residual_.resize(std::max(residual_.size(), texels));
+    scratch_a_.resize(std::max(scratch_a_.size(), texels));
     float cost = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);

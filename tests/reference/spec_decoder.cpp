@@ -91,6 +91,7 @@ struct Header {
 
     size_t texel_bytes() const { return static_cast<size_t>(channels) * (sample_type ? 2 : 1); }
     bool has_corrections() const { return required_features >> 1 & 1; }
+    bool has_predictions() const { return required_features >> 4 & 1; }
 };
 
 constexpr size_t header_bytes = 128;
@@ -113,8 +114,9 @@ Header read_header(Bytes file) {
 
     h.required_features = u64(file, 16);
     for (int bit = 0; bit < 64; ++bit)
-        if (h.required_features >> bit & 1 && bit != 1) // 1.5
+        if (h.required_features >> bit & 1 && bit != 1 && bit != 4) // 1.5
             throw Refusal{"unknown required feature " + std::to_string(bit)};
+    require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
     require(h.section_count >= 5, "header: section_count");
     h.file_size = u64(file, 32);
     require(h.file_size == file.size(), "header: file_size");
@@ -491,7 +493,7 @@ private:
 constexpr uint8_t default_parameter_list[] = {
 #include "tests/reference/default_parameters.inc"
 };
-constexpr size_t parameter_count = 1583;
+constexpr size_t parameter_count = 1738;
 static_assert(std::size(default_parameter_list) == parameter_count);
 
 struct Step {
@@ -506,14 +508,18 @@ struct Code {
     std::array<int, 4> scan_weight;
     int64_t correction_error = 0;
     bool has_colour_symbols = false;
+    bool has_predictions = false;
 
     uint32_t zero[4][20][10]; // frequencies of 0
     Table magnitude[2][11];
-    Table first_length[9];
+    Table first_length[18];
     Table other_length[14];
     Table split[6][6];
     Table correction[21];
     Table colour[2];
+    Table prediction[6];
+    Table displacement_kind[2];
+    Table displacement[2];
 };
 
 uint32_t frequency(int p) {
@@ -564,8 +570,9 @@ Code read_code(Bytes section) {
         d[i] = frequency(u8(section, 20 + i));
     }
     const int flags = u8(section, 23);
-    require(flags <= 1, "CODE: flags");
+    require(flags <= 3, "CODE: flags");
     code.has_colour_symbols = flags & 1;
+    code.has_predictions = flags >> 1 & 1;
 
     // The differences to the defaults.
     Stream stream(section.subspan(24));
@@ -612,6 +619,12 @@ Code read_code(Bytes section) {
         t = table(10, 25);
     for (Table& t : code.colour)
         t = table(2, 3);
+    for (Table& t : code.prediction)
+        t = table(3, 4);
+    for (Table& t : code.displacement_kind)
+        t = table(2, 3);
+    for (Table& t : code.displacement)
+        t = table(8, 9);
     return code;
 }
 
@@ -726,6 +739,10 @@ struct Block {
     Vector4 begin; // in the tile
     Vector4 size;
     int rotation = -1; // -1: plain
+    // The displacement (du, dv) along s and along t, where the block copies.
+    std::array<std::optional<std::array<int, 2>>, 2> copy{};
+    int depth = -1; // 4.6; -1: not known yet
+    bool copies() const { return copy[0] || copy[1]; }
     // Levels in scan order, a vector as long as the coded length for each plane.
     std::array<std::vector<int32_t>, 4> levels;
 };
@@ -751,6 +768,9 @@ public:
 
 private:
     void read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a, int b);
+    void read_prediction(Stream& stream, Block& block);
+    int depth_of(Block& block);
+    std::array<int64_t, 4> predicted(const Block& block, const Vector4& at) const;
     void read_segment(Stream& stream, size_t begin, size_t end, int64_t work);
     void read_plane(Stream& stream, Block& block, int plane, int length);
     const Scan& scan_of(const Vector4& n);
@@ -768,6 +788,10 @@ private:
     Vector4 size_{};
     std::vector<Block> blocks_;
     int64_t nodes_ = 0;
+    bool last_block_copied_ = false;                             // of those with a prediction symbol
+    std::array<std::array<std::array<int, 2>, 2>, 2> displacement_{}; // [direction][last, the one before]
+    bool predicted_tile_ = false;
+    std::array<std::vector<int64_t>, 4> plane_values_; // P of 4.6, by place() in the tile
     // Per plane: min(magnitude, 2) of the coefficients decoded so far, by place().
     std::array<std::vector<uint8_t>, 4> small_;
     // Codes, texel by texel as part 2 numbers them, channels adjacent.
@@ -785,7 +809,9 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
     const int split = stream.symbol(code_.split[a][b]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
-        blocks_.push_back({begin, size, -1, {}});
+        blocks_.push_back({begin, size, -1, {}, -1, {}});
+        if (code_.has_predictions)
+            read_prediction(stream, blocks_.back());
         return;
     }
     const size_t first = split == 1 ? 0 : 2, second = first + 1;
@@ -805,6 +831,89 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
         }
 }
 
+void TileDecoder::read_prediction(Stream& stream, Block& block) {
+    const bool s_before = block.begin[2] > 0, t_before = block.begin[3] > 0;
+    if (!s_before && !t_before)
+        return;
+    const int w = !t_before ? 0 : !s_before ? 1 : 2;
+    const int symbol = stream.symbol(code_.prediction[2 * w + last_block_copied_]);
+    require(w == 2 || symbol <= 1, "tile: prediction symbol");
+    last_block_copied_ = symbol != 0;
+    const bool along[2] = {w == 0 ? symbol == 1 : w == 2 && (symbol == 1 || symbol == 3),
+                           w == 1 ? symbol == 1 : w == 2 && symbol >= 2};
+    for (size_t direction = 0; direction < 2; ++direction) {
+        if (!along[direction])
+            continue;
+        auto& known = displacement_[direction];
+        const int kind = stream.symbol(code_.displacement_kind[direction]);
+        std::array<int, 2> d = known[kind == 1 ? 1 : 0];
+        if (kind == 2)
+            for (size_t component = 0; component < 2; ++component) {
+                const int k = stream.symbol(code_.displacement[component == direction ? 0 : 1]);
+                if (k == 0)
+                    continue;
+                const int m = static_cast<int>(stream.raw(k - 1));
+                const int magnitude = (1 << (k - 1)) + m;
+                d[component] += stream.raw(1) ? -magnitude : magnitude;
+                require(std::abs(d[component]) <= 127, "tile: displacement");
+            }
+        if (d != known[0]) {
+            known[1] = known[0];
+            known[0] = d;
+        }
+        block.copy[direction] = d;
+    }
+}
+
+// 4.6. What a block copies from lies earlier along the angular splits, so the recursion ends.
+int TileDecoder::depth_of(Block& block) {
+    if (block.depth >= 0)
+        return block.depth;
+    int depth = 0;
+    for (size_t direction = 0; direction < 2; ++direction) {
+        if (!block.copy[direction])
+            continue;
+        const size_t axis = 2 + direction, other = 3 - direction;
+        for (Block& from : blocks_)
+            if (from.begin[axis] < block.begin[axis] &&
+                from.begin[axis] + from.size[axis] >= block.begin[axis] &&
+                from.begin[other] < block.begin[other] + block.size[other] &&
+                from.begin[other] + from.size[other] > block.begin[other])
+                depth = std::max(depth, 1 + depth_of(from));
+    }
+    require(depth <= 15, "tile: depth of copies");
+    return block.depth = depth;
+}
+
+// The prediction of a texel, in place `at` of the block.
+std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4& at) const {
+    std::array<int64_t, 4> sums{};
+    for (size_t direction = 0; direction < 2; ++direction) {
+        if (!block.copy[direction])
+            continue;
+        const int k = at[2 + direction] + 1;
+        const int x = 2 * (block.begin[0] + at[0]) + k * (*block.copy[direction])[0];
+        const int y = 2 * (block.begin[1] + at[1]) + k * (*block.copy[direction])[1];
+        Vector4 from{};
+        for (size_t a = 2; a < 4; ++a)
+            from[a] = a == 2 + direction ? block.begin[a] - 1 : block.begin[a] + at[a];
+        const auto i = static_cast<int>(floor_div(x, 2)), j = static_cast<int>(floor_div(y, 2));
+        const int f = x - 2 * i, g = y - 2 * j;
+        for (int b = 0; b < 2; ++b)
+            for (int a = 0; a < 2; ++a) {
+                const int weight = (a == 0 ? 2 - f : f) * (b == 0 ? 2 - g : g);
+                from[0] = std::clamp(i + a, 0, size_[0] - 1);
+                from[1] = std::clamp(j + b, 0, size_[1] - 1);
+                for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p)
+                    sums[p] += weight * plane_values_[p][place(from, size_)];
+            }
+    }
+    const bool both = block.copy[0] && block.copy[1];
+    for (int64_t& sum : sums)
+        sum = both ? floor_div(sum + 4, 8) : floor_div(sum + 2, 4);
+    return sums;
+}
+
 void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t work) {
     bool last_was_rotated = false;
     int last_rotation = 0;
@@ -817,7 +926,7 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
             int k = 0;
             if (plane == 0) {
                 const int b = std::bit_width(static_cast<uint32_t>(texels));
-                k = stream.symbol(code_.first_length[std::min(b / 2, 8)]);
+                k = stream.symbol(code_.first_length[std::min(b / 2, 8) + (block.copies() ? 9 : 0)]);
                 first_token = k;
             } else {
                 k = stream.symbol(code_.other_length[first_token]);
@@ -1143,13 +1252,22 @@ void TileDecoder::reconstruct(const Block& block) {
         for (at[2] = 0; at[2] < block.size[2]; ++at[2])
             for (at[1] = 0; at[1] < block.size[1]; ++at[1])
                 for (at[0] = 0; at[0] < block.size[0]; ++at[0]) {
-                    std::array<int64_t, 4> x{};
-                    for (size_t p = 0; p < planes; ++p)
-                        x[p] = values[p][place(at, block.size)] + background[p];
-                    x = from_planes(x, header_.colour);
                     Vector4 in_tile{};
                     for (size_t a = 0; a < 4; ++a)
                         in_tile[a] = block.begin[a] + at[a];
+                    std::array<int64_t, 4> x{}, from_copy{};
+                    if (block.copies()) // 4.6
+                        from_copy = predicted(block, at);
+                    const int64_t limit = header_.sample_type == 0 ? 32768 : 262144;
+                    for (size_t p = 0; p < planes; ++p) {
+                        x[p] = values[p][place(at, block.size)] + from_copy[p];
+                        if (predicted_tile_) {
+                            x[p] = std::clamp(x[p], -limit, limit - 1);
+                            plane_values_[p][place(in_tile, size_)] = x[p];
+                        }
+                        x[p] += background[p];
+                    }
+                    x = from_planes(x, header_.colour);
                     for (size_t c = 0; c < planes; ++c)
                         codes_[texel_number(in_tile) * planes + c] =
                             clamp_code(x[c], header_.sample_type);
@@ -1207,6 +1325,8 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
     size_ = size;
     blocks_.clear();
     nodes_ = 0;
+    last_block_copied_ = false;
+    displacement_ = {};
     codes_.assign(texels * channels, 0);
     const Payload payload = read_payload(bytes, header_, (texels + 4095) / 4096);
     for (size_t i = 0; i < payload.segments.size(); ++i) {
@@ -1221,8 +1341,16 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         read_segment(stream, begin, end, i == 0 ? nodes_ : 0);
         require(stream.ends_well(), "segment: the stream must end well");
     }
-    for (const Block& block : blocks_)
-        reconstruct(block);
+    predicted_tile_ = std::any_of(blocks_.begin(), blocks_.end(),
+                                  [](const Block& block) { return block.copies(); });
+    std::array<std::vector<const Block*>, 16> at_depth;
+    for (Block& block : blocks_)
+        at_depth[static_cast<size_t>(depth_of(block))].push_back(&block);
+    for (size_t p = 0; p < channels; ++p)
+        plane_values_[p].assign(texels, 0);
+    for (const auto& blocks : at_depth)
+        for (const Block* block : blocks)
+            reconstruct(*block);
     add_corrections(payload);
     for (size_t i = 0; i < samples.size(); ++i)
         samples[i] = sample_of(codes_[i], header_.sample_type);
@@ -1244,6 +1372,7 @@ Decoded decode_file(Bytes file) {
         result.metadata = read_metadata(sections.at("meta").bytes);
     check_levels(sections.at("LEVL").bytes, header);
     const Code code = read_code(sections.at("CODE").bytes);
+    require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
 
     uint64_t n[4], tile_count = 1, texel_count = 1;
     for (size_t a = 0; a < 4; ++a) {
