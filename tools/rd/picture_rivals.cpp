@@ -1,0 +1,274 @@
+// Codecs of pictures: one picture per view, or all views in one mosaic.
+#include "tools/parallel.h"
+#include "tools/png_file.h"
+#include "tools/rd/rivals.h"
+#include "tools/rd/subprocess.h"
+#include "tools/rd/view_layout.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace tessera {
+namespace {
+
+using Argv = std::vector<std::string>;
+
+struct PictureTool {
+    const char* id;
+    const char* about;
+    std::vector<std::string> tools; // encoder, decoder
+    const char* package;
+    Argv version;
+    std::uint32_t max_side;
+    const char* ending;
+    std::vector<std::string> settings;
+    Argv (*encode)(const std::string& in, const std::string& out, const std::string& setting,
+                   const Picture& picture, const std::string& threads);
+    Argv (*decode)(const std::string& in, const std::string& out, const std::string& threads);
+};
+
+std::string value_of(const std::string& setting) {
+    return setting.substr(setting.find(' ') + 1);
+}
+
+Argv encode_avif(const std::string& in, const std::string& out, const std::string& setting,
+                 const Picture&, const std::string& threads) {
+    const std::string q = value_of(setting);
+    return {"avifenc", "--speed", "6", "--yuv", "444", "--min", q, "--max", q, "--jobs", threads,
+            in, out};
+}
+Argv decode_avif(const std::string& in, const std::string& out, const std::string& threads) {
+    return {"avifdec", "--jobs", threads, in, out};
+}
+
+Argv encode_jxl(const std::string& in, const std::string& out, const std::string& setting,
+                const Picture&, const std::string& threads) {
+    return {"cjxl", in, out, "--quiet", "--effort=7", "--distance=" + value_of(setting),
+            "--num_threads=" + threads};
+}
+Argv decode_jxl(const std::string& in, const std::string& out, const std::string& threads) {
+    return {"djxl", in, out, "--quiet", "--num_threads=" + threads};
+}
+
+Argv encode_webp(const std::string& in, const std::string& out, const std::string& setting,
+                 const Picture&, const std::string&) {
+    return {"cwebp", "-quiet", "-mt", "-m", "6", "-q", value_of(setting), in, "-o", out};
+}
+Argv decode_webp(const std::string& in, const std::string& out, const std::string&) {
+    return {"dwebp", "-quiet", "-mt", in, "-o", out};
+}
+
+// As many resolutions as the picture has, up to the usual six.
+Argv encode_jp2(const std::string& in, const std::string& out, const std::string& setting,
+                const Picture& picture, const std::string& threads) {
+    unsigned resolutions = 1;
+    while (resolutions < 6 && std::min(picture.width, picture.height) >> resolutions > 0)
+        ++resolutions;
+    return {"opj_compress", "-i", in, "-o", out, "-I", "-q", value_of(setting), "-n",
+            std::to_string(resolutions), "-threads", threads};
+}
+Argv decode_jp2(const std::string& in, const std::string& out, const std::string& threads) {
+    return {"opj_decompress", "-i", in, "-o", out, "-threads", threads};
+}
+
+Argv encode_astc(const std::string& in, const std::string& out, const std::string& setting,
+                 const Picture&, const std::string& threads) {
+    return {"astcenc", "-cl", in, out, value_of(setting), "-medium", "-silent", "-j", threads};
+}
+Argv decode_astc(const std::string& in, const std::string& out, const std::string& threads) {
+    return {"astcenc", "-dl", in, out, "-silent", "-j", threads};
+}
+
+const PictureTool picture_tools[] = {
+    {"avif", "libaom at speed 6, 4:4:4", {"avifenc", "avifdec"}, "libavif-bin", {"--version"},
+     16384, "avif", {"q 20", "q 30", "q 42", "q 54"}, encode_avif, decode_avif},
+    {"jxl", "effort 7", {"cjxl", "djxl"}, "libjxl-tools", {"--version"}, 65535, "jxl",
+     {"distance 0.8", "distance 1.5", "distance 3", "distance 6"}, encode_jxl, decode_jxl},
+    {"webp", "method 6, 4:2:0: it knows no other", {"cwebp", "dwebp"}, "webp", {"-version"}, 16383,
+     "webp", {"q 20", "q 50", "q 75", "q 92"}, encode_webp, decode_webp},
+    {"jp2", "9/7 wavelet", {"opj_compress", "opj_decompress"}, "libopenjp2-tools", {"-h"}, 65535,
+     "jp2", {"dB 35", "dB 38", "dB 41", "dB 44"}, encode_jp2, decode_jp2}};
+
+const PictureTool astc_tool = {
+    "astc", "2D blocks of the mosaic of views, -medium", {"astcenc"}, "astcenc", {"-version"},
+    16384, "astc", {"block 4x4", "block 6x6", "block 8x8", "block 12x12"}, encode_astc,
+    decode_astc};
+
+Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::uint32_t height) {
+    const auto shape = read_png_shape(path);
+    if (!shape.ok())
+        return shape.status();
+    if (shape->width != width || shape->height != height || shape->channels < 3)
+        return Status(ErrorCode::runtime, "decoded a picture of another size or without colours");
+    Picture picture = blank_picture(width, height, 0);
+    TESSERA_TRY(read_png(path, *shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
+        for (std::uint32_t x = 0; x < width; ++x)
+            std::copy_n(row.begin() + std::ptrdiff_t{x} * shape->channels, 3, picture.pixel(x, y));
+    }));
+    return picture;
+}
+
+std::string threads_text(unsigned threads) {
+    return std::to_string(threads > 0 ? threads
+                                      : std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// Runs a command for each of `count` files on all threads. The seconds are those of the whole.
+template <class Command>
+Result<double> run_for_all(std::size_t count, const CodingJob& job, const char* stage,
+                           const Command& command) {
+    const auto begun = std::chrono::steady_clock::now();
+    std::vector<int> workers(thread_count(job.threads));
+    std::atomic<std::size_t> done{0};
+    const Status status = parallel_for(
+        workers, count,
+        [&](int, std::size_t i) {
+            const Status ran = run_tool_well(command(i), job.timeout).status();
+            ++done;
+            return ran;
+        },
+        [&](std::size_t) {
+            if (job.progress)
+                job.progress(stage, static_cast<double>(done), static_cast<double>(count));
+        });
+    if (!status.ok())
+        return status;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
+// Puts pictures of equal size through the tool and back; fills in sizes and times.
+Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const CodingJob& job,
+                                           const std::string& setting,
+                                           const std::vector<Picture>& pictures, Coded& coded) {
+    const auto file = [&](const char* what, std::size_t i, const char* ending) {
+        return job.folder.at(std::string(what) + std::to_string(i) + "." + ending);
+    };
+    // Many small pictures keep the cores busy by their number, one large one by itself.
+    const std::string threads = pictures.size() > 1 ? "1" : threads_text(job.threads);
+    TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
+        return write_png(file("in", i, "png"), pictures[i]);
+    }));
+    const auto encoded = run_for_all(pictures.size(), job, "encoding", [&](std::size_t i) {
+        return tool.encode(file("in", i, "png"), file("coded", i, tool.ending), setting,
+                           pictures[i], threads);
+    });
+    if (!encoded.ok())
+        return encoded.status();
+    coded.encode_seconds = *encoded;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const auto bytes = bytes_of_file(file("coded", i, tool.ending));
+        if (!bytes.ok())
+            return bytes.status();
+        coded.bytes += *bytes;
+    }
+    const auto decoded = best_time([&] {
+        return run_for_all(pictures.size(), job, "decoding", [&](std::size_t i) {
+            return tool.decode(file("coded", i, tool.ending), file("out", i, "png"), threads);
+        });
+    });
+    if (!decoded.ok())
+        return decoded.status();
+    coded.decode_seconds = *decoded;
+    std::vector<Picture> back(pictures.size());
+    TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
+        auto picture =
+            read_picture(file("out", i, "png"), pictures[i].width, pictures[i].height);
+        if (!picture.ok())
+            return picture.status();
+        back[i] = std::move(*picture);
+        return Status();
+    }));
+    return back;
+}
+
+Result<Coded> code_views(const PictureTool& tool, const CodingJob& job,
+                         const std::string& setting) {
+    const auto order = serpentine(job.texture.desc.size);
+    std::vector<Picture> views;
+    for (const ViewIndex view : order)
+        views.push_back(view_picture(job.texture, view));
+    Coded coded;
+    const auto back = code_pictures(tool, job, setting, views, coded);
+    if (!back.ok())
+        return back.status();
+    coded.texels.resize(job.texture.texels.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        store_view((*back)[i], 0, 0, job.texture.desc.size, order[i], coded.texels);
+    coded.texel_bytes = coded.view_bytes =
+        static_cast<double>(coded.bytes) / static_cast<double>(order.size());
+    coded.note = std::to_string(order.size()) + " processes";
+    return coded;
+}
+
+Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
+                          const std::string& setting) {
+    const Extent4& n = job.texture.desc.size;
+    const std::uint64_t width = std::uint64_t{n[axis_u]} * n[axis_s];
+    const std::uint64_t height = std::uint64_t{n[axis_v]} * n[axis_t];
+    if (std::max(width, height) > tool.max_side)
+        return Status(ErrorCode::unsupported,
+                      "the mosaic has " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels, a picture may have " + std::to_string(tool.max_side) +
+                          " a side");
+    Coded coded;
+    const auto back = code_pictures(tool, job, setting, {mosaic_picture(job.texture)}, coded);
+    if (!back.ok())
+        return back.status();
+    coded.texels.resize(job.texture.texels.size());
+    store_mosaic(back->front(), n, coded.texels);
+    coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
+    return coded;
+}
+
+// Blocks of 16 bytes at known places: a texel is in one, a view in those that it touches.
+Result<Coded> code_astc(const CodingJob& job, const std::string& setting) {
+    auto coded = code_mosaic(astc_tool, job, setting);
+    if (!coded.ok())
+        return coded;
+    const std::string block = value_of(setting);
+    const double side_x = std::stod(block), side_y = std::stod(block.substr(block.find('x') + 1));
+    const Extent4& n = job.texture.desc.size;
+    coded->texel_bytes = 16;
+    coded->view_bytes = 16 * (n[axis_u] / side_x + 1) * (n[axis_v] / side_y + 1);
+    return coded;
+}
+
+Rival picture_rival(const PictureTool& tool) {
+    Rival rival;
+    rival.id = tool.id;
+    rival.layout = tool.about;
+    rival.tools = tool.tools;
+    rival.package = tool.package;
+    rival.version_arguments = tool.version;
+    rival.settings = tool.settings;
+    rival.not_applicable = needs_rgb8;
+    return rival;
+}
+
+} // namespace
+
+std::vector<Rival> picture_rivals() {
+    std::vector<Rival> all;
+    for (const PictureTool& tool : picture_tools) {
+        Rival views = picture_rival(tool), mosaic = views;
+        views.layout += ", one file per view";
+        views.run = [&tool](const CodingJob& job, const std::string& setting) {
+            return code_views(tool, job, setting);
+        };
+        mosaic.id += ":mosaic";
+        mosaic.layout += ", all views in one picture";
+        mosaic.quick = true;
+        mosaic.run = [&tool](const CodingJob& job, const std::string& setting) {
+            return code_mosaic(tool, job, setting);
+        };
+        all.push_back(std::move(views));
+        all.push_back(std::move(mosaic));
+    }
+    all.push_back(picture_rival(astc_tool));
+    all.back().run = code_astc;
+    return all;
+}
+
+} // namespace tessera

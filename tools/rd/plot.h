@@ -1,0 +1,18 @@
+// Rate-distortion curves as an SVG picture: PSNR over the logarithm of the rate, a line per codec
+// with its name beside it.
+#pragma once
+
+#include "tools/rd/report.h"
+
+#include <string>
+
+namespace tessera {
+
+// Of PSNR-RGB. Lossless points and codecs that are not for the plot are left out. Stands alone, and
+// inside HTML.
+std::string to_svg(const TextureReport& texture);
+
+// `text` as it may stand in SVG and HTML.
+std::string escaped(const std::string& text);
+
+} // namespace tessera
