@@ -11,32 +11,28 @@
 namespace tessera {
 
 struct AccessCost {
-    std::size_t reads = 0;
-    std::uint64_t bytes = 0;
+    std::size_t first_reads = 0; // by a reader that opens the file for it
+    std::size_t reads = 0;       // by one that holds header, tables and index already,
+    std::uint64_t bytes = 0;     // and how many bytes those are
 };
 
-// For each box, decoded by a reader that holds header, tables and index already and checks tiles,
-// not pages. Errors: those of decoding.
-inline Result<std::vector<AccessCost>> access_costs(std::span<const std::byte> file,
-                                                    std::span<const Box4> boxes) {
+// Of the texels of `box`, where tiles are checked and not pages. Errors: those of decoding.
+inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box4& box) {
     const auto source = wrap_memory(file);
     CountingByteSource counting(*source);
     const auto decoder = Decoder::open(counting);
     if (!decoder.ok())
         return decoder.status();
-    std::vector<std::byte> texels;
-    std::vector<AccessCost> costs(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        texels.resize(decoder->desc().box_bytes(boxes[i]));
-        for (int pass = 0; pass < 2; ++pass) { // the first one fetches the index
-            counting.reset();
-            TESSERA_TRY(decoder->decode_box(boxes[i], texels, 1, Integrity::tile));
-        }
-        costs[i].reads = counting.reads().size();
-        for (const CountingByteSource::Read& read : counting.reads())
-            costs[i].bytes += read.length;
-    }
-    return costs;
+    std::vector<std::byte> texels(decoder->desc().box_bytes(box));
+    TESSERA_TRY(decoder->decode_box(box, texels, 1, Integrity::tile));
+    AccessCost cost;
+    cost.first_reads = counting.reads().size();
+    counting.reset();
+    TESSERA_TRY(decoder->decode_box(box, texels, 1, Integrity::tile));
+    cost.reads = counting.reads().size();
+    for (const CountingByteSource::Read& read : counting.reads())
+        cost.bytes += read.length;
+    return cost;
 }
 
 } // namespace tessera

@@ -36,7 +36,7 @@ void declare_rates(CLI::App& c, RdOptions& o) {
     c.add_option("--psnr", o.psnr, "PSNRs in dB that tessera is measured at (35,38,41,44)")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 200.0));
-    c.add_option("--quality", o.quality, "Qualities 1..100 that it is measured at, besides")
+    c.add_option("--quality", o.quality, "Qualities 1..100 that it is measured at; with --psnr both")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
     c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5)")

@@ -174,6 +174,8 @@ Result<Coded> code_zstd(const CodingJob& job, const std::string& setting) {
     auto back = bytes_in_file(out);
     if (!back.ok())
         return back.status();
+    if (back->size() != job.texture.texels.size())
+        return Status(ErrorCode::runtime, "zstd: decoded a texture of another size");
     Coded coded;
     coded.bytes = *bytes;
     coded.encode_seconds = encoded->seconds;
@@ -212,25 +214,33 @@ Rival array_rival(const char* id, const char* layout, std::vector<std::string> t
 
 std::vector<Rival> array_rivals() {
     std::vector<Rival> all;
-    all.push_back(array_rival("zfp:rate", "fixed rate, 4D blocks, Cb and Cr at half the rate",
-                              {"zfp"}, "zfp", {},
-                              {"rate 1", "rate 2", "rate 3", "rate 4"}));
-    all.push_back(array_rival("zfp:accuracy",
-                              "fixed accuracy, 4D blocks, Cb and Cr at twice the tolerance",
-                              {"zfp"}, "zfp", {},
-                              {"tolerance 32", "tolerance 64", "tolerance 128", "tolerance 256"}));
-    all.push_back(array_rival("exr:dwaa", "OpenEXR's DWAA, mosaic of views, half floats", {}, "",
-                              {}, {"level 500", "level 1000", "level 2000", "level 4000"}));
-    all.back().run = code_exr_mosaic;
-    all.push_back(array_rival("zstd", "raw bytes, window of 128 MB, lossless", {"zstd"}, "zstd",
-                              {"--version"}, {"level 3", "level 19"}));
-    all.back().run = code_zstd;
-    all.back().in_plot = false;
-    all.back().quick = true;
-    all.push_back(array_rival("raw", "nothing is coded", {}, "", {}, {"as it is"}));
-    all.back().run = keep_raw;
-    all.back().in_plot = false;
-    all.back().quick = true;
+    const auto add = [&all](Rival rival) -> Rival& {
+        all.push_back(std::move(rival));
+        return all.back();
+    };
+    Rival& rate = add(array_rival("zfp:rate", "fixed rate, 4D blocks, Cb and Cr at half the rate",
+                                  {"zfp"}, "zfp", {}, {"rate 1", "rate 2", "rate 3", "rate 4"}));
+    rate.coarser = {"rate 0.5"};
+    rate.finer = {"rate 6", "rate 8"};
+    Rival& accuracy = add(array_rival(
+        "zfp:accuracy", "fixed accuracy, 4D blocks, Cb and Cr at twice the tolerance", {"zfp"},
+        "zfp", {}, {"tolerance 256", "tolerance 128", "tolerance 64", "tolerance 32"}));
+    accuracy.coarser = {"tolerance 512", "tolerance 1024"};
+    accuracy.finer = {"tolerance 16", "tolerance 8"};
+    Rival& exr = add(array_rival("exr:dwaa", "OpenEXR's DWAA, mosaic of views, half floats", {}, "",
+                                 {}, {"level 4000", "level 2000", "level 1000", "level 500"}));
+    exr.coarser = {"level 8000", "level 16000"};
+    exr.finer = {"level 200", "level 100"};
+    exr.run = code_exr_mosaic;
+    Rival& zstd = add(array_rival("zstd", "raw bytes, window of 128 MB, lossless", {"zstd"}, "zstd",
+                                  {"--version"}, {"level 3", "level 19"}));
+    zstd.run = code_zstd;
+    zstd.in_plot = false;
+    zstd.quick = true;
+    Rival& raw = add(array_rival("raw", "nothing is coded", {}, "", {}, {"as it is"}));
+    raw.run = keep_raw;
+    raw.in_plot = false;
+    raw.quick = true;
     return all;
 }
 

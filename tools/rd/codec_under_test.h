@@ -33,7 +33,10 @@ struct CodecUnderTest {
     std::string id;      // "x265:8"
     std::string layout;  // how it is fed, in words
     std::string version; // of the tools; measurements are kept per version
-    std::vector<std::string> settings;
+    std::vector<std::string> settings; // usual ones, from coarse to fine
+    // More of them, for textures on which the usual ones miss the PSNRs of interest: each list leads
+    // away from the usual ones.
+    std::vector<std::string> coarser, finer;
     bool in_plot = true;
     std::function<Result<Coded>(const CodingJob&, const std::string& setting)> run;
 };

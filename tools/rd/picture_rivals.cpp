@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <thread>
 
 namespace tessera {
@@ -23,7 +24,8 @@ struct PictureTool {
     Argv version;
     std::uint32_t max_side;
     const char* ending;
-    std::vector<std::string> settings;
+    const char* pictures; // what it reads and writes besides; ppm costs it the least
+    std::vector<std::string> settings, coarser, finer;
     Argv (*encode)(const std::string& in, const std::string& out, const std::string& setting,
                    const Picture& picture, const std::string& threads);
     Argv (*decode)(const std::string& in, const std::string& out, const std::string& threads);
@@ -57,7 +59,7 @@ Argv encode_webp(const std::string& in, const std::string& out, const std::strin
     return {"cwebp", "-quiet", "-mt", "-m", "6", "-q", value_of(setting), in, "-o", out};
 }
 Argv decode_webp(const std::string& in, const std::string& out, const std::string&) {
-    return {"dwebp", "-quiet", "-mt", in, "-o", out};
+    return {"dwebp", "-quiet", "-mt", "-ppm", in, "-o", out};
 }
 
 // As many resolutions as the picture has, up to the usual six.
@@ -83,25 +85,62 @@ Argv decode_astc(const std::string& in, const std::string& out, const std::strin
 
 const PictureTool picture_tools[] = {
     {"avif", "libaom at speed 6, 4:4:4", {"avifenc", "avifdec"}, "libavif-bin", {"--version"},
-     16384, "avif", {"q 20", "q 30", "q 42", "q 54"}, encode_avif, decode_avif},
+     16384, "avif", "png", {"q 54", "q 42", "q 30", "q 20"}, {"q 60"}, {"q 12", "q 6"}, encode_avif, decode_avif},
     {"jxl", "effort 7", {"cjxl", "djxl"}, "libjxl-tools", {"--version"}, 65535, "jxl",
-     {"distance 0.8", "distance 1.5", "distance 3", "distance 6"}, encode_jxl, decode_jxl},
-    {"webp", "method 6, 4:2:0: it knows no other", {"cwebp", "dwebp"}, "webp", {"-version"}, 16383,
-     "webp", {"q 20", "q 50", "q 75", "q 92"}, encode_webp, decode_webp},
+     "ppm", {"distance 6", "distance 3", "distance 1.5", "distance 0.8"},
+     {"distance 10", "distance 15"}, {"distance 0.4", "distance 0.2", "distance 0.1"}, encode_jxl, decode_jxl},
+    {"webp", "method 6, 4:2:0 (it knows no other)", {"cwebp", "dwebp"}, "webp", {"-version"}, 16383,
+     "webp", "ppm", {"q 20", "q 50", "q 75", "q 92"}, {"q 5"}, {"q 97", "q 100"}, encode_webp, decode_webp},
     {"jp2", "9/7 wavelet", {"opj_compress", "opj_decompress"}, "libopenjp2-tools", {"-h"}, 65535,
-     "jp2", {"dB 35", "dB 38", "dB 41", "dB 44"}, encode_jp2, decode_jp2}};
+     "jp2", "ppm", {"dB 35", "dB 38", "dB 41", "dB 44"}, {}, {}, encode_jp2, decode_jp2}};
 
 const PictureTool astc_tool = {
     "astc", "2D blocks of the mosaic of views, -medium", {"astcenc"}, "astcenc", {"-version"},
-    16384, "astc", {"block 4x4", "block 6x6", "block 8x8", "block 12x12"}, encode_astc,
+    16384, "astc", "png", {"block 12x12", "block 8x8", "block 6x6", "block 4x4"}, {}, {}, encode_astc,
     decode_astc};
 
+bool is_ppm(const std::string& path) {
+    return path.ends_with(".ppm");
+}
+
+Status write_picture(const std::string& path, const Picture& picture) {
+    if (!is_ppm(path))
+        return write_png(path, picture);
+    const std::string head = "P6\n" + std::to_string(picture.width) + " " +
+                             std::to_string(picture.height) + "\n255\n";
+    std::vector<std::byte> bytes(head.size());
+    std::memcpy(bytes.data(), head.data(), head.size());
+    bytes.insert(bytes.end(), picture.rgb.begin(), picture.rgb.end());
+    return write_bytes(path, bytes);
+}
+
+const Status another_picture(ErrorCode::runtime, "decoded a picture of another size or kind");
+
+// The samples are the end of the file, whatever comments stand before them.
+Result<Picture> read_ppm(const std::string& path, std::uint32_t width, std::uint32_t height) {
+    const auto bytes = bytes_in_file(path);
+    if (!bytes.ok())
+        return bytes.status();
+    Picture picture = blank_picture(width, height, 0);
+    const std::size_t count = picture.rgb.size();
+    const std::string size = std::to_string(width) + " " + std::to_string(height);
+    const std::string head(reinterpret_cast<const char*>(bytes->data()),
+                           bytes->size() - std::min(bytes->size(), count));
+    if (!head.starts_with("P6") || head.find(size) == std::string::npos)
+        return another_picture;
+    std::copy(bytes->end() - static_cast<std::ptrdiff_t>(count), bytes->end(),
+              picture.rgb.begin());
+    return picture;
+}
+
 Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::uint32_t height) {
+    if (is_ppm(path))
+        return read_ppm(path, width, height);
     const auto shape = read_png_shape(path);
     if (!shape.ok())
         return shape.status();
     if (shape->width != width || shape->height != height || shape->channels < 3)
-        return Status(ErrorCode::runtime, "decoded a picture of another size or without colours");
+        return another_picture;
     Picture picture = blank_picture(width, height, 0);
     TESSERA_TRY(read_png(path, *shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
         for (std::uint32_t x = 0; x < width; ++x)
@@ -148,10 +187,10 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     // Many small pictures keep the cores busy by their number, one large one by itself.
     const std::string threads = pictures.size() > 1 ? "1" : threads_text(job.threads);
     TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
-        return write_png(file("in", i, "png"), pictures[i]);
+        return write_picture(file("in", i, tool.pictures), pictures[i]);
     }));
     const auto encoded = run_for_all(pictures.size(), job, "encoding", [&](std::size_t i) {
-        return tool.encode(file("in", i, "png"), file("coded", i, tool.ending), setting,
+        return tool.encode(file("in", i, tool.pictures), file("coded", i, tool.ending), setting,
                            pictures[i], threads);
     });
     if (!encoded.ok())
@@ -165,7 +204,7 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     }
     const auto decoded = best_time([&] {
         return run_for_all(pictures.size(), job, "decoding", [&](std::size_t i) {
-            return tool.decode(file("coded", i, tool.ending), file("out", i, "png"), threads);
+            return tool.decode(file("coded", i, tool.ending), file("out", i, tool.pictures), threads);
         });
     });
     if (!decoded.ok())
@@ -174,7 +213,7 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     std::vector<Picture> back(pictures.size());
     TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
         auto picture =
-            read_picture(file("out", i, "png"), pictures[i].width, pictures[i].height);
+            read_picture(file("out", i, tool.pictures), pictures[i].width, pictures[i].height);
         if (!picture.ok())
             return picture.status();
         back[i] = std::move(*picture);
@@ -243,6 +282,8 @@ Rival picture_rival(const PictureTool& tool) {
     rival.package = tool.package;
     rival.version_arguments = tool.version;
     rival.settings = tool.settings;
+    rival.coarser = tool.coarser;
+    rival.finer = tool.finer;
     rival.not_applicable = needs_rgb8;
     return rival;
 }

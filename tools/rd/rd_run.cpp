@@ -9,6 +9,7 @@
 #include "tools/rd/tessera_codec.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -118,9 +119,12 @@ void print_line(const Measurement& m, std::size_t number, std::size_t count) {
     if (!m.failed.empty())
         std::printf("%-36s failed: %s\n", head.c_str(), m.failed.c_str());
     else
-        std::printf("%-36s %9.5f bpt %7.2f dB  encoding %8.2f MB/s, decoding %8.2f MB/s%s\n",
-                    head.c_str(), m.bits_per_texel, m.quality.psnr_rgb, m.encode_mbs, m.decode_mbs,
-                    m.cached ? "  (cached)" : "");
+        std::printf("%-36s %9.5f bpt %8s  encoding %8.2f MB/s, decoding %8.2f MB/s%s\n",
+                    head.c_str(), m.bits_per_texel,
+                    std::isfinite(m.quality.psnr_rgb)
+                        ? (format_number(m.quality.psnr_rgb, 2) + " dB").c_str()
+                        : "exact",
+                    m.encode_mbs, m.decode_mbs, m.cached ? "  cached" : "");
     std::fflush(stdout);
 }
 

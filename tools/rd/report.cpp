@@ -19,7 +19,7 @@ std::string bits_text(double bits) {
 }
 
 std::string speed_text(double mbs) {
-    return format_number(mbs, mbs < 10 ? 2 : mbs < 100 ? 1 : 0);
+    return mbs <= 0 ? "-" : format_number(mbs, mbs < 10 ? 2 : mbs < 100 ? 1 : 0);
 }
 
 std::string bytes_text(const std::optional<double>& bytes) {

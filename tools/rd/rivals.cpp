@@ -104,7 +104,7 @@ RivalChoice choose_rivals(const std::vector<Rival>& wanted, const TextureDesc& d
                                                    "; tools/install-rivals.sh installs it)"});
         else
             choice.present.push_back({rival.id, rival.layout, version_of(rival), rival.settings,
-                                      rival.in_plot, rival.run});
+                                      rival.coarser, rival.finer, rival.in_plot, rival.run});
     }
     return choice;
 }

@@ -18,7 +18,7 @@ struct Rival {
     std::string package;            // of Debian, where the tools come from
     // Asks the first tool which version it is.
     std::vector<std::string> version_arguments;
-    std::vector<std::string> settings;
+    std::vector<std::string> settings, coarser, finer; // see CodecUnderTest
     bool in_plot = true;
     bool usual = true; // part of --rivals all
     bool quick = false;

@@ -35,7 +35,7 @@ Result<ScratchFolder> folder_for(const RdTexture& texture, const std::string& co
 }
 
 double megabytes_per_second(const RdTexture& texture, double seconds) {
-    return static_cast<double>(texture.texels.size()) / 1e6 / std::max(seconds, 1e-9);
+    return seconds > 0 ? static_cast<double>(texture.texels.size()) / 1e6 / seconds : 0;
 }
 
 Result<Measurement> measure(const RdTexture& texture, const CodecUnderTest& codec,
@@ -88,29 +88,77 @@ Result<Measurement> find_or_measure(const RdTexture& texture, const CodecUnderTe
     return measured;
 }
 
+// The measurements of one codec, in the order in which they are made.
+class CodecSweep {
+public:
+    using Measure = std::function<Result<Measurement>(const std::string& setting)>;
+    CodecSweep(const CodecUnderTest& codec, const SweepOptions& options, const Measure& measure)
+        : codec_(codec), options_(options), measure_(measure) {}
+
+    // The usual settings, then as many coarser and finer ones as it takes.
+    Status run() {
+        for (const std::string& setting : codec_.settings)
+            TESSERA_TRY(add(setting));
+        for (const std::string& setting : codec_.coarser)
+            if (low_ < high_ && low_ > options_.low_psnr)
+                TESSERA_TRY(add(setting));
+        for (const std::string& setting : codec_.finer)
+            if (low_ <= high_ && high_ < options_.high_psnr)
+                TESSERA_TRY(add(setting));
+        std::stable_sort(rows_.begin(), rows_.end(), [](const Measurement& a, const Measurement& b) {
+            return a.bits_per_texel < b.bits_per_texel;
+        });
+        return {};
+    }
+    const std::vector<Measurement>& rows() const { return rows_; }
+
+private:
+    Status add(const std::string& setting) {
+        const auto m = measure_(setting);
+        if (!m.ok())
+            return m.status();
+        rows_.push_back(*m);
+        if (!m->failed.empty())
+            return {};
+        low_ = std::min(low_, m->quality.psnr_rgb);
+        high_ = std::max(high_, m->quality.psnr_rgb);
+        return {};
+    }
+
+    const CodecUnderTest& codec_;
+    const SweepOptions& options_;
+    const Measure& measure_;
+    std::vector<Measurement> rows_;
+    double low_ = 1e300, high_ = -1e300; // dB reached
+};
+
 } // namespace
 
 Result<std::vector<Measurement>> sweep(const RdTexture& texture,
                                        const std::vector<CodecUnderTest>& codecs,
                                        const SweepOptions& options) {
     QualityMeter meter(texture, options.threads);
-    std::size_t count = 0;
+    std::size_t count = 0, number = 0; // settings that may yet follow are not foreseen
     for (const CodecUnderTest& codec : codecs)
         count += codec.settings.size();
     std::vector<Measurement> all;
-    for (const CodecUnderTest& codec : codecs)
-        for (const std::string& setting : codec.settings) {
-            const std::size_t number = all.size() + 1;
+    for (const CodecUnderTest& codec : codecs) {
+        std::size_t usual = codec.settings.size();
+        const CodecSweep::Measure measure_setting = [&](const std::string& setting) {
+            ++number;
+            count += usual > 0 ? (--usual, 0) : 1;
             const ProgressFunction progress =
                 options.progress ? options.progress(number, count, codec.id + " " + setting)
                                  : ProgressFunction();
-            const auto m = find_or_measure(texture, codec, setting, options, progress, meter);
-            if (!m.ok())
-                return m.status();
-            all.push_back(*m);
-            if (options.done)
+            auto m = find_or_measure(texture, codec, setting, options, progress, meter);
+            if (m.ok() && options.done)
                 options.done(*m, number, count);
-        }
+            return m;
+        };
+        CodecSweep codec_sweep(codec, options, measure_setting);
+        TESSERA_TRY(codec_sweep.run());
+        all.insert(all.end(), codec_sweep.rows().begin(), codec_sweep.rows().end());
+    }
     return all;
 }
 

@@ -52,24 +52,21 @@ Box4 box_of(const Extent4& place, const Extent4& size, bool whole_view) {
 }
 
 Result<double> mean_access(std::span<const std::byte> file, const Extent4& size, bool whole_view) {
-    std::vector<Box4> boxes;
-    for (std::size_t i = 0; i < (whole_view ? view_probes : texel_probes); ++i)
-        boxes.push_back(box_of(probe(size, i), size, whole_view));
-    const auto costs = access_costs(file, boxes);
-    if (!costs.ok())
-        return costs.status();
+    const std::size_t probes = whole_view ? view_probes : texel_probes;
     double sum = 0;
-    for (const AccessCost& cost : *costs)
-        sum += static_cast<double>(cost.bytes);
-    return sum / static_cast<double>(boxes.size());
+    for (std::size_t i = 0; i < probes; ++i) {
+        const auto cost = access_cost(file, box_of(probe(size, i), size, whole_view));
+        if (!cost.ok())
+            return cost.status();
+        sum += static_cast<double>(cost->bytes);
+    }
+    return sum / static_cast<double>(probes);
 }
 
-Result<RateTarget> rate_of(const std::string& setting) {
-    const std::size_t space = setting.find(' ');
-    const double value = std::stod(setting.substr(space + 1));
-    return RateTarget{setting.rfind("psnr", 0) == 0 ? RateTarget::Kind::psnr
-                                                    : RateTarget::Kind::quality,
-                      value};
+RateTarget rate_of(const std::string& setting) {
+    const double value = std::stod(setting.substr(setting.find(' ') + 1));
+    return {setting.starts_with("psnr") ? RateTarget::Kind::psnr : RateTarget::Kind::quality,
+            value};
 }
 
 Result<double> decode(std::span<const std::byte> file, unsigned threads,
@@ -84,11 +81,8 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
 }
 
 Result<Coded> code(int effort, const CodingJob& job, const std::string& setting) {
-    const auto rate = rate_of(setting);
-    if (!rate.ok())
-        return rate.status();
     EncodeOptions options;
-    options.rate = *rate;
+    options.rate = rate_of(setting);
     options.effort = effort;
     options.threads = job.threads;
     options.progress = job.progress;

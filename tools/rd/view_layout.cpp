@@ -72,27 +72,45 @@ const std::byte* read_plane(Plane& plane, const std::byte* from) {
     return from;
 }
 
-// BT.709, full range, 128 for no colour.
-void to_yuv(const Picture& picture, std::array<Plane, 3>& yuv) {
+struct Colour {
+    float a, b, c; // r, g, b; or y and two differences, 128 for none
+};
+
+Colour to_yuv(const Colour& rgb, Chroma chroma) {
+    const auto [r, g, b] = rgb;
+    if (chroma == Chroma::full)
+        return {(r + 2 * g + b) / 4, (2 * g - r - b) / 4 + 128, (r - b) / 2 + 128};
+    const float y = 0.2126f * r + 0.7152f * g + 0.0722f * b;
+    return {y, (b - y) / 1.8556f + 128, (r - y) / 1.5748f + 128};
+}
+
+Colour to_rgb(const Colour& yuv, Chroma chroma) {
+    const float y = yuv.a, first = yuv.b - 128, second = yuv.c - 128;
+    if (chroma == Chroma::full)
+        return {y - first + second, y + first, y - first - second};
+    const float r = y + 1.5748f * second, b = y + 1.8556f * first;
+    return {r, (y - 0.2126f * r - 0.0722f * b) / 0.7152f, b};
+}
+
+void split(const Picture& picture, Chroma chroma, std::array<Plane, 3>& yuv) {
     for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) {
         const auto c = [&](std::size_t k) {
             return static_cast<float>(std::to_integer<int>(picture.rgb[3 * i + k]));
         };
-        const float y = 0.2126f * c(0) + 0.7152f * c(1) + 0.0722f * c(2);
-        yuv[0].values[i] = y;
-        yuv[1].values[i] = (c(2) - y) / 1.8556f + 128;
-        yuv[2].values[i] = (c(0) - y) / 1.5748f + 128;
+        const Colour colour = to_yuv({c(0), c(1), c(2)}, chroma);
+        yuv[0].values[i] = colour.a;
+        yuv[1].values[i] = colour.b;
+        yuv[2].values[i] = colour.c;
     }
 }
 
-void to_rgb(const std::array<Plane, 3>& yuv, Picture& picture) {
+void join(const std::array<Plane, 3>& yuv, Chroma chroma, Picture& picture) {
     for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) {
-        const float y = yuv[0].values[i];
-        const float r = y + 1.5748f * (yuv[2].values[i] - 128);
-        const float b = y + 1.8556f * (yuv[1].values[i] - 128);
-        picture.rgb[3 * i] = to_byte(r);
-        picture.rgb[3 * i + 1] = to_byte((y - 0.2126f * r - 0.0722f * b) / 0.7152f);
-        picture.rgb[3 * i + 2] = to_byte(b);
+        const Colour colour =
+            to_rgb({yuv[0].values[i], yuv[1].values[i], yuv[2].values[i]}, chroma);
+        picture.rgb[3 * i] = to_byte(colour.a);
+        picture.rgb[3 * i + 1] = to_byte(colour.b);
+        picture.rgb[3 * i + 2] = to_byte(colour.c);
     }
 }
 
@@ -161,7 +179,7 @@ std::vector<std::byte> video_of(const RdTexture& texture, Chroma chroma) {
     std::array<Plane, 3> yuv{empty, empty, empty};
     std::byte* to = video.data();
     for (const ViewIndex view : serpentine(n)) {
-        to_yuv(view_picture(texture, view), yuv);
+        split(view_picture(texture, view), chroma, yuv);
         to = write_plane(yuv[0], to);
         for (const Plane& colour : {yuv[1], yuv[2]})
             to = write_plane(chroma == Chroma::full ? colour : halved(colour), to);
@@ -186,7 +204,7 @@ void store_video(std::span<const std::byte> video, Chroma chroma, const Extent4&
             from = read_plane(half, from);
             *colour = doubled(half, n[axis_u], n[axis_v]);
         }
-        to_rgb(yuv, picture);
+        join(yuv, chroma, picture);
         store_view(picture, 0, 0, n, view, texels);
     }
 }
