@@ -1,5 +1,5 @@
-// `tessera rd`: the figures, the rivals' tools (stood in for by scripts), what is kept between runs,
-// and the report.
+// `tessera rd`: the figures, the rivals' tools (stood in for by scripts), what is kept between
+// runs, and the report.
 #include "tools/rd/bd_rate.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/plot_labels.h"
@@ -41,7 +41,8 @@ TEST(BdRate, KnowsHalfTheBits) {
 // Straight lines: log10 rate is (psnr - 30) / 10 and (psnr - 32) / 8 there. Over 34..38 the means
 // are 0.6 and 0.5.
 TEST(BdRate, IntegratesWhereBothAre) {
-    const std::vector<RatePoint> anchor = {{1, 30}, {std::pow(10, 0.4), 34}, {std::pow(10, 0.8), 38}};
+    const std::vector<RatePoint> anchor = {
+        {1, 30}, {std::pow(10, 0.4), 34}, {std::pow(10, 0.8), 38}};
     const std::vector<RatePoint> test = {{std::pow(10, 0.25), 34}, {std::pow(10, 1.25), 42}};
     const auto rate = bd_rate(anchor, test);
     ASSERT_TRUE(rate);
@@ -53,8 +54,9 @@ TEST(BdRate, IntegratesWhereBothAre) {
 // Test data of the package bjontegaard (FAU Erlangen); the value is that of a second program, which
 // sums 200,000 samples of the curves.
 TEST(BdRate, AgreesWithAnotherProgram) {
-    const auto rate = bd_rate({{9487.76, 40.037}, {4593.60, 38.615}, {2486.44, 36.845}, {1358.24, 34.851}},
-                              {{9787.80, 40.121}, {4469.00, 38.651}, {2451.52, 36.970}, {1356.24, 34.987}});
+    const auto rate =
+        bd_rate({{9487.76, 40.037}, {4593.60, 38.615}, {2486.44, 36.845}, {1358.24, 34.851}},
+                {{9787.80, 40.121}, {4469.00, 38.651}, {2451.52, 36.970}, {1356.24, 34.987}});
     ASSERT_TRUE(rate);
     EXPECT_NEAR(rate->percent, -4.41748535, 1e-6);
 }
@@ -105,16 +107,16 @@ TEST(RdQuality, MeasuresWhatItSays) {
     for (std::size_t i = 0; i < texture.texel_count(); ++i)
         foreground += i % 4 == 0;
     const std::size_t at = index - index % 4; // a foreground texel, maybe of another view
-    decoded[3 * at + 1] = std::byte(
-        static_cast<std::uint8_t>(std::to_integer<int>(decoded[3 * at + 1]) + 10));
+    decoded[3 * at + 1] =
+        std::byte(static_cast<std::uint8_t>(std::to_integer<int>(decoded[3 * at + 1]) + 10));
     const auto q = meter.measure(decoded);
     ASSERT_TRUE(q.ok());
     const double texels = static_cast<double>(texture.texel_count());
     EXPECT_NEAR(q->psnr_rgb, psnr_of(100 / (texels * 3), 255), 1e-9);
     EXPECT_NEAR(q->psnr_worst_view, psnr_of(100 / (48.0 * 3), 255), 1e-9);
     EXPECT_EQ(q->worst_t * 5 + q->worst_s, at % 20);
-    EXPECT_NEAR(*q->psnr_foreground,
-                psnr_of(100 / (static_cast<double>(foreground) * 3), 255), 1e-9);
+    EXPECT_NEAR(*q->psnr_foreground, psnr_of(100 / (static_cast<double>(foreground) * 3), 255),
+                1e-9);
     EXPECT_EQ(q->max_error, 10u);
     const double dy = 7.152, db = dy / 1.8556, dr = dy / 1.5748;
     const double yuv = (6 * psnr_of(dy * dy / texels, 255) + psnr_of(db * db / texels, 255) +
@@ -303,8 +305,7 @@ TEST_F(RdTools, AFailingToolIsARowThatSaysSo) {
 TEST_F(RdTools, ReadsVersions) {
     script("zstd", "echo '*** Zstandard CLI (64-bit) v1.5.4, by Yann Collet ***'");
     script("zfp", "echo 'zfp version 1.0.0 (August 1, 2022)'; exit 1");
-    const RivalChoice choice =
-        choose_rivals(*rivals_named("zstd,zfp:rate"), small_texture().desc);
+    const RivalChoice choice = choose_rivals(*rivals_named("zstd,zfp:rate"), small_texture().desc);
     ASSERT_EQ(choice.present.size(), 2u);
     EXPECT_EQ(choice.present[0].version, "zstd 1.5.4");
     EXPECT_EQ(choice.present[1].version, "zfp 1.0.0");
@@ -426,7 +427,8 @@ RdReport small_report() {
     t.name = "a <texture>, \"quoted\"";
     t.size = "8x6x5x4";
     t.type = "unorm8";
-    t.codecs = {{"tessera:5", "effort 5, tiles", "1", true}, {"x265", "views", "2", true},
+    t.codecs = {{"tessera:5", "effort 5, tiles", "1", true},
+                {"x265", "views", "2", true},
                 {"zstd", "raw", "3", false}};
     for (const double db : {34.0, 37.0, 40.0, 43.0}) {
         t.rows.push_back(point("tessera:5", "psnr", 0.05 * std::pow(1.2, db - 34), db));
@@ -500,8 +502,8 @@ TEST(RdReport, WritesTextAndPage) {
     const RdReport report = small_report();
     const std::string text = to_text(report), page = to_page(report);
     for (const std::string& all : {text, page}) {
-        for (const char* words : {"-50.0 %", "Speed against error", "not installed", "exact",
-                                  "exit code 1", "anchor"})
+        for (const char* words :
+             {"-50.0 %", "Speed against error", "not installed", "exact", "exit code 1", "anchor"})
             EXPECT_NE(all.find(words), std::string::npos) << words;
     }
     EXPECT_NE(page.find("<svg"), std::string::npos);
@@ -514,6 +516,12 @@ TEST(RdReport, WritesTextAndPage) {
     EXPECT_NE(svg.find(">x265<"), std::string::npos);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("zstd"), std::string::npos);
+    EXPECT_EQ(to_svg(report.textures[0], PlotPart::close_up), ""); // of all there is
+    TextureReport wide = report.textures[0];
+    wide.rows.push_back(point("x265", "crf 0", 6, 60));
+    const std::string close_up = to_svg(wide, PlotPart::close_up);
+    EXPECT_NE(close_up.find("close up"), std::string::npos);
+    EXPECT_EQ(close_up.find("crf 0"), std::string::npos);
     TextureReport empty = report.textures[0];
     empty.rows.clear();
     EXPECT_NE(to_svg(empty).find("nothing was measured"), std::string::npos);

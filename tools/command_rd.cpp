@@ -36,7 +36,8 @@ void declare_rates(CLI::App& c, RdOptions& o) {
     c.add_option("--psnr", o.psnr, "PSNRs in dB that tessera is measured at (35,38,41,44)")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 200.0));
-    c.add_option("--quality", o.quality, "Qualities 1..100 that it is measured at; with --psnr both")
+    c.add_option("--quality", o.quality,
+                 "Qualities 1..100 that it is measured at; with --psnr both")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
     c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5)")
@@ -51,8 +52,9 @@ void declare_rates(CLI::App& c, RdOptions& o) {
 }
 
 void declare_sweep(CLI::App& c, RdOptions& o) {
-    c.add_flag("--quick", o.quick,
-               "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
+    c.add_flag(
+        "--quick", o.quick,
+        "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
     c.add_option("--texture-size", o.texture_size, "UxVxSxT of a scene (its own)");
     c.add_option("--samples", o.samples, "Rays per texel of a scene")
         ->check(CLI::Range(1u, corpus::max_samples_per_texel))
@@ -75,7 +77,7 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
                      "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes")
             ->required();
         c.add_option("-o,--output", a.options.output,
-                     "Folder for index.html, rd.svg, rd.csv and rd.json")
+                     "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json")
             ->required();
         declare_rates(c, a.options);
         declare_sweep(c, a.options);

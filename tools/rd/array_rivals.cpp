@@ -2,7 +2,6 @@
 #include "codec/metrics.h" // half_ordinal
 #include "tools/rd/exr_rival.h"
 #include "tools/rd/rivals.h"
-#include "tools/rd/subprocess.h"
 
 #include <algorithm>
 #include <array>
@@ -11,17 +10,6 @@
 
 namespace tessera {
 namespace {
-
-std::string value_of(const std::string& setting) {
-    return setting.substr(setting.find(' ') + 1);
-}
-
-TickFunction ticker(const CodingJob& job, const char* stage) {
-    return [&job, stage] {
-        if (job.progress)
-            job.progress(stage, 0, 1);
-    };
-}
 
 // --- zfp: planes of floats, each a 4D array with s fastest ---------------------------------------
 
@@ -95,8 +83,12 @@ std::vector<std::string> zfp_mode(const std::string& setting, const TextureDesc&
 }
 
 std::vector<std::string> zfp_shape(const Extent4& n) {
-    return {"-f", "-4", std::to_string(n[axis_s]), std::to_string(n[axis_t]),
-            std::to_string(n[axis_u]), std::to_string(n[axis_v])};
+    return {"-f",
+            "-4",
+            std::to_string(n[axis_s]),
+            std::to_string(n[axis_t]),
+            std::to_string(n[axis_u]),
+            std::to_string(n[axis_v])};
 }
 
 Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
@@ -113,20 +105,18 @@ Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
             shape_and_mode.push_back(word);
         std::vector<std::string> encode = {"zfp", "-q", "-i", in, "-z", packed};
         encode.insert(encode.end(), shape_and_mode.begin(), shape_and_mode.end());
-        const auto encoded = run_tool_well(encode, job.timeout, ticker(job, "encoding"));
+        const auto encoded = seconds_of_tool(encode, job.timeout, ticker(job, "encoding"));
         if (!encoded.ok())
             return encoded.status();
         const auto bytes = bytes_of_file(packed);
         if (!bytes.ok())
             return bytes.status();
         coded.bytes += *bytes;
-        coded.encode_seconds += encoded->seconds;
+        coded.encode_seconds += *encoded;
         std::vector<std::string> decode = {"zfp", "-q", "-z", packed, "-o", out};
         decode.insert(decode.end(), shape_and_mode.begin(), shape_and_mode.end());
-        const auto decoded = best_time([&]() -> Result<double> {
-            const auto run = run_tool_well(decode, job.timeout, ticker(job, "decoding"));
-            return run.ok() ? Result<double>(run->seconds) : Result<double>(run.status());
-        });
+        const auto decoded = best_time(
+            [&] { return seconds_of_tool(decode, job.timeout, ticker(job, "decoding")); });
         if (!decoded.ok())
             return decoded.status();
         coded.decode_seconds += *decoded;
@@ -156,15 +146,14 @@ Result<Coded> code_zstd(const CodingJob& job, const std::string& setting) {
     const std::string in = job.folder.at("in.raw"), packed = job.folder.at("raw.zst"),
                       out = job.folder.at("out.raw");
     TESSERA_TRY(write_bytes(in, job.texture.texels));
-    const auto encoded =
-        run_tool_well({"zstd", "-q", "-f", "-" + value_of(setting), "--long=27", in, "-o", packed},
-                      job.timeout, ticker(job, "encoding"));
+    const auto encoded = seconds_of_tool(
+        {"zstd", "-q", "-f", "-" + value_of(setting), "--long=27", in, "-o", packed}, job.timeout,
+        ticker(job, "encoding"));
     if (!encoded.ok())
         return encoded.status();
-    const auto decoded = best_time([&]() -> Result<double> {
-        const auto run = run_tool_well({"zstd", "-q", "-f", "-d", "--long=27", packed, "-o", out},
-                                       job.timeout, ticker(job, "decoding"));
-        return run.ok() ? Result<double>(run->seconds) : Result<double>(run.status());
+    const auto decoded = best_time([&] {
+        return seconds_of_tool({"zstd", "-q", "-f", "-d", "--long=27", packed, "-o", out},
+                               job.timeout, ticker(job, "decoding"));
     });
     if (!decoded.ok())
         return decoded.status();
@@ -178,7 +167,7 @@ Result<Coded> code_zstd(const CodingJob& job, const std::string& setting) {
         return Status(ErrorCode::runtime, "zstd: decoded a texture of another size");
     Coded coded;
     coded.bytes = *bytes;
-    coded.encode_seconds = encoded->seconds;
+    coded.encode_seconds = *encoded;
     coded.decode_seconds = *decoded;
     coded.texels = std::move(*back);
     coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);

@@ -75,8 +75,8 @@ double piece_integral(const Curve& c, std::size_t i, double x) {
     const double y0 = c.log_rate[i], y1 = c.log_rate[i + 1];
     const double m0 = c.slope[i] * h, m1 = c.slope[i + 1] * h;
     const double x2 = x * x, x3 = x2 * x, x4 = x2 * x2;
-    return h * (y0 * (x - x3 + x4 / 2) + m0 * (x2 / 2 - 2 * x3 / 3 + x4 / 4) +
-                y1 * (x3 - x4 / 2) + m1 * (x4 / 4 - x3 / 3));
+    return h * (y0 * (x - x3 + x4 / 2) + m0 * (x2 / 2 - 2 * x3 / 3 + x4 / 4) + y1 * (x3 - x4 / 2) +
+                m1 * (x4 / 4 - x3 / 3));
 }
 
 double integral(const Curve& c, double low, double high) {

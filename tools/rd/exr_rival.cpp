@@ -60,8 +60,7 @@ Imf::FrameBuffer frame_of(Mosaic& m) {
     for (int c = 0; c < m.channels; ++c)
         frame.insert(channel_name(m.channels, c),
                      Imf::Slice::Make(Imf::HALF, m.halves.data() + c, Imath::V2i(0, 0), m.width,
-                                      m.height, pixel,
-                                      pixel * static_cast<std::size_t>(m.width)));
+                                      m.height, pixel, pixel * static_cast<std::size_t>(m.width)));
     return frame;
 }
 
@@ -124,7 +123,8 @@ Result<Coded> code_exr_mosaic(const CodingJob& job, const std::string& setting) 
         [&] { return write_mosaic(path, mosaic, std::stof(setting.substr(setting.find(' ')))); });
     if (!encoded.ok())
         return encoded.status();
-    const auto decoded = best_time([&] { return timed([&] { return read_mosaic(path, mosaic); }); });
+    const auto decoded =
+        best_time([&] { return timed([&] { return read_mosaic(path, mosaic); }); });
     if (!decoded.ok())
         return decoded.status();
     const auto bytes = bytes_of_file(path);
@@ -138,7 +138,8 @@ Result<Coded> code_exr_mosaic(const CodingJob& job, const std::string& setting) 
         halves_to_samples(desc.type, {mosaic.halves.data() + place, channels},
                           coded.texels.data() + index * texel);
     });
-    const double chunk = static_cast<double>(coded.bytes) / std::ceil(mosaic.height / double{chunk_lines});
+    const double chunk =
+        static_cast<double>(coded.bytes) / std::ceil(mosaic.height / double{chunk_lines});
     coded.texel_bytes = chunk;
     coded.view_bytes = chunk * (static_cast<double>(desc.size[axis_v] - 1) / chunk_lines + 1);
     return coded;

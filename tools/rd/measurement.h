@@ -15,7 +15,7 @@ struct Measurement {
     std::uint64_t bytes = 0;
     double bits_per_texel = 0;
     Quality quality;
-    double encode_mbs = 0, decode_mbs = 0;         // MB of raw texture per second; 0: nothing is done
+    double encode_mbs = 0, decode_mbs = 0; // MB of raw texture per second; 0: nothing is done
     std::optional<double> texel_bytes, view_bytes; // touched to read one texel, one view
     std::string note;
     bool cached = false; // from an earlier run

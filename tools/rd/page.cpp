@@ -60,7 +60,9 @@ std::string texture_html(const TextureReport& t) {
         html += paragraph("Only a crop from the middle was measured: " + t.crop +
                               ". All codecs look worse on it than on the whole texture.",
                           "crop");
-    html += "<figure>\n" + to_svg(t) + "</figure>\n";
+    for (const PlotPart part : {PlotPart::whole, PlotPart::close_up})
+        if (const std::string svg = to_svg(t, part); !svg.empty())
+            html += "<figure>\n" + svg + "</figure>\n";
     html += "<h3>BD-rate against " + escaped(t.anchor) + "</h3>\n" + table_html(bd_table(t));
     html += "<h3>Speed against error, at the setting nearest " + format_number(speed_psnr, 0) +
             " dB</h3>\n" + table_html(speed_table(t));

@@ -1,103 +1,17 @@
 // Codecs of pictures: one picture per view, or all views in one mosaic.
 #include "tools/parallel.h"
 #include "tools/png_file.h"
+#include "tools/rd/picture_tools.h"
 #include "tools/rd/rivals.h"
-#include "tools/rd/subprocess.h"
 #include "tools/rd/view_layout.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
-#include <thread>
 
 namespace tessera {
 namespace {
-
-using Argv = std::vector<std::string>;
-
-struct PictureTool {
-    const char* id;
-    const char* about;
-    std::vector<std::string> tools; // encoder, decoder
-    const char* package;
-    Argv version;
-    std::uint32_t max_side;
-    const char* ending;
-    const char* pictures; // what it reads and writes besides; ppm costs it the least
-    std::vector<std::string> settings, coarser, finer;
-    Argv (*encode)(const std::string& in, const std::string& out, const std::string& setting,
-                   const Picture& picture, const std::string& threads);
-    Argv (*decode)(const std::string& in, const std::string& out, const std::string& threads);
-};
-
-std::string value_of(const std::string& setting) {
-    return setting.substr(setting.find(' ') + 1);
-}
-
-Argv encode_avif(const std::string& in, const std::string& out, const std::string& setting,
-                 const Picture&, const std::string& threads) {
-    const std::string q = value_of(setting);
-    return {"avifenc", "--speed", "6", "--yuv", "444", "--min", q, "--max", q, "--jobs", threads,
-            in, out};
-}
-Argv decode_avif(const std::string& in, const std::string& out, const std::string& threads) {
-    return {"avifdec", "--jobs", threads, in, out};
-}
-
-Argv encode_jxl(const std::string& in, const std::string& out, const std::string& setting,
-                const Picture&, const std::string& threads) {
-    return {"cjxl", in, out, "--quiet", "--effort=7", "--distance=" + value_of(setting),
-            "--num_threads=" + threads};
-}
-Argv decode_jxl(const std::string& in, const std::string& out, const std::string& threads) {
-    return {"djxl", in, out, "--quiet", "--num_threads=" + threads};
-}
-
-Argv encode_webp(const std::string& in, const std::string& out, const std::string& setting,
-                 const Picture&, const std::string&) {
-    return {"cwebp", "-quiet", "-mt", "-m", "6", "-q", value_of(setting), in, "-o", out};
-}
-Argv decode_webp(const std::string& in, const std::string& out, const std::string&) {
-    return {"dwebp", "-quiet", "-mt", "-ppm", in, "-o", out};
-}
-
-// As many resolutions as the picture has, up to the usual six.
-Argv encode_jp2(const std::string& in, const std::string& out, const std::string& setting,
-                const Picture& picture, const std::string& threads) {
-    unsigned resolutions = 1;
-    while (resolutions < 6 && std::min(picture.width, picture.height) >> resolutions > 0)
-        ++resolutions;
-    return {"opj_compress", "-i", in, "-o", out, "-I", "-q", value_of(setting), "-n",
-            std::to_string(resolutions), "-threads", threads};
-}
-Argv decode_jp2(const std::string& in, const std::string& out, const std::string& threads) {
-    return {"opj_decompress", "-i", in, "-o", out, "-threads", threads};
-}
-
-Argv encode_astc(const std::string& in, const std::string& out, const std::string& setting,
-                 const Picture&, const std::string& threads) {
-    return {"astcenc", "-cl", in, out, value_of(setting), "-medium", "-silent", "-j", threads};
-}
-Argv decode_astc(const std::string& in, const std::string& out, const std::string& threads) {
-    return {"astcenc", "-dl", in, out, "-silent", "-j", threads};
-}
-
-const PictureTool picture_tools[] = {
-    {"avif", "libaom at speed 6, 4:4:4", {"avifenc", "avifdec"}, "libavif-bin", {"--version"},
-     16384, "avif", "png", {"q 54", "q 42", "q 30", "q 20"}, {"q 60"}, {"q 12", "q 6"}, encode_avif, decode_avif},
-    {"jxl", "effort 7", {"cjxl", "djxl"}, "libjxl-tools", {"--version"}, 65535, "jxl",
-     "ppm", {"distance 6", "distance 3", "distance 1.5", "distance 0.8"},
-     {"distance 10", "distance 15"}, {"distance 0.4", "distance 0.2", "distance 0.1"}, encode_jxl, decode_jxl},
-    {"webp", "method 6, 4:2:0 (it knows no other)", {"cwebp", "dwebp"}, "webp", {"-version"}, 16383,
-     "webp", "ppm", {"q 20", "q 50", "q 75", "q 92"}, {"q 5"}, {"q 97", "q 100"}, encode_webp, decode_webp},
-    {"jp2", "9/7 wavelet", {"opj_compress", "opj_decompress"}, "libopenjp2-tools", {"-h"}, 65535,
-     "jp2", "ppm", {"dB 35", "dB 38", "dB 41", "dB 44"}, {}, {}, encode_jp2, decode_jp2}};
-
-const PictureTool astc_tool = {
-    "astc", "2D blocks of the mosaic of views, -medium", {"astcenc"}, "astcenc", {"-version"},
-    16384, "astc", "png", {"block 12x12", "block 8x8", "block 6x6", "block 4x4"}, {}, {}, encode_astc,
-    decode_astc};
 
 bool is_ppm(const std::string& path) {
     return path.ends_with(".ppm");
@@ -106,8 +20,8 @@ bool is_ppm(const std::string& path) {
 Status write_picture(const std::string& path, const Picture& picture) {
     if (!is_ppm(path))
         return write_png(path, picture);
-    const std::string head = "P6\n" + std::to_string(picture.width) + " " +
-                             std::to_string(picture.height) + "\n255\n";
+    const std::string head =
+        "P6\n" + std::to_string(picture.width) + " " + std::to_string(picture.height) + "\n255\n";
     std::vector<std::byte> bytes(head.size());
     std::memcpy(bytes.data(), head.data(), head.size());
     bytes.insert(bytes.end(), picture.rgb.begin(), picture.rgb.end());
@@ -128,8 +42,7 @@ Result<Picture> read_ppm(const std::string& path, std::uint32_t width, std::uint
                            bytes->size() - std::min(bytes->size(), count));
     if (!head.starts_with("P6") || head.find(size) == std::string::npos)
         return another_picture;
-    std::copy(bytes->end() - static_cast<std::ptrdiff_t>(count), bytes->end(),
-              picture.rgb.begin());
+    std::copy(bytes->end() - static_cast<std::ptrdiff_t>(count), bytes->end(), picture.rgb.begin());
     return picture;
 }
 
@@ -142,16 +55,13 @@ Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::
     if (shape->width != width || shape->height != height || shape->channels < 3)
         return another_picture;
     Picture picture = blank_picture(width, height, 0);
-    TESSERA_TRY(read_png(path, *shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
-        for (std::uint32_t x = 0; x < width; ++x)
-            std::copy_n(row.begin() + std::ptrdiff_t{x} * shape->channels, 3, picture.pixel(x, y));
-    }));
+    TESSERA_TRY(
+        read_png(path, *shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
+            for (std::uint32_t x = 0; x < width; ++x)
+                std::copy_n(row.begin() + std::ptrdiff_t{x} * shape->channels, 3,
+                            picture.pixel(x, y));
+        }));
     return picture;
-}
-
-std::string threads_text(unsigned threads) {
-    return std::to_string(threads > 0 ? threads
-                                      : std::max(1u, std::thread::hardware_concurrency()));
 }
 
 // Runs a command for each of `count` files on all threads. The seconds are those of the whole.
@@ -204,7 +114,8 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     }
     const auto decoded = best_time([&] {
         return run_for_all(pictures.size(), job, "decoding", [&](std::size_t i) {
-            return tool.decode(file("coded", i, tool.ending), file("out", i, tool.pictures), threads);
+            return tool.decode(file("coded", i, tool.ending), file("out", i, tool.pictures),
+                               threads);
         });
     });
     if (!decoded.ok())
@@ -247,10 +158,10 @@ Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
     const std::uint64_t width = std::uint64_t{n[axis_u]} * n[axis_s];
     const std::uint64_t height = std::uint64_t{n[axis_v]} * n[axis_t];
     if (std::max(width, height) > tool.max_side)
-        return Status(ErrorCode::unsupported,
-                      "the mosaic has " + std::to_string(width) + " x " + std::to_string(height) +
-                          " pixels, a picture may have " + std::to_string(tool.max_side) +
-                          " a side");
+        return Status(ErrorCode::unsupported, "the mosaic has " + std::to_string(width) + " x " +
+                                                  std::to_string(height) +
+                                                  " pixels, a picture may have " +
+                                                  std::to_string(tool.max_side) + " a side");
     Coded coded;
     const auto back = code_pictures(tool, job, setting, {mosaic_picture(job.texture)}, coded);
     if (!back.ok())
@@ -263,7 +174,7 @@ Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
 
 // Blocks of 16 bytes at known places: a texel is in one, a view in those that it touches.
 Result<Coded> code_astc(const CodingJob& job, const std::string& setting) {
-    auto coded = code_mosaic(astc_tool, job, setting);
+    auto coded = code_mosaic(astc_tool(), job, setting);
     if (!coded.ok())
         return coded;
     const std::string block = value_of(setting);
@@ -292,7 +203,7 @@ Rival picture_rival(const PictureTool& tool) {
 
 std::vector<Rival> picture_rivals() {
     std::vector<Rival> all;
-    for (const PictureTool& tool : picture_tools) {
+    for (const PictureTool& tool : picture_tools()) {
         Rival views = picture_rival(tool), mosaic = views;
         views.layout += ", one file per view";
         views.run = [&tool](const CodingJob& job, const std::string& setting) {
@@ -307,7 +218,7 @@ std::vector<Rival> picture_rivals() {
         all.push_back(std::move(views));
         all.push_back(std::move(mosaic));
     }
-    all.push_back(picture_rival(astc_tool));
+    all.push_back(picture_rival(astc_tool()));
     all.back().run = code_astc;
     return all;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace tessera {
@@ -66,12 +67,28 @@ std::vector<Series> series_of(const TextureReport& texture) {
     return all;
 }
 
+// Leaves the points of the close-up; whether any had to go.
+bool keep_close_up(std::vector<Series>& all) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Series& series : all)
+        for (const Point& p : series.points)
+            if (p.psnr >= speed_psnr - 1)
+                least = std::min(least, p.rate);
+    std::size_t gone = 0;
+    for (Series& series : all)
+        gone += std::erase_if(series.points, [&](const Point& p) {
+            return p.rate > 6 * least || p.psnr < speed_psnr - 6;
+        });
+    std::erase_if(all, [](const Series& series) { return series.points.size() < 2; });
+    return gone > 0 && !all.empty();
+}
+
 // From bits per texel and dB to places in the picture.
 struct Axes {
     double low_rate, high_rate, low_psnr, high_psnr;
     double x(double rate) const {
-        return left + std::log(rate / low_rate) / std::log(high_rate / low_rate) *
-                          (width - left - right);
+        return left +
+               std::log(rate / low_rate) / std::log(high_rate / low_rate) * (width - left - right);
     }
     double y(double psnr) const {
         return height - bottom -
@@ -128,7 +145,8 @@ std::string grid(const Axes& axes) {
     const std::string small = "fill=\"#4a5560\" font-size=\"12\"";
     for (const auto& [rate, label] : rate_ticks(axes)) {
         svg += line_from(axes.x(rate), top, axes.x(rate), height - bottom, grid_line);
-        svg += text_at(axes.x(rate), height - bottom + 18, label, small + " text-anchor=\"middle\"");
+        svg +=
+            text_at(axes.x(rate), height - bottom + 18, label, small + " text-anchor=\"middle\"");
     }
     const double span = axes.high_psnr - axes.low_psnr;
     const double step = span > 30 ? 5 : span > 14 ? 2 : 1;
@@ -143,9 +161,10 @@ std::string grid(const Axes& axes) {
     svg += line_from(left, top, left, height - bottom, axis);
     svg += text_at((left + width - right) / 2, height - 16, "bits per texel (logarithmic)",
                    "fill=\"#222\" font-size=\"13\" text-anchor=\"middle\"");
-    svg += text_at(18, (top + height - bottom) / 2, "PSNR of RGB, dB",
-                   "fill=\"#222\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 18 " +
-                       px((top + height - bottom) / 2) + ")\"");
+    svg +=
+        text_at(18, (top + height - bottom) / 2, "PSNR of RGB, dB",
+                "fill=\"#222\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 18 " +
+                    px((top + height - bottom) / 2) + ")\"");
     return svg;
 }
 
@@ -196,31 +215,45 @@ std::string escaped(const std::string& text) {
     std::string out;
     for (const char c : text) {
         switch (c) {
-        case '&': out += "&amp;"; break;
-        case '<': out += "&lt;"; break;
-        case '>': out += "&gt;"; break;
-        case '"': out += "&quot;"; break;
-        default: out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+        case '&':
+            out += "&amp;";
+            break;
+        case '<':
+            out += "&lt;";
+            break;
+        case '>':
+            out += "&gt;";
+            break;
+        case '"':
+            out += "&quot;";
+            break;
+        default:
+            out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
         }
     }
     return out;
 }
 
-std::string to_svg(const TextureReport& texture) {
-    const std::vector<Series> all = series_of(texture);
+std::string to_svg(const TextureReport& texture, PlotPart part) {
+    std::vector<Series> all = series_of(texture);
+    if (part == PlotPart::close_up && !keep_close_up(all))
+        return "";
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + px(width) + " " +
                       px(height) + "\" width=\"" + px(width) + "\" height=\"" + px(height) +
                       "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n" +
                       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-    svg += text_at(left, 26, texture.name + ", " + texture.size,
+    svg += text_at(left, 26,
+                   texture.name + ", " + texture.size +
+                       (part == PlotPart::close_up ? ", close up" : ""),
                    "fill=\"#111\" font-size=\"17\" font-weight=\"600\"");
     svg += text_at(left, 45,
                    (texture.crop.empty() ? "" : "A crop, " + texture.crop + ". ") +
                        "Up and to the left is better; every point was decoded and measured.",
                    "fill=\"#4a5560\" font-size=\"12\"");
     if (all.empty())
-        return svg + text_at(width / 2, height / 2, "nothing was measured",
-                             "fill=\"#4a5560\" font-size=\"14\" text-anchor=\"middle\"") +
+        return svg +
+               text_at(width / 2, height / 2, "nothing was measured",
+                       "fill=\"#4a5560\" font-size=\"14\" text-anchor=\"middle\"") +
                "</svg>\n";
     const Axes axes = axes_for(all);
     svg += grid(axes);

@@ -8,9 +8,14 @@
 
 namespace tessera {
 
+enum class PlotPart {
+    whole,
+    close_up, // where the best codecs are: rates up to six times the least for about speed_psnr
+};
+
 // Of PSNR-RGB. Lossless points and codecs that are not for the plot are left out. Stands alone, and
-// inside HTML.
-std::string to_svg(const TextureReport& texture);
+// inside HTML. Empty for a close-up that would show all points there are.
+std::string to_svg(const TextureReport& texture, PlotPart part = PlotPart::whole);
 
 // `text` as it may stand in SVG and HTML.
 std::string escaped(const std::string& text);

@@ -87,11 +87,11 @@ private:
 
     void try_around(const LabelledLine& line, PlotPoint p, double preference) {
         const double w = static_cast<double>(line.name.size()) * letter_width, h = line_height;
-        const PlotPoint corners[] = {{p.x + gap, p.y - h / 2}, {p.x - w / 2, p.y - h - gap},
-                                     {p.x + gap - 2, p.y - h - 2}, {p.x - w - gap, p.y - h / 2},
-                                     {p.x - w - gap + 2, p.y - h - 2}, {p.x + gap - 2, p.y + 2},
-                                     {p.x - w / 2, p.y + gap},
-                                     {p.x - w - gap + 2, p.y + 2}};
+        const PlotPoint corners[] = {
+            {p.x + gap, p.y - h / 2},         {p.x - w / 2, p.y - h - gap},
+            {p.x + gap - 2, p.y - h - 2},     {p.x - w - gap, p.y - h / 2},
+            {p.x - w - gap + 2, p.y - h - 2}, {p.x + gap - 2, p.y + 2},
+            {p.x - w / 2, p.y + gap},         {p.x - w - gap + 2, p.y + 2}};
         double extra = 0;
         for (const PlotPoint corner : corners)
             consider(box_at(line, corner.x, corner.y), preference + (extra += 0.5), false, p);

@@ -162,8 +162,8 @@ Quality quality_of(const RdTexture& original, const Sums& sums) {
     q.psnr_rgb = psnr_over(total, texels * channels, peak);
     q.psnr_worst_view = psnr_over(worst, per_view * channels, peak);
     if (sums.foreground_texels > 0)
-        q.psnr_foreground = psnr_over(
-            sums.foreground, static_cast<double>(sums.foreground_texels) * channels, peak);
+        q.psnr_foreground = psnr_over(sums.foreground,
+                                      static_cast<double>(sums.foreground_texels) * channels, peak);
     q.max_error = sums.errors.max_error();
     if (hdr) {
         q.psnr_pu21 = sums.errors.psnr_pu21();

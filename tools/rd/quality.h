@@ -1,5 +1,5 @@
-// How far decoded texels are from the original, in every measure of the report. All codecs, ours and
-// the rivals, are measured here, between two buffers.
+// How far decoded texels are from the original, in every measure of the report. All codecs, ours
+// and the rivals, are measured here, between two buffers.
 //
 // PSNRs are pooled: one mean squared error over all samples concerned. Peak 255, or half_peak over
 // half_ordinal (codec/metrics.h). Infinite where there is no error.
@@ -14,13 +14,13 @@
 namespace tessera {
 
 struct Quality {
-    double psnr_rgb = 0;                   // over the colour channels
-    std::optional<double> psnr_yuv;        // unorm8 RGB: (6 Y + Cb + Cr) / 8 of BT.709, as JPEG Pleno
-    double psnr_worst_view = 0;            // of RGB, over the views of one (s,t) each
+    double psnr_rgb = 0;            // over the colour channels
+    std::optional<double> psnr_yuv; // unorm8 RGB: (6 Y + Cb + Cr) / 8 of BT.709, as JPEG Pleno
+    double psnr_worst_view = 0;     // of RGB, over the views of one (s,t) each
     std::uint32_t worst_s = 0, worst_t = 0;
-    std::optional<double> psnr_foreground; // of RGB, where the original is not the background
-    std::optional<double> psnr_rendered;   // pictures of the paper's five views, as displayed
-    std::uint32_t max_error = 0;           // 8-bit steps, or ulps of half
+    std::optional<double> psnr_foreground;      // of RGB, where the original is not the background
+    std::optional<double> psnr_rendered;        // pictures of the paper's five views, as displayed
+    std::uint32_t max_error = 0;                // 8-bit steps, or ulps of half
     std::optional<double> psnr_pu21, psnr_log2; // half16
 };
 

@@ -71,9 +71,8 @@ std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
 Result<std::string> anchor_among(const RdOptions& o, const std::vector<CodecUnderTest>& codecs,
                                  const std::vector<Measurement>& rows) {
     const auto ran = [&](const std::string& id) {
-        return std::any_of(rows.begin(), rows.end(), [&](const Measurement& m) {
-            return m.codec == id && m.failed.empty();
-        });
+        return std::any_of(rows.begin(), rows.end(),
+                           [&](const Measurement& m) { return m.codec == id && m.failed.empty(); });
     };
     if (o.anchor.empty()) {
         for (const char* id : {"x265", "x265:medium"})
@@ -114,8 +113,8 @@ std::string command_text(const RdOptions& o) {
 void print_line(const Measurement& m, std::size_t number, std::size_t count) {
     if (isatty(STDERR_FILENO))
         std::fputs("\r\x1b[K", stderr);
-    const std::string head =
-        "[" + std::to_string(number) + "/" + std::to_string(count) + "] " + m.codec + " " + m.setting;
+    const std::string head = "[" + std::to_string(number) + "/" + std::to_string(count) + "] " +
+                             m.codec + " " + m.setting;
     if (!m.failed.empty())
         std::printf("%-36s failed: %s\n", head.c_str(), m.failed.c_str());
     else
@@ -135,8 +134,8 @@ SweepOptions sweep_options(const RdOptions& o, std::optional<Progress>& bar) {
     s.cache = o.cache.empty() ? o.output + "/cache" : o.cache;
     s.keep_folder = o.keep ? o.output + "/bitstreams" : "";
     s.progress = [&bar, &o](std::size_t number, std::size_t count, const std::string& what) {
-        bar.emplace("tessera rd: " + std::to_string(number) + " of " + std::to_string(count) + ", " +
-                        what,
+        bar.emplace("tessera rd: " + std::to_string(number) + " of " + std::to_string(count) +
+                        ", " + what,
                     o.quiet);
         return bar->function();
     };
@@ -197,9 +196,13 @@ Status write_text(const std::string& path, const std::string& text) {
 }
 
 Status write_report(const std::string& folder, const RdReport& report) {
-    for (std::size_t i = 0; i < report.textures.size(); ++i)
-        TESSERA_TRY(write_text(folder + "/rd" + (i == 0 ? "" : "-" + std::to_string(i + 1)) + ".svg",
-                               to_svg(report.textures[i])));
+    for (std::size_t i = 0; i < report.textures.size(); ++i) {
+        const std::string name = folder + "/rd" + (i == 0 ? "" : "-" + std::to_string(i + 1));
+        TESSERA_TRY(write_text(name + ".svg", to_svg(report.textures[i])));
+        const std::string close_up = to_svg(report.textures[i], PlotPart::close_up);
+        if (!close_up.empty())
+            TESSERA_TRY(write_text(name + "-close.svg", close_up));
+    }
     TESSERA_TRY(write_text(folder + "/rd.csv", to_csv(report)));
     TESSERA_TRY(write_text(folder + "/rd.json",
                            to_json(report).dump(1, ' ', false, Json::error_handler_t::replace)));

@@ -27,8 +27,9 @@ struct RdOptions {
     bool quiet = false, print_lines = true; // a line on standard output per measurement
 };
 
-// Measures, and writes index.html, rd.svg (rd-2.svg and so on for further textures), rd.csv and
-// rd.json. Errors: bad_argument; io; those of the textures; runtime, when interrupted.
+// Measures, and writes index.html, rd.svg and a close-up, rd-close.svg (rd-2.svg and so on for
+// further textures), rd.csv and rd.json. Errors: bad_argument; io; those of the textures; runtime,
+// when interrupted.
 Result<RdReport> run_rd(const RdOptions& options);
 
 } // namespace tessera

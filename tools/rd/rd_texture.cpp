@@ -157,8 +157,7 @@ void describe_texels(RdTexture& texture) {
         static_cast<double>(most) / static_cast<double>(texture.texel_count());
 }
 
-Result<RdTexture> load_rd_texture(const TextureRequest& request,
-                                  const ProgressFunction& progress) {
+Result<RdTexture> load_rd_texture(const TextureRequest& request, const ProgressFunction& progress) {
     RdTexture texture;
     texture.name = request.name;
     texture.label = label_of(request.name);

@@ -26,7 +26,7 @@ struct RdTexture {
     std::string name;  // as asked for
     std::string label; // a part of a file's name
     TextureDesc desc;
-    std::vector<std::byte> texels; // dense, order as in texture.h
+    std::vector<std::byte> texels;      // dense, order as in texture.h
     std::optional<SphereWindow> window; // absent: no views can be drawn
     std::string crop;                   // the box that was cut out, or empty
     std::string checksum;               // of size, type and texels

@@ -131,7 +131,8 @@ RdTable bd_table(const TextureReport& texture) {
         std::vector<std::string> cells = {row.codec};
         for (const Measure& measure : measures)
             if (occurs(texture, measure))
-                cells.push_back(row.codec == texture.anchor ? "anchor" : bd_text(row.*measure.rate));
+                cells.push_back(row.codec == texture.anchor ? "anchor"
+                                                            : bd_text(row.*measure.rate));
         cells.push_back(row.rgb ? format_number(row.rgb->low, 1) + " to " +
                                       format_number(row.rgb->high, 1)
                                 : "-");
@@ -143,8 +144,8 @@ RdTable bd_table(const TextureReport& texture) {
 RdTable speed_table(const TextureReport& texture) {
     RdTable table;
     table.names = 2;
-    table.titles = {"codec", "setting",   "enc MB/s",    "dec MB/s",  "PSNR",
-                    "max error", "bpt", "for a texel", "for a view"};
+    table.titles = {"codec",     "setting", "enc MB/s",    "dec MB/s",  "PSNR",
+                    "max error", "bpt",     "for a texel", "for a view"};
     for (const CodecInfo& info : texture.codecs) {
         const Measurement* nearest = nullptr;
         // A lossless row is as far from the target as can be, but it is there.
@@ -156,13 +157,11 @@ RdTable speed_table(const TextureReport& texture) {
                 (!nearest || distance(m) < distance(*nearest)))
                 nearest = &m;
         if (nearest)
-            table.rows.push_back({info.id, nearest->setting, speed_text(nearest->encode_mbs),
-                                  speed_text(nearest->decode_mbs),
-                                  db_text(nearest->quality.psnr_rgb),
-                                  std::to_string(nearest->quality.max_error),
-                                  bits_text(nearest->bits_per_texel),
-                                  bytes_text(nearest->texel_bytes),
-                                  bytes_text(nearest->view_bytes)});
+            table.rows.push_back(
+                {info.id, nearest->setting, speed_text(nearest->encode_mbs),
+                 speed_text(nearest->decode_mbs), db_text(nearest->quality.psnr_rgb),
+                 std::to_string(nearest->quality.max_error), bits_text(nearest->bits_per_texel),
+                 bytes_text(nearest->texel_bytes), bytes_text(nearest->view_bytes)});
     }
     return table;
 }
@@ -178,14 +177,16 @@ std::vector<std::string> definitions(const RdReport& report) {
         "common one. rendered: pictures of the paper's five views, drawn from both textures.",
         "max error: of any sample, in 8-bit steps" + std::string(hdr ? ", or ulps of half" : "") +
             ".",
-        "enc, dec: MB of raw texture per second by the clock on the wall, on all threads; of a rival "
+        "enc, dec: MB of raw texture per second by the clock on the wall, on all threads; of a "
+        "rival "
         "the run of its tools, starting them and reading and writing their files included; of "
         "tessera one pass, in memory, every tile verified. What takes less than half a second is "
         "done three times, and the best counts.",
         "for a texel, for a view: bytes of the file that a reader of one texel, or of the U x V "
         "texels of one (s,t), has to fetch when it holds header and index. tessera: counted, the "
-        "mean of 64 texels and 8 views. Sequences: from the key frame on, half of the group on "
-        "average. Files per view: one file. Mosaics, zstd and zfp at fixed accuracy: the whole "
+        "mean of 64 texels and 8 views. Sequences: from the key frame on, about half of the "
+        "group on average. Files per view: one file. Mosaics, zstd and zfp at fixed accuracy: the "
+        "whole "
         "file. zfp at fixed rate, ASTC and DWAA: the blocks or chunks touched.",
         "BD-rate: how many more bits a codec needs than the anchor at equal PSNR (Bjontegaard, "
         "logarithm of the rate, monotone cubic interpolation), over the PSNRs that both reach; a "

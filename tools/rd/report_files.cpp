@@ -61,9 +61,9 @@ std::string number(const std::optional<double>& value) {
 
 std::string csv_row(const TextureReport& texture, const Measurement& m) {
     const CodecInfo* info = texture.codec(m.codec);
-    std::vector<std::string> cells = {texture.name, texture.size, m.codec,
-                                      info ? info->version : "", info ? info->layout : "",
-                                      m.setting};
+    std::vector<std::string> cells = {
+        texture.name, texture.size, m.codec, info ? info->version : "", info ? info->layout : "",
+        m.setting};
     if (!m.failed.empty()) {
         cells.resize(cells.size() + 15);
         cells.push_back("failed: " + m.failed);
@@ -96,19 +96,14 @@ Json bd_json(const std::optional<BdRate>& rate) {
 }
 
 Json to_json(const TextureReport& t) {
-    Json json = {{"name", t.name},
-                 {"size", t.size},
-                 {"type", t.type},
-                 {"channels", t.channels},
-                 {"raw_bytes", t.raw_bytes},
-                 {"crop", t.crop.empty() ? Json(nullptr) : Json(t.crop)},
-                 {"checksum", t.checksum},
-                 {"background_share", t.background_share},
-                 {"codecs", Json::array()},
-                 {"measurements", Json::array()},
-                 {"absent", Json::array()},
-                 {"anchor", t.anchor},
-                 {"bd_rate", Json::array()}};
+    Json json = {
+        {"name", t.name},           {"size", t.size},
+        {"type", t.type},           {"channels", t.channels},
+        {"raw_bytes", t.raw_bytes}, {"crop", t.crop.empty() ? Json(nullptr) : Json(t.crop)},
+        {"checksum", t.checksum},   {"background_share", t.background_share},
+        {"codecs", Json::array()},  {"measurements", Json::array()},
+        {"absent", Json::array()},  {"anchor", t.anchor},
+        {"bd_rate", Json::array()}};
     for (const CodecInfo& info : t.codecs)
         json["codecs"].push_back(
             {{"id", info.id}, {"layout", info.layout}, {"version", info.version}});
@@ -134,9 +129,8 @@ std::string to_text(const RdReport& report) {
     std::string text;
     for (const TextureReport& t : report.textures) {
         text += t.name + ": " + t.size + ", " + std::to_string(t.channels) + " x " + t.type + ", " +
-                human_bytes(t.raw_bytes) + " raw" +
-                (t.crop.empty() ? "" : ", a crop: " + t.crop) + "; " +
-                format_number(t.background_share * 100, 1) + " % background\n\n";
+                human_bytes(t.raw_bytes) + " raw" + (t.crop.empty() ? "" : ", a crop: " + t.crop) +
+                "; " + format_number(t.background_share * 100, 1) + " % background\n\n";
         text += table_text(measurement_table(t)) + "\n";
         text += "BD-rate against " + t.anchor + "\n" + table_text(bd_table(t)) + "\n";
         text += "Speed against error, near " + format_number(speed_psnr, 0) + " dB\n" +
@@ -157,8 +151,8 @@ std::string to_csv(const RdReport& report) {
         for (const Measurement& m : texture.rows)
             text += csv_row(texture, m);
         for (const RivalChoice::Absent& a : texture.absent)
-            text += quoted(texture.name) + "," + texture.size + "," + a.id +
-                    std::string(19, ',') + quoted(a.reason) + "\n";
+            text += quoted(texture.name) + "," + texture.size + "," + a.id + std::string(19, ',') +
+                    quoted(a.reason) + "\n";
     }
     return text;
 }

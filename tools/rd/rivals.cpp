@@ -2,7 +2,7 @@
 
 #include "format/byte_source.h"
 #include "format/output_file.h"
-#include "tools/rd/subprocess.h"
+#include "tools/parallel.h"
 
 #include <cctype>
 #include <filesystem>
@@ -40,7 +40,8 @@ std::string version_of(const Rival& rival) {
     std::vector<std::string> argv = {rival.tools.front()};
     argv.insert(argv.end(), rival.version_arguments.begin(), rival.version_arguments.end());
     const auto run = run_tool(argv, version_timeout);
-    return rival.tools.front() + " " + (run.ok() ? version_in(" " + run->said) : "of unknown version");
+    return rival.tools.front() + " " +
+           (run.ok() ? version_in(" " + run->said) : "of unknown version");
 }
 
 // Tools that are not there, each once.
@@ -109,11 +110,35 @@ RivalChoice choose_rivals(const std::vector<Rival>& wanted, const TextureDesc& d
     return choice;
 }
 
+std::string value_of(const std::string& setting) {
+    return setting.substr(setting.find(' ') + 1);
+}
+
+std::string threads_text(unsigned threads) {
+    return std::to_string(thread_count(threads));
+}
+
+TickFunction ticker(const CodingJob& job, const char* stage) {
+    return [&job, stage] {
+        if (job.progress)
+            job.progress(stage, 0, 1);
+    };
+}
+
+Result<double> seconds_of_tool(const std::vector<std::string>& argv, double timeout,
+                               const TickFunction& tick) {
+    const auto run = run_tool_well(argv, timeout, tick);
+    if (!run.ok())
+        return run.status();
+    return run->seconds;
+}
+
 std::string needs_rgb8(const TextureDesc& desc) {
     if (desc.type != SampleType::unorm8)
         return "it takes 8-bit samples, the texture has 16-bit floats";
-    return desc.channels == 3 ? "" : "it is fed RGB, the texture has " +
-                                         std::to_string(desc.channels) + " channels";
+    return desc.channels == 3
+               ? ""
+               : "it is fed RGB, the texture has " + std::to_string(desc.channels) + " channels";
 }
 
 Result<std::uint64_t> bytes_of_file(const std::string& path) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "tools/rd/codec_under_test.h"
+#include "tools/rd/subprocess.h"
 
 #include <functional>
 #include <string>
@@ -47,13 +48,20 @@ Result<std::vector<Rival>> rivals_named(const std::string& list);
 RivalChoice choose_rivals(const std::vector<Rival>& wanted, const TextureDesc& desc);
 
 // Shared by the families.
+std::string value_of(const std::string& setting); // "crf 28" -> "28"
+std::string threads_text(unsigned threads);       // 0: all cores
+// Shows that a tool is at work which does not say how far it is. `job` outlives it.
+TickFunction ticker(const CodingJob& job, const char* stage);
+// run_tool_well(), and only the time it took.
+Result<double> seconds_of_tool(const std::vector<std::string>& argv, double timeout,
+                               const TickFunction& tick = {});
 std::string needs_rgb8(const TextureDesc& desc);
 Result<std::uint64_t> bytes_of_file(const std::string& path);
 Result<std::vector<std::byte>> bytes_in_file(const std::string& path);
 Status write_bytes(const std::string& path, std::span<const std::byte> bytes);
 
-// Runs what is short several times and takes the best: tools that finish within a blink are measured
-// by chance otherwise. `run` returns a Result<double> of seconds.
+// Runs what is short several times and takes the best: tools that finish within a blink are
+// measured by chance otherwise. `run` returns a Result<double> of seconds.
 template <class Run> Result<double> best_time(const Run& run) {
     Result<double> best = run();
     for (int again = 0; again < 2 && best.ok() && *best < 0.5; ++again) {

@@ -14,7 +14,8 @@ namespace tessera {
 
 class ScratchFolder {
 public:
-    ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, "")), kept_(other.kept_) {}
+    ScratchFolder(ScratchFolder&& other) noexcept
+        : path_(std::exchange(other.path_, "")), kept_(other.kept_) {}
     ScratchFolder& operator=(ScratchFolder&&) = delete;
     ~ScratchFolder() {
         std::error_code ignored;

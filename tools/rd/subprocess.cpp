@@ -70,8 +70,7 @@ Result<pid_t> start(const std::vector<std::string>& argv, int output) {
         words.push_back(const_cast<char*>(word.c_str()));
     words.push_back(nullptr);
     pid_t pid = 0;
-    const int error =
-        posix_spawnp(&pid, words[0], &files, &attributes, words.data(), environ);
+    const int error = posix_spawnp(&pid, words[0], &files, &attributes, words.data(), environ);
     posix_spawn_file_actions_destroy(&files);
     posix_spawnattr_destroy(&attributes);
     if (error != 0)

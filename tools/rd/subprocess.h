@@ -24,8 +24,8 @@ using TickFunction = std::function<void()>;
 std::optional<std::string> find_tool(const std::string& name);
 
 // Runs argv[0], a path or a name on PATH, and waits. Nothing is on its standard input. Thread-safe.
-// Errors: io, where it cannot be started; runtime, where it was killed by a signal, took longer than
-// `timeout` seconds (it and its children are killed) or we are interrupted.
+// Errors: io, where it cannot be started; runtime, where it was killed by a signal, took longer
+// than `timeout` seconds (it and its children are killed) or we are interrupted.
 Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
                          const TickFunction& tick = {});
 

@@ -105,9 +105,10 @@ public:
         for (const std::string& setting : codec_.finer)
             if (low_ <= high_ && high_ < options_.high_psnr)
                 TESSERA_TRY(add(setting));
-        std::stable_sort(rows_.begin(), rows_.end(), [](const Measurement& a, const Measurement& b) {
-            return a.bits_per_texel < b.bits_per_texel;
-        });
+        std::stable_sort(rows_.begin(), rows_.end(),
+                         [](const Measurement& a, const Measurement& b) {
+                             return a.bits_per_texel < b.bits_per_texel;
+                         });
         return {};
     }
     const std::vector<Measurement>& rows() const { return rows_; }

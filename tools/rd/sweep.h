@@ -12,7 +12,7 @@ namespace tessera {
 
 struct SweepOptions {
     unsigned threads = 0;
-    double timeout = 3600;   // seconds, of each run of a tool
+    double timeout = 3600; // seconds, of each run of a tool
     // dB that every curve should reach below and above: a codec whose usual settings do not is
     // measured at coarser or finer ones.
     double low_psnr = 36, high_psnr = 42;
@@ -25,8 +25,8 @@ struct SweepOptions {
     std::function<void(const Measurement&, std::size_t number, std::size_t count)> done;
 };
 
-// Measurements in the order of the codecs, each from few bits to many. A codec that fails is a measurement
-// that says so. Errors: runtime, when interrupted; io, where the cache cannot be written.
+// Measurements in the order of the codecs, each from few bits to many. A codec that fails is a
+// measurement that says so. Errors: runtime, when interrupted; io, where the cache cannot be written.
 Result<std::vector<Measurement>> sweep(const RdTexture& texture,
                                        const std::vector<CodecUnderTest>& codecs,
                                        const SweepOptions& options);

@@ -86,8 +86,8 @@ Result<Coded> code(int effort, const CodingJob& job, const std::string& setting)
     options.effort = effort;
     options.threads = job.threads;
     options.progress = job.progress;
-    const auto source = interruptible(
-        std::make_unique<MemorySource>(job.texture.desc, job.texture.texels));
+    const auto source =
+        interruptible(std::make_unique<MemorySource>(job.texture.desc, job.texture.texels));
     std::vector<std::byte> file;
     const auto report = encode_memory(*source, file, options);
     if (!report.ok())

@@ -1,11 +1,9 @@
 // Video codecs: the views in serpentine order are the frames.
 #include "tools/rd/rivals.h"
-#include "tools/rd/subprocess.h"
 #include "tools/rd/view_layout.h"
 
 #include <algorithm>
 #include <fstream>
-#include <thread>
 
 namespace tessera {
 namespace {
@@ -24,19 +22,15 @@ struct VideoTool {
                                        const std::string& setting, unsigned group) = nullptr;
 };
 
-// The value of a setting: "crf 28" -> "28".
-std::string value_of(const std::string& setting) {
-    return setting.substr(setting.find(' ') + 1);
-}
-
 // Tuned for the measure it is judged by; its own taste costs 1.5 dB at equal bits.
 std::vector<std::string> x265(const char* preset, const VideoInput& in, const std::string& out,
                               const std::string& setting, unsigned group) {
     std::vector<std::string> argv = {
-        "x265",    "--input",  in.path,    "--input-res",    in.width + "x" + in.height,
-        "--fps",   "30",       "--tune",     "psnr",       "--input-csp", "i444",        "--preset",
-        preset,    "--crf",    value_of(setting), "--pools", in.threads,
-        "--no-info", "--no-progress", "--log-level", "error", "--output", out};
+        "x265",    "--input",  in.path,     "--input-res",   in.width + "x" + in.height,
+        "--fps",   "30",       "--tune",    "psnr",          "--input-csp",
+        "i444",    "--preset", preset,      "--crf",         value_of(setting),
+        "--pools", in.threads, "--no-info", "--no-progress", "--log-level",
+        "error",   "--output", out};
     const std::string keyint = group > 0 ? std::to_string(group) : "-1";
     argv.insert(argv.end(), {"--keyint", keyint});
     if (group > 0) // every group decodes alone
@@ -57,17 +51,50 @@ std::vector<std::string> x265_medium(const VideoInput& in, const std::string& ou
 std::vector<std::string> svt_av1(const VideoInput& in, const std::string& out,
                                  const std::string& setting, unsigned group) {
     // Its key frame interval counts the frames between two key frames.
-    return {"SvtAv1EncApp", "-i", in.path, "-w", in.width, "-h", in.height, "--fps", "30", "-n",
-            in.frames, "--preset", "5", "--crf", value_of(setting), "--keyint",
-            group > 0 ? std::to_string(group - 1) : "-1", "--irefresh-type", "2", "--lp",
-            in.threads, "--no-progress", "1", "-b", out};
+    return {"SvtAv1EncApp",
+            "-i",
+            in.path,
+            "-w",
+            in.width,
+            "-h",
+            in.height,
+            "--fps",
+            "30",
+            "-n",
+            in.frames,
+            "--preset",
+            "5",
+            "--crf",
+            value_of(setting),
+            "--keyint",
+            group > 0 ? std::to_string(group - 1) : "-1",
+            "--irefresh-type",
+            "2",
+            "--lp",
+            in.threads,
+            "--no-progress",
+            "1",
+            "-b",
+            out};
 }
 
 std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
                                 const std::string& setting, unsigned) {
-    return {"aomenc", in.path, "--ivf", "-o", out, "--profile=1", "--i444", "--end-usage=q",
-            "--cq-level=" + value_of(setting), "--cpu-used=4", "--passes=1",
-            "--lag-in-frames=35", "--kf-max-dist=9999", "--threads=" + in.threads, "--quiet"};
+    return {"aomenc",
+            in.path,
+            "--ivf",
+            "-o",
+            out,
+            "--profile=1",
+            "--i444",
+            "--end-usage=q",
+            "--cq-level=" + value_of(setting),
+            "--cpu-used=4",
+            "--passes=1",
+            "--lag-in-frames=35",
+            "--kf-max-dist=9999",
+            "--threads=" + in.threads,
+            "--quiet"};
 }
 
 // YUV4MPEG2: a line for the video, a line before each frame.
@@ -87,8 +114,20 @@ Status write_y4m(const std::string& path, std::span<const std::byte> video, cons
 // ffmpeg decodes all of them, to the very planes that the encoder was given.
 std::vector<std::string> decoder(const std::string& in, const std::string& out,
                                  const VideoInput& input, Chroma chroma) {
-    return {"ffmpeg", "-nostdin", "-v", "error", "-threads", input.threads, "-y", "-i", in,
-            "-f", "rawvideo", "-pix_fmt", chroma == Chroma::full ? "yuv444p" : "yuv420p", out};
+    return {"ffmpeg",
+            "-nostdin",
+            "-v",
+            "error",
+            "-threads",
+            input.threads,
+            "-y",
+            "-i",
+            in,
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            chroma == Chroma::full ? "yuv444p" : "yuv420p",
+            out};
 }
 
 // A reader starts at a key frame and decodes on; on average half of the group.
@@ -101,36 +140,27 @@ double access_bytes(std::uint64_t bytes, std::size_t frames, unsigned group) {
 Result<Coded> code_video(const VideoTool& tool, const CodingJob& job, const std::string& setting) {
     const Extent4& n = job.texture.desc.size;
     const std::size_t frames = std::size_t{n[axis_s]} * n[axis_t];
-    const std::string threads =
-        std::to_string(job.threads > 0 ? job.threads : std::thread::hardware_concurrency());
     const VideoInput input{job.folder.at(tool.in_y4m ? "in.y4m" : "in.yuv"),
                            std::to_string(n[axis_u]), std::to_string(n[axis_v]),
-                           std::to_string(frames), threads};
+                           std::to_string(frames), threads_text(job.threads)};
     const std::string stream = job.folder.at(std::string("video.") + tool.ending);
     const std::string output = job.folder.at("out.yuv");
     const auto video = video_of(job.texture, tool.chroma);
     TESSERA_TRY(tool.in_y4m ? write_y4m(input.path, video, input, video.size() / frames)
                             : write_bytes(input.path, video));
-    const auto tick = [&](const char* stage) {
-        return [&job, stage] {
-            if (job.progress)
-                job.progress(stage, 0, 1);
-        };
-    };
     Coded coded;
-    const auto encoded =
-        run_tool_well(tool.encode(input, stream, setting, tool.group), job.timeout, tick("encoding"));
+    const auto encoded = seconds_of_tool(tool.encode(input, stream, setting, tool.group),
+                                         job.timeout, ticker(job, "encoding"));
     if (!encoded.ok())
         return encoded.status();
-    coded.encode_seconds = encoded->seconds;
+    coded.encode_seconds = *encoded;
     const auto bytes = bytes_of_file(stream);
     if (!bytes.ok())
         return bytes.status();
     coded.bytes = *bytes;
-    const auto decoded = best_time([&]() -> Result<double> {
-        const auto run = run_tool_well(decoder(stream, output, input, tool.chroma), job.timeout,
-                                       tick("decoding"));
-        return run.ok() ? Result<double>(run->seconds) : Result<double>(run.status());
+    const auto decoded = best_time([&] {
+        return seconds_of_tool(decoder(stream, output, input, tool.chroma), job.timeout,
+                               ticker(job, "decoding"));
     });
     if (!decoded.ok())
         return decoded.status();
@@ -155,8 +185,8 @@ struct Ladder {
 };
 
 Rival video_rival(const char* id, const char* layout, std::vector<std::string> tools,
-                  const char* package, std::vector<std::string> version,
-                  const Ladder& ladder, const VideoTool& tool) {
+                  const char* package, std::vector<std::string> version, const Ladder& ladder,
+                  const VideoTool& tool) {
     Rival rival;
     rival.id = id;
     rival.layout = layout;
@@ -184,8 +214,8 @@ std::vector<Rival> video_rivals() {
     const Ladder cq{{"cq 54", "cq 44", "cq 32", "cq 20"}, {"cq 60"}, {"cq 12", "cq 5"}};
     std::vector<Rival> all;
     const auto add = [&all](Rival rival) { all.push_back(std::move(rival)); };
-    add(video_rival("x265", "preset slower, tune psnr, YCgCo 4:4:4, one sequence of views", {"x265"},
-                    "x265 and ffmpeg", {"--version"}, crf,
+    add(video_rival("x265", "preset slower, tune psnr, YCgCo 4:4:4, one sequence of views",
+                    {"x265"}, "x265 and ffmpeg", {"--version"}, crf,
                     {Chroma::full, false, 0, "hevc", x265_slower}));
     add(video_rival("x265:8", "preset slower, tune psnr, YCgCo 4:4:4, groups of 8 views", {"x265"},
                     "x265 and ffmpeg", {"--version"}, crf,

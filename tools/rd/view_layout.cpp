@@ -17,9 +17,7 @@ struct Plane {
     std::uint32_t width = 0, height = 0;
     std::vector<float> values;
     float& at(std::uint32_t x, std::uint32_t y) { return values[std::size_t{y} * width + x]; }
-    float at(std::uint32_t x, std::uint32_t y) const {
-        return values[std::size_t{y} * width + x];
-    }
+    float at(std::uint32_t x, std::uint32_t y) const { return values[std::size_t{y} * width + x]; }
 };
 
 Plane make_plane(std::uint32_t width, std::uint32_t height) {
@@ -33,9 +31,8 @@ Plane halved(const Plane& p) {
         for (std::uint32_t x = 0; x < half.width; ++x) {
             const std::uint32_t x1 = std::min(2 * x + 1, p.width - 1);
             const std::uint32_t y1 = std::min(2 * y + 1, p.height - 1);
-            half.at(x, y) = (p.at(2 * x, 2 * y) + p.at(x1, 2 * y) + p.at(2 * x, y1) +
-                             p.at(x1, y1)) /
-                            4;
+            half.at(x, y) =
+                (p.at(2 * x, 2 * y) + p.at(x1, 2 * y) + p.at(2 * x, y1) + p.at(x1, y1)) / 4;
         }
     return half;
 }
@@ -166,9 +163,8 @@ void store_mosaic(const Picture& picture, const Extent4& size, std::vector<std::
 
 std::size_t video_bytes(const Extent4& n, Chroma chroma) {
     const std::size_t luma = std::size_t{n[axis_u]} * n[axis_v];
-    const std::size_t colour = chroma == Chroma::full
-                                   ? luma
-                                   : std::size_t{(n[axis_u] + 1) / 2} * ((n[axis_v] + 1) / 2);
+    const std::size_t colour =
+        chroma == Chroma::full ? luma : std::size_t{(n[axis_u] + 1) / 2} * ((n[axis_v] + 1) / 2);
     return (luma + 2 * colour) * n[axis_s] * n[axis_t];
 }
 
