@@ -81,8 +81,9 @@ Result<pid_t> start(const std::vector<std::string>& argv, int output) {
 // A running tool, until it has ended or its time is up.
 class Watch {
 public:
-    Watch(pid_t pid, int output, double timeout, const TickFunction& tick)
-        : pid_(pid), output_(output), timeout_(timeout), tick_(tick), begun_(Clock::now()) {}
+    // `begun`: before it was started, as a short one may be over before we run again.
+    Watch(pid_t pid, int output, Clock::time_point begun, double timeout, const TickFunction& tick)
+        : pid_(pid), output_(output), timeout_(timeout), tick_(tick), begun_(begun) {}
 
     // Reads what it says until it closes its output, as it does at its end.
     std::string listen() {
@@ -173,11 +174,12 @@ Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
     Pipe output;
     if (pipe2(output.ends, O_CLOEXEC) != 0)
         return system_error(tool, "no pipe", errno);
+    const auto begun = Clock::now();
     const auto pid = start(argv, output.ends[1]);
     if (!pid.ok())
         return pid.status();
     output.close_end(1);
-    Watch watch(*pid, output.ends[0], timeout, tick);
+    Watch watch(*pid, output.ends[0], begun, timeout, tick);
     ToolRun run;
     run.said = watch.listen();
     const int status = watch.await();
