@@ -3,7 +3,7 @@
 // PEERS.rgb is the unpacked composed_128x64x32x32.rgb of the rivals' figures. Bits, PSNR and errors
 // are exact and compared by the caller; speeds are printed for people (shared machines: ratios
 // count).
-#include "codec/decoder.h"
+#include "codec/access_cost.h"
 #include "codec/encoder.h"
 #include "codec/memory_source.h"
 #include "corpus/bake.h"
@@ -57,7 +57,7 @@ struct Row {
     EncodeReport report;
     double encode_mbs, decode_mbs;
     std::size_t texel_reads;
-    std::uint64_t texel_bytes; // of the last read
+    std::uint64_t texel_bytes; // of the last read, the tile
 };
 
 Result<Row> measure(const Texture& texture, const std::string& label, RateTarget rate, int effort) {
@@ -74,18 +74,18 @@ Result<Row> measure(const Texture& texture, const std::string& label, RateTarget
     row.encode_mbs = raw * report->passes / report->seconds / 1e6;
 
     const auto source = wrap_memory(file);
-    CountingByteSource counting(*source);
-    auto decoder = Decoder::open(counting);
+    auto decoder = Decoder::open(*source);
     if (!decoder)
         return decoder.status();
     const Extent4& size = decoder->desc().size;
     Box4 texel{{size[0] / 2, size[1] / 3, size[2] / 2, size[3] / 2}, {}};
     for (int axis = 0; axis < 4; ++axis)
         texel.end[axis] = texel.begin[axis] + 1;
-    std::vector<std::byte> one(decoder->desc().texel_bytes());
-    TESSERA_TRY(decoder->decode_box(texel, one, 1, Integrity::tile));
-    row.texel_reads = counting.reads().size();
-    row.texel_bytes = counting.reads().back().length;
+    const auto access = access_cost(file, texel);
+    if (!access)
+        return access.status();
+    row.texel_reads = access->first_reads;
+    row.texel_bytes = access->bytes;
 
     std::vector<std::byte> texels(report->raw_bytes);
     double best = 1e9;

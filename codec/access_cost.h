@@ -1,0 +1,38 @@
+// What a reader fetches from a file to see some of its texels.
+#pragma once
+
+#include "codec/decoder.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+struct AccessCost {
+    std::size_t first_reads = 0; // by a reader that opens the file for it
+    std::size_t reads = 0;       // by one that holds header, tables and index already,
+    std::uint64_t bytes = 0;     // and how many bytes those are
+};
+
+// Of the texels of `box`, where tiles are checked and not pages. Errors: those of decoding.
+inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box4& box) {
+    const auto source = wrap_memory(file);
+    CountingByteSource counting(*source);
+    const auto decoder = Decoder::open(counting);
+    if (!decoder.ok())
+        return decoder.status();
+    std::vector<std::byte> texels(decoder->desc().box_bytes(box));
+    TESSERA_TRY(decoder->decode_box(box, texels, 1, Integrity::tile));
+    AccessCost cost;
+    cost.first_reads = counting.reads().size();
+    counting.reset();
+    TESSERA_TRY(decoder->decode_box(box, texels, 1, Integrity::tile));
+    cost.reads = counting.reads().size();
+    for (const CountingByteSource::Read& read : counting.reads())
+        cost.bytes += read.length;
+    return cost;
+}
+
+} // namespace tessera

@@ -1,0 +1,236 @@
+// Codecs of arrays and bytes: zfp in four dimensions, OpenEXR's DWAA, zstd, and no codec at all.
+#include "codec/metrics.h" // half_ordinal
+#include "tools/rd/exr_rival.h"
+#include "tools/rd/rivals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+// --- zfp: planes of floats, each a 4D array with s fastest ---------------------------------------
+
+bool has_yuv(const TextureDesc& desc) {
+    return desc.type == SampleType::unorm8 && desc.channels == 3;
+}
+
+// 8-bit RGB as Y Cb Cr of BT.709, other samples as they are; half floats as the 16-bit codes in
+// which errors are counted, as they grow with the logarithm.
+std::vector<std::vector<float>> planes_of(const RdTexture& texture) {
+    const unsigned channels = texture.desc.channels;
+    std::vector<std::vector<float>> planes(channels, std::vector<float>(texture.texel_count()));
+    const std::byte* from = texture.texels.data();
+    for (std::size_t i = 0; i < texture.texel_count(); ++i)
+        for (unsigned c = 0; c < channels; ++c) {
+            if (texture.desc.type == SampleType::unorm8) {
+                planes[c][i] = static_cast<float>(std::to_integer<int>(*from++));
+                continue;
+            }
+            std::uint16_t half;
+            std::memcpy(&half, from, 2);
+            planes[c][i] = static_cast<float>(half_ordinal(half));
+            from += 2;
+        }
+    for (std::size_t i = 0; has_yuv(texture.desc) && i < texture.texel_count(); ++i) {
+        const float r = planes[0][i], g = planes[1][i], b = planes[2][i];
+        const float y = 0.2126f * r + 0.7152f * g + 0.0722f * b;
+        planes[0][i] = y;
+        planes[1][i] = (b - y) / 1.8556f;
+        planes[2][i] = (r - y) / 1.5748f;
+    }
+    return planes;
+}
+
+std::vector<std::byte> texels_of(const TextureDesc& desc, std::vector<std::vector<float>> planes) {
+    const std::size_t count = planes[0].size();
+    for (std::size_t i = 0; has_yuv(desc) && i < count; ++i) {
+        const float y = planes[0][i];
+        const float b = y + 1.8556f * planes[1][i], r = y + 1.5748f * planes[2][i];
+        planes[0][i] = r;
+        planes[1][i] = (y - 0.2126f * r - 0.0722f * b) / 0.7152f;
+        planes[2][i] = b;
+    }
+    std::vector<std::byte> texels(count * desc.texel_bytes());
+    std::byte* to = texels.data();
+    for (std::size_t i = 0; i < count; ++i)
+        for (unsigned c = 0; c < desc.channels; ++c) {
+            const long value = std::lround(planes[c][i]);
+            if (desc.type == SampleType::unorm8) {
+                *to++ = std::byte(static_cast<std::uint8_t>(std::clamp(value, 0l, 255l)));
+                continue;
+            }
+            const long code = std::clamp(value, -31743l, 31743l);
+            const auto half = static_cast<std::uint16_t>(code < 0 ? 0x8000 | -code : code);
+            std::memcpy(to, &half, 2);
+            to += 2;
+        }
+    return texels;
+}
+
+// Colour differences are given half the rate, or twice the tolerance.
+std::vector<std::string> zfp_mode(const std::string& setting, const TextureDesc& desc,
+                                  std::size_t plane) {
+    const bool colour = has_yuv(desc) && plane > 0;
+    double value = std::stod(value_of(setting));
+    if (setting.rfind("rate", 0) == 0)
+        return {"-r", std::to_string(colour ? value / 2 : value)};
+    if (desc.type == SampleType::half16)
+        value *= 128; // half_peak is about as much larger than 255
+    return {"-a", std::to_string(colour ? value * 2 : value)};
+}
+
+std::vector<std::string> zfp_shape(const Extent4& n) {
+    return {"-f",
+            "-4",
+            std::to_string(n[axis_s]),
+            std::to_string(n[axis_t]),
+            std::to_string(n[axis_u]),
+            std::to_string(n[axis_v])};
+}
+
+Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
+    const TextureDesc& desc = job.texture.desc;
+    auto planes = planes_of(job.texture);
+    Coded coded;
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+        const std::string number = std::to_string(p), in = job.folder.at("in" + number + ".f32"),
+                          packed = job.folder.at("plane" + number + ".zfp"),
+                          out = job.folder.at("out" + number + ".f32");
+        TESSERA_TRY(write_bytes(in, std::as_bytes(std::span(planes[p]))));
+        std::vector<std::string> shape_and_mode = zfp_shape(desc.size);
+        for (const std::string& word : zfp_mode(setting, desc, p))
+            shape_and_mode.push_back(word);
+        std::vector<std::string> encode = {"zfp", "-q", "-i", in, "-z", packed};
+        encode.insert(encode.end(), shape_and_mode.begin(), shape_and_mode.end());
+        const auto encoded = seconds_of_tool(encode, job.timeout, ticker(job, "encoding"));
+        if (!encoded.ok())
+            return encoded.status();
+        const auto bytes = bytes_of_file(packed);
+        if (!bytes.ok())
+            return bytes.status();
+        coded.bytes += *bytes;
+        coded.encode_seconds += *encoded;
+        std::vector<std::string> decode = {"zfp", "-q", "-z", packed, "-o", out};
+        decode.insert(decode.end(), shape_and_mode.begin(), shape_and_mode.end());
+        const auto decoded = best_time(
+            [&] { return seconds_of_tool(decode, job.timeout, ticker(job, "decoding")); });
+        if (!decoded.ok())
+            return decoded.status();
+        coded.decode_seconds += *decoded;
+        const auto back = bytes_in_file(out);
+        if (!back.ok())
+            return back.status();
+        if (back->size() != planes[p].size() * sizeof(float))
+            return Status(ErrorCode::runtime, "zfp: decoded an array of another size");
+        std::memcpy(planes[p].data(), back->data(), back->size());
+    }
+    coded.texels = texels_of(desc, std::move(planes));
+    if (setting.rfind("rate", 0) == 0) { // blocks of 4 x 4 x 4 x 4 at known places
+        const Extent4& n = desc.size;
+        const auto blocks = [&](Axis axis) { return std::ceil(n[axis] / 4.0); };
+        coded.texel_bytes = static_cast<double>(coded.bytes) /
+                            (blocks(axis_u) * blocks(axis_v) * blocks(axis_s) * blocks(axis_t));
+        coded.view_bytes = *coded.texel_bytes * blocks(axis_u) * blocks(axis_v);
+    } else { // blocks of any length, and no index
+        coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
+    }
+    return coded;
+}
+
+// --- zstd and nothing ----------------------------------------------------------------------------
+
+Result<Coded> code_zstd(const CodingJob& job, const std::string& setting) {
+    const std::string in = job.folder.at("in.raw"), packed = job.folder.at("raw.zst"),
+                      out = job.folder.at("out.raw");
+    TESSERA_TRY(write_bytes(in, job.texture.texels));
+    const auto encoded = seconds_of_tool(
+        {"zstd", "-q", "-f", "-" + value_of(setting), "--long=27", in, "-o", packed}, job.timeout,
+        ticker(job, "encoding"));
+    if (!encoded.ok())
+        return encoded.status();
+    const auto decoded = best_time([&] {
+        return seconds_of_tool({"zstd", "-q", "-f", "-d", "--long=27", packed, "-o", out},
+                               job.timeout, ticker(job, "decoding"));
+    });
+    if (!decoded.ok())
+        return decoded.status();
+    const auto bytes = bytes_of_file(packed);
+    if (!bytes.ok())
+        return bytes.status();
+    auto back = bytes_in_file(out);
+    if (!back.ok())
+        return back.status();
+    if (back->size() != job.texture.texels.size())
+        return Status(ErrorCode::runtime, "zstd: decoded a texture of another size");
+    Coded coded;
+    coded.bytes = *bytes;
+    coded.encode_seconds = *encoded;
+    coded.decode_seconds = *decoded;
+    coded.texels = std::move(*back);
+    coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
+    return coded;
+}
+
+Result<Coded> keep_raw(const CodingJob& job, const std::string&) {
+    Coded coded;
+    coded.texels = job.texture.texels;
+    coded.bytes = coded.texels.size();
+    const Extent4& n = job.texture.desc.size;
+    const auto texel = static_cast<double>(job.texture.desc.texel_bytes());
+    coded.texel_bytes = texel;
+    coded.view_bytes = texel * n[axis_u] * n[axis_v];
+    return coded;
+}
+
+Rival array_rival(const char* id, const char* layout, std::vector<std::string> tools,
+                  const char* package, std::vector<std::string> version,
+                  std::vector<std::string> settings) {
+    Rival rival;
+    rival.id = id;
+    rival.layout = layout;
+    rival.tools = std::move(tools);
+    rival.package = package;
+    rival.version_arguments = std::move(version);
+    rival.settings = std::move(settings);
+    rival.run = code_zfp;
+    return rival;
+}
+
+} // namespace
+
+std::vector<Rival> array_rivals() {
+    std::vector<Rival> all;
+    const auto add = [&all](Rival rival) -> Rival& {
+        all.push_back(std::move(rival));
+        return all.back();
+    };
+    Rival& rate = add(array_rival("zfp:rate", "fixed rate, 4D blocks, Cb and Cr at half the rate",
+                                  {"zfp"}, "zfp", {}, {"rate 1", "rate 2", "rate 3", "rate 4"}));
+    rate.coarser = {"rate 0.5"};
+    rate.finer = {"rate 6", "rate 8"};
+    Rival& accuracy = add(array_rival(
+        "zfp:accuracy", "fixed accuracy, 4D blocks, Cb and Cr at twice the tolerance", {"zfp"},
+        "zfp", {}, {"tolerance 256", "tolerance 128", "tolerance 64", "tolerance 32"}));
+    accuracy.coarser = {"tolerance 512", "tolerance 1024"};
+    accuracy.finer = {"tolerance 16", "tolerance 8"};
+    Rival& exr = add(array_rival("exr:dwaa", "OpenEXR's DWAA, mosaic of views, half floats", {}, "",
+                                 {}, {"level 4000", "level 2000", "level 1000", "level 500"}));
+    exr.coarser = {"level 8000", "level 16000"};
+    exr.finer = {"level 200", "level 100"};
+    exr.run = code_exr_mosaic;
+    Rival& zstd = add(array_rival("zstd", "raw bytes, window of 128 MB, lossless", {"zstd"}, "zstd",
+                                  {"--version"}, {"level 3", "level 19"}));
+    zstd.run = code_zstd;
+    zstd.in_plot = false;
+    zstd.quick = true;
+    Rival& raw = add(array_rival("raw", "nothing is coded", {}, "", {}, {"as it is"}));
+    raw.run = keep_raw;
+    raw.in_plot = false;
+    raw.quick = true;
+    return all;
+}
+
+} // namespace tessera

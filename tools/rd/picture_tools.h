@@ -1,0 +1,33 @@
+// The command lines of picture codecs.
+#pragma once
+
+#include "tools/picture.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct PictureTool {
+    const char* id;
+    const char* about;
+    std::vector<std::string> tools; // encoder, decoder
+    const char* package;
+    std::vector<std::string> version;
+    std::uint32_t max_side;
+    const char* ending;
+    const char* pictures; // what it reads and writes besides; ppm costs it the least
+    std::vector<std::string> settings, coarser, finer;
+    std::vector<std::string> (*encode)(const std::string& in, const std::string& out,
+                                       const std::string& setting, const Picture& picture,
+                                       const std::string& threads);
+    std::vector<std::string> (*decode)(const std::string& in, const std::string& out,
+                                       const std::string& threads);
+};
+
+std::span<const PictureTool> picture_tools(); // AVIF, JPEG XL, WebP, JPEG 2000
+const PictureTool& astc_tool();
+
+} // namespace tessera
