@@ -1,5 +1,6 @@
 #include "codec/block_search.h"
 
+#include "codec/colour_choice.h"
 #include "codec/copy_prediction.h"
 
 #include <algorithm>
@@ -19,6 +20,7 @@ constexpr float bits_per_class = 0.30f;
 constexpr float bits_per_octave_of_energy = 0.85f;
 constexpr float rounding_error = 1.0f / 12.0f;
 constexpr float block_overhead_bits = 3.0f;
+constexpr float rotation_bits = 3.0f; // of a colour symbol, often the one before
 static float copy_mode_bits = getenv("CM")?atof(getenv("CM")):12.0f;
 static float displacement_bits = getenv("DB")?atof(getenv("DB")):5.0f; // with what merging saves
 // Below this energy about the mean, per lambda, no split can pay for its bits.
@@ -32,6 +34,7 @@ BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
     for (int plane = 0; plane < coding.planes; ++plane)
         inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
             1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
+    inverse_rotated_step_ = static_cast<float>(1.0 / coding.parameters.rotated_step.value());
 }
 
 namespace {
@@ -145,7 +148,8 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         source_[p].assign(planes.plane[p].begin(), planes.plane[p].end());
     }
     scratch_a_.resize(std::max(scratch_a_.size(), texels));
-    coefficients_.resize(texels);
+    for (auto& plane : coefficients_)
+        plane.resize(texels);
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
     while (finest_cells(shape_, spatial_depths_, angular_depths_) > max_leaves)
@@ -332,19 +336,19 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
     const auto texels = static_cast<std::size_t>(shape.texels());
     const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
-    const float* base = base_costs(shape).data();
     const Kernels& k = kernels();
     // They change places below.
     residual_.resize(std::max(residual_.size(), texels));
     scratch_a_.resize(std::max(scratch_a_.size(), texels));
-    float cost = 0;
+    float energy = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
         gather_block(block, plane, residual_.data());
         subtract_prediction(block, prediction, plane, reconstructed, residual_.data());
-        float energy = 0;
+        float squares = 0;
         for (std::size_t i = 0; i < texels; ++i)
-            energy += residual_[i] * residual_[i];
+            squares += residual_[i] * residual_[i];
+        energy += squares * inverse_step_[p] * inverse_step_[p];
         for (int axis = 3; axis >= 2; --axis)
             if (shape.n[axis] > 1) {
                 forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
@@ -353,13 +357,9 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
             }
         for (int i = 0; i < images; ++i)
             k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
-                            coefficients_.data() + i * kept);
-        const CostSum sum =
-            k.coding_cost(coefficients_.data(), base, images * kept, inverse_step_[p],
-                          options_.lambda * bits_per_octave_of_energy);
-        cost += sum.cost + std::max(0.0f, energy * inverse_step_[p] * inverse_step_[p] - sum.energy);
+                            coefficients_[p].data() + i * kept);
     }
-    return cost;
+    return coefficients_cost(shape, energy);
 }
 
 float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
@@ -372,27 +372,57 @@ float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
     }
     const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
-    const int count = kept * shape.n[2] * shape.n[3];
-    const float* base = base_costs(shape).data();
     const Kernels& k = kernels();
-    float cost = 0, seen = 0;
+    float energy = grid.activity[grid.index(c)]; // about the mean
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
-        float* to = coefficients_.data();
+        float* to = coefficients_[p].data();
         for (int t = 0; t < shape.n[3]; ++t)
             for (int s = 0; s < shape.n[2]; ++s, to += kept)
                 k.forward_image(angular_[p].data() + (begin[3] + t) * volume +
                                     (begin[2] + s) * page + begin[1] * row + begin[0],
                                 row, shape.n[0], shape.n[1], to);
-        const CostSum sum = k.coding_cost(coefficients_.data(), base, count, inverse_step_[p],
-                                          options_.lambda * bits_per_octave_of_energy);
-        const float dc = coefficients_[0] * inverse_step_[p];
+        const float dc = coefficients_[p][0] * inverse_step_[p];
+        energy += dc * dc;
+    }
+    return coefficients_cost(shape, energy);
+}
+
+// Cost of coefficients_, those of a block of this energy (squared steps), on the better colour axes.
+float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const int count = kept * shape.n[2] * shape.n[3];
+    const float* base = base_costs(shape).data();
+    const float slope = options_.lambda * bits_per_octave_of_energy;
+    const Kernels& k = kernels();
+    float cost = 0, seen = 0, others = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        const CostSum sum =
+            k.coding_cost(coefficients_[p].data(), base, count, inverse_step_[p], slope);
         cost += sum.cost;
-        seen += sum.energy - dc * dc;
+        seen += sum.energy;
+        others += plane < 3 ? 0.0f : sum.cost;
     }
     // Frequencies that were not computed are zeroed: they cost their energy.
-    const float energy = grid.activity[grid.index(c)];
-    return kept < shape.n[0] * shape.n[1] ? cost + std::max(0.0f, energy - seen) : cost;
+    const float unseen =
+        kept < shape.n[0] * shape.n[1] ? std::max(0.0f, energy - seen) : 0.0f;
+    const float all_zero = seen + unseen;
+    if (!options_.rotated_colours || !coding_.rotates || cost > 0.98f * all_zero)
+        return cost + unseen;
+    const ColourCoefficients colours{
+        {coefficients_[0].data(), coefficients_[1].data(), coefficients_[2].data()},
+        static_cast<std::size_t>(count)};
+    const int rotation = choose_rotation(colours, coding_.parameters, -1);
+    if (rotation < 0)
+        return cost + unseen;
+    rotated_.resize(std::max(rotated_.size(), static_cast<std::size_t>(count)));
+    float rotated = others + options_.lambda * rotation_bits;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        project_colours(colours, rotation, axis, rotated_.data());
+        rotated += k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope).cost;
+    }
+    return std::min(cost, rotated) + unseen;
 }
 
 const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {

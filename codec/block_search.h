@@ -19,7 +19,8 @@ struct SearchOptions {
     std::uint64_t grids = ~std::uint64_t{0};
     int smallest_spatial = 4; // a side is not cut below this by the search
     float lambda = 0.11f;     // squared steps per bit
-    DisplacementRange copies; // that choose_copies tries
+    bool rotated_colours = false; // costs take rotations of the colour axes into account
+    DisplacementRange copies;     // that choose_copies tries
 };
 
 class BlockSearch {
@@ -95,6 +96,7 @@ private:
               TileLevels& out) const;
     void measure_activity();
     float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
+    float coefficients_cost(const BlockShape& shape, float energy);
     const std::vector<float>& base_costs(const BlockShape& shape);
 
     const TileCoding& coding_;
@@ -103,8 +105,10 @@ private:
     BlockShape shape_;
     int spatial_depths_ = 0, angular_depths_ = 0;
     std::array<float, max_planes> inverse_step_{};
+    float inverse_rotated_step_ = 1;
     std::array<std::vector<float>, max_planes> source_, angular_;
-    std::vector<float> scratch_a_, coefficients_;
+    std::vector<float> scratch_a_, rotated_;
+    std::array<std::vector<float>, max_planes> coefficients_; // of a cell, in the order of forward_image
     std::vector<Grid> grids_;
     DisplacementSearch displacements_;
     std::array<std::vector<std::vector<Match>>, copy_directions> matches_;

@@ -35,11 +35,10 @@ float dot(const Vector& a, const Vector& b) {
 }
 
 // Second moments of the coefficients, in RGB, that are large enough to be kept.
-std::array<Vector, 3> kept_moments(const BlockCoefficients& block, float threshold) {
+std::array<Vector, 3> kept_moments(const ColourCoefficients& block, float threshold) {
     std::array<Vector, 3> moments{};
     const float least = threshold * threshold;
-    const auto count = static_cast<std::size_t>(block.shape.texels());
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < block.count; ++i) {
         const float y = block.plane[0][i], co = block.plane[1][i], cg = block.plane[2][i];
         // Squared length in RGB, from the planes, so that most coefficients stop here.
         if (3 * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg < least)
@@ -54,7 +53,7 @@ std::array<Vector, 3> kept_moments(const BlockCoefficients& block, float thresho
 
 } // namespace
 
-int choose_rotation(const BlockCoefficients& block, const CodingParameters& parameters, int last) {
+int choose_rotation(const ColourCoefficients& block, const CodingParameters& parameters, int last) {
     const auto moments =
         kept_moments(block, 0.6f * static_cast<float>(parameters.rotated_step.value()));
     const auto energy_along = [&](int rotation) {
@@ -69,23 +68,28 @@ int choose_rotation(const BlockCoefficients& block, const CodingParameters& para
             best = i;
         }
     const float total = moments[0][0] + moments[1][1] + moments[2][2];
-    if (best >= 0 && total - energy_along(last) < 1.1f * (total - most))
+    if (best >= 0 && last >= 0 && total - energy_along(last) < 1.1f * (total - most))
         return last;
     return best;
 }
 
+void project_colours(const ColourCoefficients& block, int rotation, std::size_t axis, float* out) {
+    const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][axis];
+    // What rgb_of makes of each plane, along the axis.
+    const float y = d[0] + d[1] + d[2], co = (d[0] - d[2]) / 2, cg = (d[1] - d[0] - d[2]) / 2;
+    for (std::size_t i = 0; i < block.count; ++i)
+        out[i] = y * block.plane[0][i] + co * block.plane[1][i] + cg * block.plane[2][i];
+}
+
 void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficients& out) {
-    const Axes& axes = all_axes()[static_cast<std::size_t>(rotation)];
     const auto count = static_cast<std::size_t>(block.shape.texels());
     out.shape = block.shape;
     out.copies = block.copies;
     out.colour = rotation + 1;
-    for (std::size_t plane = 0; plane < 3; ++plane)
+    for (std::size_t plane = 0; plane < 3; ++plane) {
         out.plane[plane].resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Vector x = rgb_of(block.plane[0][i], block.plane[1][i], block.plane[2][i]);
-        for (std::size_t plane = 0; plane < 3; ++plane)
-            out.plane[plane][i] = dot(axes[plane], x);
+        project_colours({{block.plane[0].data(), block.plane[1].data(), block.plane[2].data()}, count},
+                        rotation, plane, out.plane[plane].data());
     }
     for (std::size_t plane = 3; plane < out.plane.size(); ++plane)
         out.plane[plane] = block.plane[plane];

@@ -79,6 +79,7 @@ EffortSettings EffortSettings::of(int effort) {
         settings.search.copies = {16, 6};
     if (effort >= 7)
         settings.search.copies = {24, 10}, settings.copy_rounds = 2;
+    settings.search.rotated_colours = getenv("RC") ? atoi(getenv("RC")) : 1;
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;
@@ -163,7 +164,11 @@ float TileEncoder::encode_block(const Block& block, const BlockPrediction& predi
         quantizer_.quantize(coefficients_, out) + energy(coefficients_, coding_->parameters, false);
     if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
         return plain;
-    const int rotation = choose_rotation(coefficients_, coding_->parameters, last_rotation_ - 1);
+    const int rotation = choose_rotation(
+        {{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
+          coefficients_.plane[2].data()},
+         static_cast<std::size_t>(block.shape.texels())},
+        coding_->parameters, last_rotation_ - 1);
     if (rotation < 0)
         return plain;
     rotate_colours(coefficients_, rotation, rotated_);
