@@ -121,17 +121,19 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     note(DecodeStage::transform, true);
     TESSERA_TRY(
         target.bind_image(0, GL_WRITE_ONLY, half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
-    items_.use();
-    glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    groups_.use();
-    glDispatchCompute(1, 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    texels_.use();
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-    glDispatchComputeIndirect(tsr_w_groups * 4);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    for (std::uint32_t wave = 0; wave < batch.waves; ++wave) { // the device counts them, too
+        items_.use();
+        glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        groups_.use();
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        texels_.use();
+        glDispatchComputeIndirect(tsr_w_groups * 4);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                        GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    }
     note(DecodeStage::transform, false);
     return {};
 }
