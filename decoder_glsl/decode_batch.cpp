@@ -67,8 +67,8 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
     const auto texels = static_cast<std::uint64_t>(shape.texels());
     PayloadParts parts;
     const auto tree_of = [&](std::span<const std::byte> segment) {
-        return tree_size(segment, shape, tables_.code_tables(),
-                         static_cast<int>(tables_.planes()), tables_.predicts());
+        return tree_size(segment, shape, tables_.code_tables(), static_cast<int>(tables_.planes()),
+                         tables_.predicts());
     };
     TreeSize tree;
     bool sound = split_payload(payload, shape.texels(), parts).ok() &&

@@ -65,10 +65,13 @@ Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool hal
     TESSERA_TRY(make_program(d.order_, "order.comp.glsl"));
     TESSERA_TRY(make_program(d.items_, "items.comp.glsl"));
     TESSERA_TRY(make_program(d.groups_, "groups.comp.glsl"));
-    const ShaderDefine half_output[] = {{"TSR_OUTPUT_HALF", "1"}};
-    TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl",
-                             half ? std::span<const ShaderDefine>(half_output)
-                                  : std::span<const ShaderDefine>()));
+    std::vector<ShaderDefine> defines;
+    if (half)
+        defines.emplace_back("TSR_OUTPUT_HALF", "1");
+    TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl", defines));
+    defines.emplace_back("TSR_PREDICTED_TILES", "1");
+    if (tables.predicts())
+        TESSERA_TRY(make_program(d.predicted_texels_, "texels.comp.glsl", defines));
     return d;
 }
 
@@ -129,7 +132,7 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
         groups_.use();
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        texels_.use();
+        (batch.waves > 1 ? predicted_texels_ : texels_).use(); // a copy has a depth above 0
         glDispatchComputeIndirect(tsr_w_groups * 4);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                         GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);

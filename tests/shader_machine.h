@@ -21,6 +21,7 @@
 
 #define TSR_INOUT(type) type&
 #define TSR_LOOP shader_machine_round()
+#define TSR_PREDICTED_TILES
 
 namespace tessera::shaders {
 

@@ -4,6 +4,8 @@
 // Stage 1: an invocation a position walks all coefficients, u and v. Stage 2 sums along s. Stage 3
 // sums along t, all planes of a texel at once, adds what a block copies, and writes it. All invocations read the same
 // coefficients at the same time, and the shared arrays are laid out with positions innermost.
+//
+// Batches with predicted tiles need TSR_PREDICTED_TILES; the others are spared its registers.
 #include "colour.glsl"
 #include "patch.glsl"
 #include "walk.glsl"
@@ -425,8 +427,10 @@ void tsr_sum_t(TsrItem item, int lane) {
                 values = tsr_sum_t_at(item, s, t, share.position);
                 codes = tsr_codes(item.format, values);
             }
+#ifdef TSR_PREDICTED_TILES
             if (item.target.values != tsr_none)
                 codes = tsr_codes(item.format, tsr_predicted(item, values, u, v, in_s, in_t));
+#endif
             ivec4 corrected = tsr_corrected(item, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
                             tsr_samples(item.format, corrected));
