@@ -13,7 +13,7 @@ struct BitCosts {
     std::array<std::array<float, 2>, zero_parameters> zero; // [parameter][is non-zero]
     std::array<std::array<std::array<float, magnitude_tokens>, magnitude_contexts>, plane_classes>
         magnitude; // with the raw bits of the token and the sign
-    std::array<std::array<float, length_tokens>, size_classes> first_length; // with raw bits
+    std::array<std::array<float, length_tokens>, length_contexts> first_length; // with raw bits
     std::array<std::array<float, length_tokens>, length_tokens> other_length;
     std::array<std::array<std::array<float, split_kinds>, depth_classes>, depth_classes> split;
     std::array<std::array<float, colour_kinds>, 2> colour; // with raw bits

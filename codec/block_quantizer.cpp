@@ -58,7 +58,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const int p_class = plane_class(plane);
     const auto& offsets = offset_[static_cast<std::size_t>(p_class)];
     const auto& length_costs =
-        plane == 0 ? costs_.first_length[static_cast<std::size_t>(size_class(block.shape))]
+        plane == 0 ? costs_.first_length[static_cast<std::size_t>(length_context(block.shape, block.copies))]
                    : costs_.other_length[static_cast<std::size_t>(first_token)];
     const int limit = length_limit(coding_.planes, order.length());
 

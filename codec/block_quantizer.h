@@ -16,6 +16,7 @@ namespace tessera {
 struct BlockCoefficients {
     BlockShape shape;
     std::array<std::vector<float>, max_planes> plane;
+    bool copies = false; // what is left of a block that copies from other views
     int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
 };
 

@@ -1,5 +1,7 @@
 #include "codec/block_search.h"
 
+#include "codec/copy_prediction.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,8 @@ constexpr float bits_per_class = 0.30f;
 constexpr float bits_per_octave_of_energy = 0.85f;
 constexpr float rounding_error = 1.0f / 12.0f;
 constexpr float block_overhead_bits = 3.0f;
+static float copy_mode_bits = getenv("CM")?atof(getenv("CM")):12.0f;
+static float displacement_bits = getenv("DB")?atof(getenv("DB")):5.0f; // with what merging saves
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
 
@@ -157,6 +161,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         return;
     }
     estimate_costs();
+    reset_choices();
     combine();
     emit(root, 0, 0, {0, 0, 0, 0}, out);
 }
@@ -215,17 +220,144 @@ void BlockSearch::estimate_costs() {
 }
 
 void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
-    grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
-    grid.cost.assign(grid.activity.size(), infinite);
+    grid.own_cost.assign(grid.activity.size(), infinite);
     const bool tried = is_tried(spatial, angular);
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (grid.activity[i] < flat_activity * options_.lambda)
-            grid.cost[i] =
+            grid.own_cost[i] =
                 grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
         else if (tried)
-            grid.cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
+            grid.own_cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
     });
+}
+
+// Every cell as one block that copies nothing: where a search starts from.
+void BlockSearch::reset_choices() {
+    for (Grid& grid : grids_) {
+        grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
+        grid.cost = grid.own_cost;
+        grid.prediction.assign(grid.activity.size(), BlockPrediction{});
+    }
+}
+
+bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
+    if (grids_[0].activity[0] < flat_activity * options_.lambda || angular_depths_ == 0)
+        return false;
+    reset_choices();
+    displacements_.begin(shape_, source_[0], reconstructed.plane[0]);
+    for (int a = 1; a <= angular_depths_; ++a)
+        try_copies(a, reconstructed);
+    combine();
+    out.clear();
+    out.shape = shape_;
+    emit(Block{{0, 0, 0, 0}, shape_, 0, 0}, 0, 0, {0, 0, 0, 0}, out);
+    return std::any_of(out.predictions.begin(), out.predictions.end(), [](const auto& prediction) {
+        return prediction.from != CopyFrom::nothing;
+    });
+}
+
+void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
+    const Grid& finest = grids_[grid_index(spatial_depths_, angular)];
+    std::vector<DisplacementSearch::Axes> spatial;
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        const Grid& grid = grids_[grid_index(s, angular)];
+        spatial.push_back({grid.segments[0], grid.segments[1]});
+    }
+    static float BC = getenv("BC")?atof(getenv("BC")):1.0f; const float bit_cost = BC * options_.lambda / (inverse_step_[0] * inverse_step_[0]);
+    for (int direction = 0; direction < copy_directions; ++direction)
+        displacements_.match(direction, {finest.segments[2], finest.segments[3]}, spatial,
+                             options_.copies, costs_, bit_cost,
+                             matches_[static_cast<std::size_t>(direction)]);
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        Grid& grid = grids_[grid_index(s, angular)];
+        if (!is_tried(s, angular))
+            continue;
+        grid.for_each_cell([&](const std::array<int, 4>& c) {
+            const std::size_t i = grid.index(c);
+            if (grid.activity[i] >= flat_activity * options_.lambda)
+                try_copies(grid, c,
+                           {matches_[0][static_cast<std::size_t>(s)][i],
+                            matches_[1][static_cast<std::size_t>(s)][i]},
+                           reconstructed);
+        });
+    }
+}
+
+// One direction, the other, both.
+void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
+                             const std::array<Match, copy_directions>& match,
+                             const TilePlanes& reconstructed) {
+    Block block;
+    for (int axis = 0; axis < 4; ++axis) {
+        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        block.origin[axis] = static_cast<std::uint8_t>(segment.begin);
+        block.shape.n[axis] = static_cast<std::uint8_t>(segment.size);
+    }
+    const std::size_t i = grid.index(c);
+    const float scale = inverse_step_[0] * inverse_step_[0];
+    for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t, CopyFrom::both}) {
+        BlockPrediction prediction{from, {}};
+        float bits = copy_mode_bits;
+        bool promising = true;
+        for (int direction = 0; direction < copy_directions; ++direction)
+            if (prediction.copies_along(direction)) {
+                const auto d = static_cast<std::size_t>(direction);
+                prediction.displacement[d] = match[d].displacement;
+                bits += match[d].bits;
+                promising = promising && match[d].error * scale < grid.activity[i] + grid.mean_cost[i];
+            }
+        if (!promising)
+            continue;
+        const float cost = options_.lambda * (block_overhead_bits + bits) +
+                           copy_cost(block, prediction, reconstructed);
+        if (cost < grid.cost[i]) {
+            grid.cost[i] = cost;
+            grid.prediction[i] = prediction;
+        }
+    }
+}
+
+void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction& prediction,
+                                      int plane, const TilePlanes& reconstructed, float* values) {
+    predict_plane(block, prediction, shape_, reconstructed.plane[static_cast<std::size_t>(plane)],
+                  predicted_);
+    for (const std::int32_t value : predicted_)
+        *values++ -= static_cast<float>(value);
+}
+
+float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
+                             const TilePlanes& reconstructed) {
+    const BlockShape& shape = block.shape;
+    const auto texels = static_cast<std::size_t>(shape.texels());
+    const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const float* base = base_costs(shape).data();
+    const Kernels& k = kernels();
+    residual_.resize(std::max(residual_.size(), texels));
+    float cost = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        gather_block(block, plane, residual_.data());
+        subtract_prediction(block, prediction, plane, reconstructed, residual_.data());
+        float energy = 0;
+        for (std::size_t i = 0; i < texels; ++i)
+            energy += residual_[i] * residual_[i];
+        for (int axis = 3; axis >= 2; --axis)
+            if (shape.n[axis] > 1) {
+                forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
+                             {{0, shape.n[axis]}});
+                residual_.swap(scratch_a_);
+            }
+        for (int i = 0; i < images; ++i)
+            k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
+                            coefficients_.data() + i * kept);
+        const CostSum sum =
+            k.coding_cost(coefficients_.data(), base, images * kept, inverse_step_[p],
+                          options_.lambda * bits_per_octave_of_energy);
+        cost += sum.cost + std::max(0.0f, energy * inverse_step_[p] * inverse_step_[p] - sum.energy);
+    }
+    return cost;
 }
 
 float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
@@ -332,6 +464,7 @@ void BlockSearch::emit(const Block& block, int spatial, int angular, std::array<
     out.splits.push_back(static_cast<std::uint8_t>(split));
     if (split == Split::none) {
         out.blocks.push_back(block);
+        out.predictions.push_back(grid.prediction[grid.index(cell)]);
         return;
     }
     const int axis = first_axis(split);
@@ -345,8 +478,24 @@ void BlockSearch::emit(const Block& block, int spatial, int angular, std::array<
     }
 }
 
-void BlockSearch::transform_block(const Block& block, BlockCoefficients& out) {
+void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
+    const auto& n = block.shape.n;
+    const float* from = source_[static_cast<std::size_t>(plane)].data();
+    for (int t = 0; t < n[3]; ++t)
+        for (int s = 0; s < n[2]; ++s)
+            for (int v = 0; v < n[1]; ++v, to += n[0])
+                std::copy_n(from + (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) *
+                                        shape_.n[1] +
+                                    block.origin[1] + v) *
+                                       shape_.n[0] +
+                                block.origin[0],
+                            n[0], to);
+}
+
+void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,
+                                  const TilePlanes& reconstructed, BlockCoefficients& out) {
     out.shape = block.shape;
+    out.copies = prediction.from != CopyFrom::nothing;
     const auto& n = block.shape.n;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -355,17 +504,9 @@ void BlockSearch::transform_block(const Block& block, BlockCoefficients& out) {
         const auto texels = static_cast<std::size_t>(block.shape.texels());
         x.resize(std::max(x.size(), texels));
         scratch_a_.resize(std::max(scratch_a_.size(), texels));
-        float* to = x.data();
-        for (int t = 0; t < n[3]; ++t)
-            for (int s = 0; s < n[2]; ++s)
-                for (int v = 0; v < n[1]; ++v, to += n[0])
-                    std::copy_n(source_[p].data() +
-                                    (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) *
-                                         shape_.n[1] +
-                                     block.origin[1] + v) *
-                                        shape_.n[0] +
-                                    block.origin[0],
-                                n[0], to);
+        gather_block(block, plane, x.data());
+        if (prediction.from != CopyFrom::nothing)
+            subtract_prediction(block, prediction, plane, reconstructed, x.data());
         for (int axis = 3; axis >= 0; --axis) {
             if (n[axis] == 1)
                 continue;

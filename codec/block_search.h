@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/bit_costs.h"
+#include "codec/displacement_search.h"
 #include "codec/block_quantizer.h"
 #include "codec/forward_dct.h"
 #include "codec/tile_coding.h"
@@ -18,6 +19,7 @@ struct SearchOptions {
     std::uint64_t grids = ~std::uint64_t{0};
     int smallest_spatial = 4; // a side is not cut below this by the search
     float lambda = 0.11f;     // squared steps per bit
+    DisplacementRange copies; // that choose_copies tries
 };
 
 class BlockSearch {
@@ -27,8 +29,14 @@ public:
     // Fills shape, splits and blocks of `out`.
     void choose_blocks(const TilePlanes& planes, TileLevels& out);
 
-    // Coefficients of one block of the tile given to the last choose_blocks.
-    void transform_block(const Block& block, BlockCoefficients& out);
+    // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
+    // `reconstructed`: what it looks like decoded, roughly. True if a block copies.
+    bool choose_copies(const TilePlanes& reconstructed, TileLevels& out);
+
+    // Coefficients of one block of the tile given to the last choose_blocks; of its difference to
+    // what it copies from `reconstructed`, if it does.
+    void transform_block(const Block& block, const BlockPrediction& prediction,
+                         const TilePlanes& reconstructed, BlockCoefficients& out);
 
 private:
     // Costs and choices of all nodes at one pair of depths.
@@ -39,6 +47,8 @@ private:
         std::vector<float> activity;      // energy about the cell's mean, in squared steps
         std::vector<float> mean_cost;     // of zeroing or coding the DC of each plane
         std::vector<std::uint8_t> choice; // Split
+        std::vector<float> own_cost;      // of each cell as one block that copies nothing
+        std::vector<BlockPrediction> prediction; // of each cell as one block
 
         std::size_t index(const std::array<int, 4>& c) const {
             return static_cast<std::size_t>(
@@ -70,6 +80,16 @@ private:
 
     void estimate_costs();
     void estimate_grid(Grid& grid, int spatial, int angular);
+    void gather_block(const Block& block, int plane, float* to) const;
+    void reset_choices();
+    void try_copies(int angular, const TilePlanes& reconstructed);
+    void try_copies(Grid& grid, const std::array<int, 4>& cell,
+                    const std::array<Match, copy_directions>& match,
+                    const TilePlanes& reconstructed);
+    float copy_cost(const Block& block, const BlockPrediction& prediction,
+                    const TilePlanes& reconstructed);
+    void subtract_prediction(const Block& block, const BlockPrediction& prediction, int plane,
+                             const TilePlanes& reconstructed, float* values);
     void combine();
     void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
               TileLevels& out) const;
@@ -86,6 +106,10 @@ private:
     std::array<std::vector<float>, max_planes> source_, angular_;
     std::vector<float> scratch_a_, coefficients_;
     std::vector<Grid> grids_;
+    DisplacementSearch displacements_;
+    std::array<std::vector<std::vector<Match>>, copy_directions> matches_;
+    std::vector<std::int32_t> predicted_;
+    std::vector<float> residual_;
     std::map<BlockShape, std::vector<float>> base_; // costs in the order of forward_image
 };
 

@@ -96,12 +96,16 @@ private:
         return pass;
     }
 
-    CodingParameters at(double log_step) const {
-        return parameters_for_step(std::exp2(log_step), plan_.colour.desc);
+    CodingParameters for_step(double step) const {
+        CodingParameters parameters = parameters_for_step(step, plan_.colour.desc);
+        // Corrections are found once a tile is decoded, so nothing could copy corrected texels.
+        parameters.prediction = plan_.effort.search.copies.along > 0 && !plan_.colour.corrections;
+        return parameters;
     }
+    CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
 
     Result<RateOutcome> single(double step) {
-        Result<PassResult> pass = full_pass(parameters_for_step(step, plan_.colour.desc), "encode");
+        Result<PassResult> pass = full_pass(for_step(step), "encode");
         if (!pass)
             return pass.status();
         return RateOutcome{std::move(*pass), passes_, {}};
@@ -112,7 +116,7 @@ private:
         double best_step = 1, best_bytes = std::numeric_limits<double>::infinity();
         const auto width = static_cast<double>(2 * error + 1);
         for (const double factor : {0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.5}) {
-            CodingParameters parameters = parameters_for_step(width * factor, plan_.colour.desc);
+            CodingParameters parameters = for_step(width * factor);
             parameters.correction_error = static_cast<std::uint16_t>(error);
             Result<PassResult> pass = run_pass(plan_, parameters, sample_);
             if (pass) {
@@ -126,7 +130,7 @@ private:
                 best_step = width * factor;
             }
         }
-        CodingParameters parameters = parameters_for_step(best_step, plan_.colour.desc);
+        CodingParameters parameters = for_step(best_step);
         parameters.correction_error = static_cast<std::uint16_t>(error);
         Result<PassResult> pass = full_pass(parameters, "encode");
         if (!pass)

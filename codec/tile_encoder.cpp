@@ -2,8 +2,63 @@
 
 #include "codec/colour_choice.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace tessera {
 namespace {
+
+// Of a block that copies, beside its levels: what encode_best takes them for.
+constexpr float usual_prediction_bits = 6.0f;
+
+// Squared quantiser steps: what a block of zeros would leave. On rotated axes that is not what it is
+// on Y, Co and Cg, which are not orthogonal, so costs relative to zero are not comparable.
+float energy(const BlockCoefficients& block, const CodingParameters& parameters, bool rotated) {
+    const auto count = static_cast<std::size_t>(block.shape.texels());
+    float total = 0;
+    for (std::size_t plane = 0; plane < block.plane.size(); ++plane) {
+        if (block.plane[plane].size() < count)
+            continue;
+        const StepCode& step =
+            rotated && plane < 3 ? parameters.rotated_step : parameters.step[plane];
+        const auto inverse_step = static_cast<float>(1.0 / step.value());
+        float sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += block.plane[plane][i] * block.plane[plane][i];
+        total += sum * inverse_step * inverse_step;
+    }
+    return total;
+}
+
+bool copies_anything(const TileLevels& tile) {
+    return std::any_of(tile.predictions.begin(), tile.predictions.end(), [](const auto& prediction) {
+        return prediction.from != CopyFrom::nothing;
+    });
+}
+
+// Blocks that would copy from too deep copy nothing.
+CopyDepths limit_depths(TileLevels& tile) {
+    for (;;) {
+        CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
+        if (depths.largest <= max_copy_depth)
+            return depths;
+        for (std::size_t i = 0; i < tile.blocks.size(); ++i)
+            if (depths.depth[i] > max_copy_depth)
+                tile.predictions[i] = {};
+    }
+}
+
+// Levels in the order of the blocks, as a decoder reads them.
+void sort_levels(TileLevels& tile) {
+    std::vector<NonZero> sorted;
+    sorted.reserve(tile.nonzeros.size());
+    for (PlaneLevels& plane : tile.planes) {
+        const auto levels = tile.levels(plane);
+        plane.first = static_cast<std::uint32_t>(sorted.size());
+        sorted.insert(sorted.end(), levels.begin(), levels.end());
+    }
+    tile.nonzeros.swap(sorted);
+}
 
 constexpr std::uint64_t grid(int spatial, int angular) {
     return std::uint64_t{1} << (spatial * 8 + angular);
@@ -20,6 +75,10 @@ EffortSettings EffortSettings::of(int effort) {
         settings.search.grids = diagonal;
     else if (effort <= 4)
         settings.search.grids = diagonal | grid(0, 1) | grid(1, 2) | grid(2, 3);
+    if (effort >= 5)
+        settings.search.copies = {16, 6};
+    if (effort >= 7)
+        settings.search.copies = {24, 10}, settings.copy_rounds = 2;
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;
@@ -31,34 +90,97 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
                          TileLevels& out) {
     planes_from_texels(texels, *colour_, shape, planes_);
     search_.choose_blocks(planes_, out);
+    out.predictions.clear();
+    encode_blocks(out);
+    if (!coding_->predicts || settings_->search.copies.along == 0)
+        return;
+    // What the tile looks like without copies stands for what its blocks could copy; what it then
+    // looks like, in a second round, is nearer to the truth.
+    reconstruct(out, *coding_, scratch_, decoded_);
+    for (int round = 0; round < settings_->copy_rounds; ++round) {
+        if (!search_.choose_copies(decoded_, copies_))
+            return;
+        encode_copies(copies_);
+        std::swap(out, copies_);
+    }
+}
+
+void TileEncoder::encode_blocks(TileLevels& out) {
     last_rotation_ = 1;
     for (const Block& block : out.blocks)
-        encode_block(block, out);
+        encode_block(block, {}, out);
+}
+
+// Closed loop: each block copies from what the decoder will have.
+void TileEncoder::encode_copies(TileLevels& out) {
+    const CopyDepths depths = limit_depths(out);
+    const auto planes = static_cast<std::size_t>(coding_->planes);
+    out.planes.assign(out.blocks.size() * planes, {});
+    out.colours.assign(out.blocks.size(), 0);
+    last_rotation_ = 1;
+    decoded_.resize(out.shape, coding_->planes);
+    for (const std::uint16_t i : depths.order) {
+        encode_best(out.blocks[i], out.predictions[i]);
+        for (std::size_t plane = 0; plane < planes; ++plane) {
+            out.planes[i * planes + plane] = trial_.planes[plane];
+            out.planes[i * planes + plane].first +=
+                static_cast<std::uint32_t>(out.nonzeros.size());
+        }
+        out.colours[i] = trial_.colours[0];
+        out.nonzeros.insert(out.nonzeros.end(), trial_.nonzeros.begin(), trial_.nonzeros.end());
+        reconstruct_block(out, i, *coding_, scratch_, decoded_);
+    }
+    sort_levels(out);
+    if (!copies_anything(out))
+        out.predictions.clear();
+}
+
+// One block into trial_, with its prediction or, where that turns out cheaper, without.
+void TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
+    trial_.clear();
+    const int rotation_before = last_rotation_;
+    const float copied = encode_block(block, prediction, trial_);
+    if (prediction.from == CopyFrom::nothing)
+        return;
+    const int rotation_after = last_rotation_;
+    last_rotation_ = rotation_before;
+    other_trial_.clear();
+    const float own = encode_block(block, {}, other_trial_);
+    if (own < copied + settings_->quantizer.lambda * usual_prediction_bits) {
+        std::swap(trial_, other_trial_);
+        prediction = {};
+    } else {
+        last_rotation_ = rotation_after;
+    }
 }
 
 // Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
-void TileEncoder::encode_block(const Block& block, TileLevels& out) {
-    search_.transform_block(block, coefficients_);
+float TileEncoder::encode_block(const Block& block, const BlockPrediction& prediction,
+                                TileLevels& out) {
+    search_.transform_block(block, prediction, decoded_, coefficients_);
     const TileLevels::Mark mark = out.mark();
-    const float plain = quantizer_.quantize(coefficients_, out);
+    const float plain =
+        quantizer_.quantize(coefficients_, out) + energy(coefficients_, coding_->parameters, false);
     if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
-        return;
+        return plain;
     const int rotation = choose_rotation(coefficients_, coding_->parameters, last_rotation_ - 1);
     if (rotation < 0)
-        return;
+        return plain;
     rotate_colours(coefficients_, rotation, rotated_);
     const TileLevels::Mark second = out.mark();
     const auto& bits = costs_->colour[1];
     const float lambda = settings_->quantizer.lambda;
     const float rotated = quantizer_.quantize(rotated_, out) +
+                          energy(rotated_, coding_->parameters, true) +
                           lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
     // A block whose first plane is empty has no colour symbol.
     if (rotated < plain && out.planes[second.planes].coded_length > 0) {
         out.remove(mark, second);
         last_rotation_ = rotation + 1;
-    } else {
-        out.rewind(second);
+        return rotated;
     }
+    out.rewind(second);
+    return plain;
 }
 
 } // namespace tessera

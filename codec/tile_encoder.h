@@ -3,6 +3,7 @@
 
 #include "codec/block_quantizer.h"
 #include "codec/block_search.h"
+#include "codec/reconstruct.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
 
@@ -18,6 +19,7 @@ struct EffortSettings {
     bool recode =
         true; // code again under tables fitted to all tiles; else those of the sample stay
     bool rotate_colours = true; // try rotated colour axes for every block
+    int copy_rounds = 1;        // of the search for blocks that copy
     bool second_pass = false;   // decide again under the tables of the first pass
 
     static EffortSettings of(int effort); // 0..9
@@ -36,7 +38,11 @@ public:
     void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
 
 private:
-    void encode_block(const Block& block, TileLevels& out);
+    void encode_blocks(TileLevels& out);
+    void encode_copies(TileLevels& out);
+    void encode_best(const Block& block, BlockPrediction& prediction);
+    // Returns the block's cost: squared steps, a bit being worth lambda of them.
+    float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -45,9 +51,10 @@ private:
     int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
     BlockSearch search_;
     BlockQuantizer quantizer_;
-    TilePlanes planes_;
+    TilePlanes planes_, decoded_;
+    ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;
-    TileLevels trial_;
+    TileLevels trial_, other_trial_, copies_;
 };
 
 } // namespace tessera

@@ -12,8 +12,8 @@ struct StatisticsVisitor {
         statistics.chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
                          split_kinds - 1, split_kinds, kind);
     }
-    void first_length(int size, int token) {
-        statistics.chain(first_length_offset + size * (length_tokens - 1), length_tokens - 1,
+    void first_length(int context, int token) {
+        statistics.chain(first_length_offset + context * (length_tokens - 1), length_tokens - 1,
                          length_tokens, token);
     }
     void other_length(int previous, int token) {
@@ -53,8 +53,8 @@ struct CodingVisitor {
         tables.split[static_cast<std::size_t>(spatial)][static_cast<std::size_t>(angular)].encode(
             coder, kind);
     }
-    void first_length(int size, int token) {
-        tables.first_length[static_cast<std::size_t>(size)].encode(coder, token);
+    void first_length(int context, int token) {
+        tables.first_length[static_cast<std::size_t>(context)].encode(coder, token);
     }
     void other_length(int previous, int token) {
         tables.other_length[static_cast<std::size_t>(previous)].encode(coder, token);

@@ -35,7 +35,7 @@ public:
                 return damaged(i, "segment begins past the last block");
             for (std::size_t block = static_cast<std::size_t>(parts.segments[i].first_block);
                  block < end; ++block)
-                if (!decode_block(out_.blocks[block]))
+                if (!decode_block(block))
                     return damaged(i, "level or work out of range");
             if (!rans_.ended_well())
                 return damaged(i, "stream does not end where it should");
@@ -75,14 +75,16 @@ private:
         return true;
     }
 
-    bool decode_block(const Block& block) {
+    bool decode_block(std::size_t index) {
+        const Block& block = out_.blocks[index];
         const ShapeCoding& shape = shapes_.get(coding_, block.shape);
         const std::size_t first_plane = out_.planes.size();
         int previous = 0;
         for (int plane = 0; plane < coding_.planes; ++plane) {
             const int token =
                 plane == 0
-                    ? coding_.tables.first_length[static_cast<std::size_t>(size_class(block.shape))]
+                    ? coding_.tables.first_length[static_cast<std::size_t>(
+                              length_context(block.shape, out_.copies(index)))]
                           .decode(rans_)
                     : coding_.tables.other_length[static_cast<std::size_t>(previous)].decode(rans_);
             const int bits = length_raw_bits(token);

@@ -65,6 +65,9 @@ struct TileLevels {
         for (std::size_t i = from.planes; i < planes.size(); ++i)
             planes[i].first -= static_cast<std::uint32_t>(to.nonzeros - from.nonzeros);
     }
+    bool copies(std::size_t block) const {
+        return !predictions.empty() && predictions[block].from != CopyFrom::nothing;
+    }
     std::span<const NonZero> levels(const PlaneLevels& plane) const {
         return {nonzeros.data() + plane.first, plane.count};
     }

@@ -1,7 +1,7 @@
 // The order of a tile's symbols, written once for everything that walks it on the encoder's side:
 // counting, coding, estimating. A Visitor gets
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
-//   displacement(class, token), first_length(size class, token), other_length(previous, token),
+//   displacement(class, token), first_length(context, token), other_length(previous, token),
 //   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
 #pragma once
 
@@ -95,7 +95,7 @@ public:
             const int uncut = round_up_coded_length(length, max_coded_length);
             const int token = length_token(uncut);
             if (plane == 0)
-                visitor_.first_length(size_class(shape), token);
+                visitor_.first_length(length_context(shape, tile.copies(block)), token);
             else
                 visitor_.other_length(previous, token);
             if (const int bits = length_raw_bits(token); bits > 0)

@@ -37,6 +37,11 @@ constexpr int size_class(const BlockShape& shape) {
     const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
     return std::min(bits / 2, size_classes - 1);
 }
+// Tables of plane 0's length: by size, blocks that copy nothing first.
+constexpr int length_contexts = 2 * size_classes;
+constexpr int length_context(const BlockShape& shape, bool copies) {
+    return size_class(shape) + (copies ? size_classes : 0);
+}
 constexpr int depth_classes = max_split_depth + 1;
 
 constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation
@@ -50,7 +55,7 @@ constexpr int zero_parameters =
 constexpr int magnitude_offset = zero_parameters;
 constexpr int magnitude_parameters = plane_classes * magnitude_contexts * magnitude_chain;
 constexpr int first_length_offset = magnitude_offset + magnitude_parameters;
-constexpr int first_length_parameters = size_classes * (length_tokens - 1);
+constexpr int first_length_parameters = length_contexts * (length_tokens - 1);
 constexpr int other_length_offset = first_length_offset + first_length_parameters;
 constexpr int other_length_parameters = length_tokens * (length_tokens - 1);
 constexpr int split_offset = other_length_offset + other_length_parameters;
@@ -105,7 +110,7 @@ struct CodeTables {
     std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
     std::array<std::array<SymbolTable<magnitude_tokens>, magnitude_contexts>, plane_classes>
         magnitude;
-    std::array<SymbolTable<length_tokens>, size_classes> first_length;
+    std::array<SymbolTable<length_tokens>, length_contexts> first_length;
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
     std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
