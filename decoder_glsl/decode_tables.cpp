@@ -45,7 +45,9 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     };
     put(tables.magnitude[0], tsr_t_magnitude);
     put(tables.magnitude[1], tsr_t_magnitude + magnitude_contexts * tsr_symbol_words);
-    put(tables.first_length, tsr_t_first_length);
+    const std::span lengths(tables.first_length);
+    put(lengths.first(size_classes), tsr_t_first_length);
+    put(lengths.last(size_classes), tsr_t_copying_length);
     put(tables.other_length, tsr_t_other_length);
     put(tables.correction, tsr_t_correction);
     int at = tsr_t_split;

@@ -245,7 +245,7 @@ TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
         const std::size_t step = 1 + records / 400; // every word but those of many blocks
         for (std::size_t at = 0; at < records; at += at < 128 ? 1 : step)
             for (const std::uint32_t value :
-                 {0u, 1u, 7u, 13650u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
+                 {0u, 1u, 7u, 13758u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
                 const auto change = [&](auto words) { words[at] = value; };
                 ASSERT_EQ(file->check_changed(payloads, {true, true}, change, patience), "")
                     << "word " << at << " is " << value;

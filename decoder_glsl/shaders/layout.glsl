@@ -34,7 +34,8 @@ const int tsr_t_basis = 2112;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + 
 const int tsr_t_prediction = 13552;        // [6] symbol tables
 const int tsr_t_displacement = 13624;      // [2]
 const int tsr_t_displacement_kind = 13648; // [2] words c[1] | c[2] << 16
-const int tsr_t_end = 13650;         // shape records and their scans follow
+const int tsr_t_copying_length = 13650;    // [9] tsr_t_first_length of blocks that copy something
+const int tsr_t_end = 13758;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest) | position << 20,
 // then the 12 earlier neighbours as 16-bit scan indices, the four that count double first; the entry's
