@@ -38,6 +38,11 @@ BatchBuilder::Size BatchBuilder::empty_size() {
     return {tsr_w_state, 0, tsr_batch_words};
 }
 
+// Of a tile's values, which only predicted tiles keep.
+std::uint32_t BatchBuilder::value_words(const TreeSize& tree, std::uint64_t texels) const {
+    return tree.copies.empty() ? 0 : static_cast<std::uint32_t>(texels) * tables_.value_words();
+}
+
 // What a tile adds to the sizes of its batch.
 BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSize& tree,
                                          std::size_t bytes, std::uint64_t texels) const {
@@ -48,11 +53,11 @@ BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSi
     Size size;
     size.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
                       std::uint64_t{tree.items} * tsr_item_words + (keep_nodes_ ? tree.nodes : 0) +
-                      parts.segments.size() + corrections + 2 * raw;
+                      parts.segments.size() + corrections + 2 * raw + value_words(tree, texels);
     size.coefficients = raw;
     size.words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
                  parts.corrections.size() * tsr_correction_words + raw / raw_chunk +
-                 (bytes + 3) / 4;
+                 tree.copies.size() + (bytes + 3) / 4;
     return size;
 }
 
@@ -61,15 +66,23 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
     const BlockShape shape = shape_of(grid_.box(tile));
     const auto texels = static_cast<std::uint64_t>(shape.texels());
     PayloadParts parts;
-    const bool sound = split_payload(payload, shape.texels(), parts).ok() &&
-                       (parts.corrections.empty() || tables_.has_corrections());
+    const auto tree_of = [&](std::span<const std::byte> segment) {
+        return tree_size(segment, shape, tables_.code_tables(), static_cast<int>(tables_.planes()),
+                         tables_.predicts());
+    };
+    TreeSize tree;
+    bool sound = split_payload(payload, shape.texels(), parts).ok() &&
+                 (parts.corrections.empty() || tables_.has_corrections());
+    if (sound) {
+        tree = tree_of(parts.segments[0].bytes);
+        sound = !tree.too_deep;
+    }
     if (!sound) {
         payload = {};
         parts.corrections.clear();
         parts.segments.assign(1, {});
+        tree = tree_of({});
     }
-    const TreeSize tree = tree_size(parts.segments[0].bytes, shape, tables_.code_tables(),
-                                    static_cast<int>(tables_.planes()));
     const Size cost = size_of(parts, tree, payload.size(), texels);
     const Size after{size_.work_words + cost.work_words, size_.coefficients + cost.coefficients,
                      size_.words + cost.words};
@@ -125,11 +138,17 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                                                                words_of(parts.corrections[i]),
                                                                static_cast<std::uint32_t>(i)});
     }
+    const bool predicted = !tree.copies.empty();
     tile_words_.insert(tile_words_.end(),
                        {tables_.shape_id(shape), first_segment,
                         static_cast<std::uint32_t>(parts.segments.size()), place.x, place.y,
                         place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
-                        nodes_, tree.nodes});
+                        nodes_, tree.nodes,
+                        predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
+                        predicted ? values_ : tsr_none});
+    copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
+    values_ += value_words(tree, static_cast<std::uint64_t>(shape.texels()));
+    waves_ = std::max(waves_, tree.waves);
     blocks_ += tree.blocks;
     nodes_ += tree.nodes;
     items_ += tree.items;
@@ -145,6 +164,7 @@ DecodeBatch BatchBuilder::finish() {
     batch.most_segments = most_segments_;
     batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
     batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
+    batch.waves = waves_;
 
     std::vector<std::uint32_t>& words = batch.words;
     words.assign(tsr_batch_words, 0);
@@ -156,6 +176,7 @@ DecodeBatch BatchBuilder::finish() {
     append(tsr_b_segment_at, segment_words_);
     append(tsr_b_raw_chunk_at, chunk_words_);
     append(tsr_b_correction_at, correction_words_);
+    append(tsr_b_copies_at, copy_words_);
     words[tsr_b_payload_at] = static_cast<std::uint32_t>(words.size());
     words[tsr_b_payload_bytes] = static_cast<std::uint32_t>(payloads_.size());
     words.resize(words.size() + payloads_.size() / 4);
@@ -183,6 +204,7 @@ DecodeBatch BatchBuilder::finish() {
     place(tsr_b_node_at, keep_nodes_ ? nodes_ : 0);
     place(tsr_b_multipliers_at, multipliers_);
     place(tsr_b_raw_at, 2 * raw_);
+    place(tsr_b_values_at, values_);
     batch.work_words = at;
     batch.coefficients = raw_;
     batch.tiles = std::move(tiles_);
@@ -194,8 +216,10 @@ DecodeBatch BatchBuilder::finish() {
     segment_words_.clear();
     chunk_words_.clear();
     correction_words_.clear();
+    copy_words_.clear();
     payloads_.clear();
-    raw_ = multipliers_ = most_segments_ = blocks_ = nodes_ = items_ = 0;
+    raw_ = multipliers_ = most_segments_ = blocks_ = nodes_ = items_ = values_ = 0;
+    waves_ = 1;
     size_ = empty_size();
     return batch;
 }

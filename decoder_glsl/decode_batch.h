@@ -37,12 +37,14 @@ struct BatchLimits {
 struct DecodeBatch {
     std::vector<std::uint32_t> words; // binding 1
     std::vector<std::uint64_t> tiles; // their numbers
-    // Tiles whose payload has no sound table of streams; they decode to the background.
+    // Tiles that the device does not see: their payload has no sound table of streams, or copies that
+    // are too deep. They decode to the background.
     std::vector<std::uint64_t> damaged;
     std::uint32_t most_segments = 0; // of one tile
     std::uint32_t segments = 0;
     std::uint32_t raw_chunks = 0;  // of 64 levels
     std::uint32_t corrections = 0; // streams
+    std::uint32_t waves = 1;       // of passes 4 and 5: one more than the largest depth of copies
     std::uint64_t work_words = 0;
     std::uint64_t coefficients = 0;
 };
@@ -66,6 +68,7 @@ private:
         std::uint64_t work_words, coefficients, words;
     };
     static Size empty_size();
+    std::uint32_t value_words(const TreeSize& tree, std::uint64_t texels) const;
     Size size_of(const PayloadParts& parts, const TreeSize& tree, std::size_t bytes,
                  std::uint64_t texels) const;
     void add_records(const PayloadParts& parts, const TreeSize& tree,
@@ -80,12 +83,15 @@ private:
 
     Size size_ = empty_size();
     std::vector<std::uint64_t> tiles_, damaged_;
-    std::vector<std::uint32_t> tile_words_, segment_words_, correction_words_, chunk_words_;
+    std::vector<std::uint32_t> tile_words_, segment_words_, correction_words_, chunk_words_,
+        copy_words_;
     std::vector<std::byte> payloads_;
     std::uint32_t raw_ = 0;         // levels, a multiple of 64
     std::uint32_t multipliers_ = 0; // words
     std::uint32_t most_segments_ = 0;
     std::uint32_t blocks_ = 0, nodes_ = 0, items_ = 0;
+    std::uint32_t values_ = 0; // words of predicted tiles
+    std::uint32_t waves_ = 1;
 };
 
 } // namespace tessera

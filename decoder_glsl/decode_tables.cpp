@@ -45,7 +45,9 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     };
     put(tables.magnitude[0], tsr_t_magnitude);
     put(tables.magnitude[1], tsr_t_magnitude + magnitude_contexts * tsr_symbol_words);
-    put(tables.first_length, tsr_t_first_length);
+    const std::span lengths(tables.first_length);
+    put(lengths.first(size_classes), tsr_t_first_length);
+    put(lengths.last(size_classes), tsr_t_copying_length);
     put(tables.other_length, tsr_t_other_length);
     put(tables.correction, tsr_t_correction);
     int at = tsr_t_split;
@@ -54,6 +56,11 @@ void put_code_tables(const CodeTables& tables, Words& words) {
             put_symbols(table, words, at++, 1);
     at = tsr_t_kind;
     for (const auto& table : tables.colour)
+        put_symbols(table, words, at++, 1);
+    put(tables.prediction, tsr_t_prediction);
+    put(tables.displacement, tsr_t_displacement);
+    at = tsr_t_displacement_kind;
+    for (const auto& table : tables.displacement_kind)
         put_symbols(table, words, at++, 1);
 }
 
@@ -93,6 +100,7 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_background + i] = signed_word(planes[i]);
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
+    words[tsr_t_predicts] = coding.prediction;
     words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];
@@ -214,6 +222,8 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     DecodeTables tables;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
+    tables.predicts_ = coding->prediction;
+    tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);

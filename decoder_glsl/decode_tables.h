@@ -27,6 +27,9 @@ public:
     unsigned planes() const { return planes_; }
     const CodeTables& code_tables() const { return *code_tables_; }
     bool has_corrections() const { return has_corrections_; }
+    bool predicts() const { return predicts_; }
+    // Words that the values of a texel take in a predicted tile (shaders/layout.glsl).
+    unsigned value_words() const { return half_ ? planes_ : (planes_ + 1) / 2; }
 
 private:
     void add_shapes(const TileGrid& grid);
@@ -36,7 +39,7 @@ private:
     std::map<BlockShape, std::uint32_t> ids_;
     std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
-    bool has_corrections_ = false;
+    bool has_corrections_ = false, predicts_ = false, half_ = false;
 };
 
 } // namespace tessera

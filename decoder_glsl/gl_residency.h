@@ -12,8 +12,9 @@ namespace tessera {
 // stays 0. The page table goes behind them.
 std::vector<std::uint32_t> sampler_words(const ContainerReader& reader, const DecodeTables& tables);
 
-// What decoding batches may take of the device, so that it stays within `bytes` in all.
-BatchLimits limits_within(std::uint64_t bytes);
+// What decoding batches may take of the device, so that it stays within `bytes` in all. In a file that
+// predicts, half of them are for the values of predicted tiles.
+BatchLimits limits_within(std::uint64_t bytes, bool predicts);
 
 // "12.5 MiB".
 std::string mebibytes(std::uint64_t bytes);

@@ -15,8 +15,8 @@ using namespace layout;
 // A tile's share of the lists for small passes: 12 strips of 6 words.
 constexpr std::uint64_t job_bytes = 12 * 6 * 4;
 
-// Of a budget a sixth is for decoding, within these bounds.
-constexpr std::uint64_t least_work = 2ull << 20, most_work = 96ull << 20;
+// Of a budget a sixth is for decoding, within these bounds; twice the least where tiles are predicted.
+constexpr std::uint64_t least_work_plain = 2ull << 20, most_work = 96ull << 20;
 
 // Marks on their way back: the copy of a frame's marks and the fence behind it.
 struct MarksInFlight {
@@ -59,7 +59,8 @@ public:
     // plan_memory() backwards; a line of slots may be lost to rounding.
     std::uint64_t budget_for(std::uint64_t tiles) const override {
         const std::uint64_t bytes = fixed_bytes_ + (tiles + slots_across()) * slot_bytes_;
-        return std::max(std::min(bytes + bytes / 5, bytes + most_work), bytes + least_work) + 4096;
+        return std::max(std::min(bytes + bytes / 5, bytes + most_work), bytes + least_work()) +
+               4096;
     }
 
     Status drop_cache() override {
@@ -120,6 +121,10 @@ private:
         return {};
     }
 
+    std::uint64_t least_work() const {
+        return file_.tables.predicts() ? 2 * least_work_plain : least_work_plain;
+    }
+
     // How many slots the budget leaves after everything else.
     Status plan_memory() {
         const Extent4& tile = grid_.tile_extent();
@@ -131,7 +136,7 @@ private:
             std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
         const std::uint64_t coarse_bytes = coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
-        work_bytes_ = std::clamp(file_.budget / 6, least_work, most_work);
+        work_bytes_ = std::clamp(file_.budget / 6, least_work(), most_work);
         fixed_bytes_ = file_.decoder.bytes() + (1 + 1 + std::size(in_flight_)) * tile_bytes +
                        coarse_bytes + words_.size() * 4;
         const std::uint64_t fixed = fixed_bytes_ + work_bytes_;
@@ -220,7 +225,7 @@ private:
     // `look`: waits for the device to say which tiles were damaged. They decode to the background, so
     // from then on they are background.
     Status decode(const std::vector<DecodeJob>& jobs, bool look) {
-        BatchFeed feed(file_, plan(), limits_within(work_bytes_), false,
+        BatchFeed feed(file_, plan(), limits_within(work_bytes_, file_.tables.predicts()), false,
                        [&](DecodeBatch& batch) -> Status {
                            TESSERA_TRY(file_.decoder.decode(batch, texels_));
                            if (!look)

@@ -34,6 +34,10 @@ public:
             return {ErrorCode::unsupported,
                     file_.reader.name() + ": it has corrections (--max-error), which only decoded "
                                           "texels can take; use on load or on feedback"};
+        if (file_.tables.predicts())
+            return {ErrorCode::unsupported,
+                    file_.reader.name() + ": its blocks copy from other views, which only decoded "
+                                          "texels can follow; use on load or on feedback"};
         TESSERA_TRY(count_all());
         TESSERA_TRY(allocate());
         TESSERA_TRY(keep_all());
@@ -49,8 +53,8 @@ private:
     Status for_batches(const BatchFeed::Flush& flush) {
         const std::uint64_t used = bytes();
         const std::uint64_t left = file_.budget > used ? file_.budget - used : 0;
-        BatchFeed feed(file_, {}, limits_within(std::min(left, std::uint64_t{256} << 20)), true,
-                       flush);
+        BatchFeed feed(file_, {}, limits_within(std::min(left, std::uint64_t{256} << 20), false),
+                       true, flush);
         for (std::uint64_t tile = 0; tile < file_.reader.grid().tiles(); ++tile)
             TESSERA_TRY(feed.add(tile, {}));
         return feed.finish();

@@ -31,8 +31,10 @@ public:
 
         const std::uint64_t fixed = bytes() + file.decoder.bytes();
         const std::uint64_t left = file.budget > fixed ? file.budget - fixed : 0;
-        BatchFeed feed(file, plain.plan, limits_within(std::min(left, std::uint64_t{256} << 20)),
-                       false, [&](DecodeBatch& batch) { return decode(file, batch); });
+        BatchFeed feed(
+            file, plain.plan,
+            limits_within(std::min(left, std::uint64_t{256} << 20), file.tables.predicts()), false,
+            [&](DecodeBatch& batch) { return decode(file, batch); });
         TESSERA_TRY(fill_background(file));
         const TileGrid& grid = file.reader.grid();
         for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {

@@ -81,14 +81,16 @@ std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
     return words;
 }
 
-BatchLimits limits_within(std::uint64_t bytes) {
+BatchLimits limits_within(std::uint64_t bytes, bool predicts) {
     constexpr std::uint64_t block = 128ull << 20; // the largest storage buffer that is asked for
+    const std::uint64_t values = predicts ? bytes / 2 : 0;
+    bytes -= values;
     BatchLimits limits;
     // A byte of payload may hold 8 levels, each 8 bytes of work and 16 of coefficients; the payload
     // itself and the records of tiles are the least of it.
     limits.words = std::min(bytes / 16, block) / 4;
     limits.coefficients = std::min(bytes / 16 * 9, block) / 16;
-    limits.work_words = std::min(bytes / 16 * 6, block) / 4;
+    limits.work_words = std::min(bytes / 16 * 6 + values, block) / 4;
     limits.tiles = 2048;
     return limits;
 }

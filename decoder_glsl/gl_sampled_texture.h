@@ -5,7 +5,8 @@
 //   on feedback  sampling marks the tiles that it touches, and update() decodes the missing ones into
 //                a tile cache of fixed size; until then their coarse texels are drawn;
 //   on sample    nothing is decoded but the entropy coding: the shader evaluates texels from the
-//                coefficients, exactly. Least memory, slowest.
+//                coefficients, exactly. Least memory, slowest. Not for files with corrections or
+//                predictions.
 #pragma once
 
 #include "decoder_glsl/gl_tile_decoder.h"

@@ -65,10 +65,13 @@ Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool hal
     TESSERA_TRY(make_program(d.order_, "order.comp.glsl"));
     TESSERA_TRY(make_program(d.items_, "items.comp.glsl"));
     TESSERA_TRY(make_program(d.groups_, "groups.comp.glsl"));
-    const ShaderDefine half_output[] = {{"TSR_OUTPUT_HALF", "1"}};
-    TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl",
-                             half ? std::span<const ShaderDefine>(half_output)
-                                  : std::span<const ShaderDefine>()));
+    std::vector<ShaderDefine> defines;
+    if (half)
+        defines.emplace_back("TSR_OUTPUT_HALF", "1");
+    TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl", defines));
+    defines.emplace_back("TSR_PREDICTED_TILES", "1");
+    if (tables.predicts())
+        TESSERA_TRY(make_program(d.predicted_texels_, "texels.comp.glsl", defines));
     return d;
 }
 
@@ -121,17 +124,19 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     note(DecodeStage::transform, true);
     TESSERA_TRY(
         target.bind_image(0, GL_WRITE_ONLY, half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
-    items_.use();
-    glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    groups_.use();
-    glDispatchCompute(1, 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    texels_.use();
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-    glDispatchComputeIndirect(tsr_w_groups * 4);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    for (std::uint32_t wave = 0; wave < batch.waves; ++wave) { // the device counts them, too
+        items_.use();
+        glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        groups_.use();
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        (batch.waves > 1 ? predicted_texels_ : texels_).use(); // a copy has a depth above 0
+        glDispatchComputeIndirect(tsr_w_groups * 4);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                        GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    }
     note(DecodeStage::transform, false);
     return {};
 }

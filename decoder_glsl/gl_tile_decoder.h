@@ -79,6 +79,7 @@ private:
     bool half_ = false;
     GlBuffer tables_, batch_, work_, coefficients_;
     GlProgram tree_, levels_, corrections_, order_, items_, groups_, texels_;
+    GlProgram predicted_texels_; // only of files that predict
     StageHook hook_;
 };
 

@@ -1,11 +1,16 @@
 #include "decoder_glsl/tree_size.h"
 
+#include "decoder_glsl/shader_layout.h"
 #include "format/limits.h"
+#include "format/prediction.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tessera {
 namespace {
+
+using namespace layout;
 
 constexpr int patch_words = 8192; // of shaders/patch.glsl
 
@@ -20,8 +25,9 @@ std::uint32_t items_of(const BlockShape& shape, int planes, int support_s, int s
 
 class TreeCounter {
 public:
-    TreeCounter(std::span<const std::byte> segment, const CodeTables& tables, int planes)
-        : rans_(segment), tables_(tables), planes_(planes) {}
+    TreeCounter(std::span<const std::byte> segment, const CodeTables& tables, int planes,
+                bool predicts)
+        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts) {}
 
     // False for a tree that the format forbids.
     bool count(const Block& block) {
@@ -30,7 +36,7 @@ public:
             tables_.split[block.spatial_depth][block.angular_depth].decode(rans_));
         if (split == Split::none) {
             size.items += items_of(block.shape, planes_, block.shape.n[2], block.shape.n[3]);
-            return ++size.blocks <= max_leaves;
+            return ++size.blocks <= max_leaves && (!predicts_ || predict(block));
         }
         if (!can_split(block.shape, split))
             return false;
@@ -41,25 +47,65 @@ public:
         return true;
     }
 
-    TreeSize size{0, 0, 0};
+    // What the blocks copy, if any does.
+    void count_copies(const BlockShape& tile) {
+        if (!copies_)
+            return;
+        const CopyDepths depths = copy_depths(tile, blocks_, predictions_);
+        size.too_deep = depths.largest > max_copy_depth;
+        size.waves = 1 + static_cast<std::uint32_t>(depths.largest);
+        for (std::size_t i = 0; i < blocks_.size(); ++i)
+            size.copies.insert(size.copies.end(),
+                               {static_cast<std::uint32_t>(predictions_[i].from) |
+                                    std::uint32_t{depths.depth[i]} << 8,
+                                move_word(predictions_[i])});
+    }
+
+    TreeSize size{.blocks = 0, .nodes = 0, .items = 0};
 
 private:
+    static std::uint32_t move_word(const BlockPrediction& prediction) {
+        std::uint32_t word = 0;
+        for (unsigned i = 0; i < copy_directions; ++i) {
+            const Displacement& d = prediction.displacement[i];
+            word |= std::uint32_t{static_cast<std::uint8_t>(d.u)} << (16 * i);
+            word |= std::uint32_t{static_cast<std::uint8_t>(d.v)} << (16 * i + 8);
+        }
+        return word;
+    }
+
+    // False for a prediction that the format forbids.
+    bool predict(const Block& block) {
+        blocks_.push_back(block);
+        predictions_.emplace_back();
+        if (!decode_prediction(rans_, tables_, block, memory_, predictions_.back()))
+            return false;
+        copies_ = copies_ || predictions_.back().from != CopyFrom::nothing;
+        return true;
+    }
+
     RansDecoder rans_;
     const CodeTables& tables_;
     const int planes_;
+    const bool predicts_;
+    bool copies_ = false;
+    PredictionMemory memory_;
+    std::vector<Block> blocks_; // with their predictions, where the file has them
+    std::vector<BlockPrediction> predictions_;
 };
 
 } // namespace
 
 TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
-                   const CodeTables& tables, int planes) {
+                   const CodeTables& tables, int planes, bool predicts) {
     // A tile that turns out damaged is drawn as one block of nothing.
     const std::uint32_t background = items_of(tile, planes, 1, 1);
-    TreeCounter counter(segment, tables, planes);
+    TreeCounter counter(segment, tables, planes, predicts);
     if (!counter.count(Block{{0, 0, 0, 0}, tile, 0, 0}))
-        return {1, 1, background};
+        return {.items = background};
+    counter.count_copies(tile);
     counter.size.items = std::max(counter.size.items, background);
-    return counter.size;
+    return std::move(counter.size);
 }
 
 } // namespace tessera

@@ -8,6 +8,7 @@
 #include "format/coding_parameters.h"
 #include "format/container_writer.h"
 #include "tests/codec_test_support.h"
+#include "tests/random_predictions.h"
 
 #include <gtest/gtest.h>
 
@@ -61,14 +62,16 @@ inline std::vector<DecodeCase> encoded_cases() {
     return cases;
 }
 
-// A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits.
+// A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
+// and, where `copies` is above 0, blocks that copy by that chance.
 inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
                               const Extent4& size, const Extent4& tile_extent, double split,
-                              double density, int magnitude_bits) {
+                              double density, int magnitude_bits, double copies = 0) {
     Random random(seed);
     CodingParameters parameters;
     parameters.parameters = random_parameters(random);
     parameters.colour_rotation = channels >= 3;
+    parameters.prediction = copies > 0;
     for (StepCode& step : parameters.step)
         step.bits = static_cast<std::uint16_t>((random.range(0, 8) << 11) | random.range(0, 2047));
     parameters.rotated_step.bits =
@@ -81,12 +84,15 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     const TileGrid grid(size, tile_extent);
     std::vector<Bytes> tiles(grid.tiles());
     for (std::uint64_t i = 0; i < grid.tiles(); ++i)
-        if (!random.chance(0.1))
-            encode_levels(
+        if (!random.chance(0.1)) {
+            TileLevels levels =
                 RandomTile(random, coding,
                            {.split = split, .density = density, .magnitude_bits = magnitude_bits})
-                    .make(tile_shape(grid.box(i))),
-                {}, coding, tiles[i]);
+                    .make(tile_shape(grid.box(i)));
+            if (copies > 0)
+                RandomPredictions(random, copies).add_to(levels);
+            encode_levels(levels, {}, coding, tiles[i]);
+        }
     const auto section = write_coding_parameters(parameters);
     ContainerContents contents;
     contents.desc = desc;
@@ -94,6 +100,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     contents.colour = channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
     for (std::size_t i = 0; i < channels; ++i)
         contents.background[i] = static_cast<std::uint16_t>(random.range(0, 255));
+    contents.required_features = parameters.prediction ? feature_prediction : 0;
     contents.codec_parameters = section;
     contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
     DecodeCase made;
@@ -120,6 +127,23 @@ inline std::vector<DecodeCase> random_cases() {
         random_case(++seed, SampleType::unorm8, 4, {2, 32, 32, 32}, {2, 32, 32, 32}, 0, 0.02, 3));
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 4, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.5, 0.9, 3));
+    return cases;
+}
+
+// Files with predicted tiles among others, up to 15 deep.
+inline std::vector<DecodeCase> predicted_cases() {
+    std::vector<DecodeCase> cases;
+    std::uint32_t seed = 200;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(random_case(++seed, type, channels, {40, 20, 11, 5}, {32, 32, 8, 8},
+                                        0.8, 0.02, 6, 0.7));
+            cases.push_back(random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9,
+                                        0.1, 20, 0.3));
+            // Long chains of copies of large values.
+            cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17},
+                                        0.98, 0.1, 18, 0.9));
+        }
     return cases;
 }
 

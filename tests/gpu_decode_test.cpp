@@ -85,6 +85,11 @@ TEST_F(GpuDecode, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
         expect_same_texels(test, 3);
 }
 
+TEST_F(GpuDecode, PredictedTilesDecodeAsOnTheCpu) {
+    for (const DecodeCase& test : predicted_cases())
+        expect_same_texels(test, 3);
+}
+
 #ifdef TESSERA_WITH_CORPUS
 TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
     for (const corpus::SceneInfo& scene : corpus::scenes())
@@ -107,9 +112,12 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
 // Payloads of random bytes, half of them with a sound start: the device refuses what the CPU refuses,
 // draws the background there, and everything else comes out the same.
 TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
+    for (const auto& [type, copies] : {std::pair{SampleType::unorm8, 0.},
+                                       {SampleType::half16, 0.},
+                                       {SampleType::unorm8, 0.5},
+                                       {SampleType::half16, 0.5}}) {
         const DecodeCase good =
-            random_case(77, type, 3, {192, 96, 16, 8}, {32, 32, 8, 8}, 0.6, 0.1, 3);
+            random_case(77, type, 3, {192, 96, 16, 8}, {32, 32, 8, 8}, 0.6, 0.1, 3, copies);
         const auto source = wrap_memory(good.file);
         const auto reader = ContainerReader::open(*source);
         ASSERT_TRUE(reader);

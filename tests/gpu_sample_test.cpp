@@ -56,6 +56,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = {32, 16, 8, 8};
+    options.effort = 4; // without predictions, which on sample does not take
     options.threads = 2;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
@@ -191,6 +192,34 @@ TEST_F(GpuSample, EveryTypeAndChannelCount) {
                 EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), range / 255);
             }
         }
+}
+
+// Whole textures, caches, borders and coarse texels; a small budget makes many batches.
+TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
+        const std::uint8_t channels = type == SampleType::unorm8 ? 3 : 4;
+        SampledFile file(random_case(50u + channels, type, channels, {64, 32, 16, 12},
+                                     {32, 16, 8, 8}, 0.6, 0.005, 4, 0.6)
+                             .file);
+        const Judged judged = judge(file, 2000);
+        double range = 1; // halves are whatever random levels make
+        for (const glm::dvec4& colour : judged.expected)
+            for (int c = 0; c < 4; ++c)
+                range = std::max(range, std::abs(colour[c]));
+        const auto check = [&](Residency residency, bool filter, std::uint64_t budget) {
+            SCOPED_TRACE(std::string(name_of(residency)) + " x" + std::to_string(channels) +
+                         (filter ? " filtered " : " ") + std::to_string(budget >> 10) + " KiB");
+            auto texture = SampledTexture::create(file.reader(), with(residency, filter, budget));
+            ASSERT_TRUE(texture) << texture.status().message();
+            EXPECT_EQ(texture->damaged_tiles(), 0u);
+            EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)),
+                      range * (1.0 / 255 + (filter ? filter_precision : 0)));
+            EXPECT_LE(texture->bytes(), budget);
+        };
+        check(Residency::on_load, false, 256ull << 20);
+        check(Residency::on_feedback, false, 256ull << 20);
+        check(Residency::on_feedback, true, 48ull << 20);
+    }
 }
 
 // A camera that looks at the middle of the sphere from `degrees` around it.
@@ -462,6 +491,12 @@ TEST_F(GpuSample, SaysWhatDoesNotFit) {
         ASSERT_TRUE(texture) << texture.status().message();
         EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), 1.0 / 255);
     }
+    SampledFile predicted(
+        random_case(5, SampleType::unorm8, 3, {40, 20, 9, 8}, {32, 16, 8, 8}, 0.7, 0.05, 4, 0.6)
+            .file);
+    EXPECT_NE(refusal(predicted.reader(), Residency::on_sample, 64 << 20).find("use on load"),
+              std::string::npos);
+    EXPECT_NE(choose_residency(predicted.reader(), 1 << 20), Residency::on_sample);
     EXPECT_EQ(choose_residency(file.reader(), 1ull << 30), Residency::on_load);
     EXPECT_EQ(choose_residency(file.reader(), 2ull << 20), Residency::on_feedback);
 }

@@ -21,6 +21,7 @@
 
 #define TSR_INOUT(type) type&
 #define TSR_LOOP shader_machine_round()
+#define TSR_PREDICTED_TILES
 
 namespace tessera::shaders {
 
@@ -111,6 +112,7 @@ public:
     static constexpr std::size_t guard = 1024; // words behind what a batch asks for
 
     std::uint64_t most_rounds = 0; // of one invocation
+    std::uint32_t most_waves = 0;  // of one batch
     // After so many rounds in all, no more invocations are begun: damaged batches can ask for more
     // than a test has time for.
     std::uint64_t patience = ~std::uint64_t{0};
@@ -129,9 +131,9 @@ public:
         std::vector<uint> words = batch.words;
         words.resize(words.size() + guard, stale);
         tsr_batch.set(std::move(words));
-        // What earlier work left there must not matter, but for the counter.
+        // What earlier work left there must not matter, but for the counters.
         tsr_work.assign(batch.work_words + guard, stale);
-        tsr_work[tsr_w_items] = 0;
+        tsr_work[tsr_w_items] = tsr_work[tsr_w_wave] = 0;
         tsr_coefficients.assign(batch.coefficients + guard, uvec4(stale));
         spent_ = 0;
         const auto tiles = static_cast<uint>(batch.tiles.size());
@@ -153,6 +155,31 @@ public:
 
     // Passes 4 and 5.
     void write_texels(const DecodeBatch& batch) {
+        for (uint wave = 0; wave < batch.waves; ++wave)
+            write_wave(batch);
+        most_waves = std::max(most_waves, batch.waves);
+    }
+
+    // The damage word of a tile of the batch.
+    static uint damage(uint slot) { return tsr_work[tsr_state_at(slot) + tsr_st_damaged]; }
+
+    // Whether nothing was written behind what the batch asked for.
+    static bool guards_hold(const DecodeBatch& batch) {
+        return tsr_work.holds(batch.work_words, stale) &&
+               tsr_coefficients.holds(batch.coefficients, uvec4(stale));
+    }
+
+    template <class Call> void invoke(Call call) {
+        if (spent_ >= patience)
+            return;
+        shader_machine_rounds = 0;
+        call();
+        most_rounds = std::max(most_rounds, shader_machine_rounds);
+        spent_ += shader_machine_rounds;
+    }
+
+private:
+    void write_wave(const DecodeBatch& batch) {
         for (uint tile = 0; tile < batch.tiles.size(); ++tile)
             for (uint lane = 0; lane < 64; ++lane)
                 invoke([&] { tsr_cut_tile(tile, lane); });
@@ -179,25 +206,6 @@ public:
         }
     }
 
-    // The damage word of a tile of the batch.
-    static uint damage(uint slot) { return tsr_work[tsr_state_at(slot) + tsr_st_damaged]; }
-
-    // Whether nothing was written behind what the batch asked for.
-    static bool guards_hold(const DecodeBatch& batch) {
-        return tsr_work.holds(batch.work_words, stale) &&
-               tsr_coefficients.holds(batch.coefficients, uvec4(stale));
-    }
-
-    template <class Call> void invoke(Call call) {
-        if (spent_ >= patience)
-            return;
-        shader_machine_rounds = 0;
-        call();
-        most_rounds = std::max(most_rounds, shader_machine_rounds);
-        spent_ += shader_machine_rounds;
-    }
-
-private:
     std::uint64_t spent_ = 0; // rounds
 };
 

@@ -70,7 +70,15 @@ uint tsr_item_at(uint item) {
         return tsr_nowhere;
     return tsr_header(tsr_b_items_at) + item * uint(tsr_item_words);
 }
-// A kept node of the tile's split tree, likewise.
+// A word of what a block copies; 0 in a tile that is not predicted.
+uint tsr_copy(uint tile, uint block, int field) {
+    uint copies = tsr_tile(tile, tsr_tile_copies);
+    if (copies == tsr_none)
+        return 0u;
+    return tsr_batch_word(tsr_header(tsr_b_copies_at) + copies + block * uint(tsr_copy_words) +
+                          uint(field));
+}
+// A kept node of the tile's split tree; nowhere, if the tile has no room for it.
 uint tsr_node_at(uint tile, uint slot) {
     if (slot >= tsr_tile(tile, tsr_tile_node_room))
         return tsr_nowhere;

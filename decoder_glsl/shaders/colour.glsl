@@ -28,10 +28,15 @@ TsrFormat tsr_format() {
     return f;
 }
 
-// The codes of a texel: rounded planes onto the background, colour transform undone, clamped.
-ivec4 tsr_codes(TsrFormat f, ivec4 outputs) {
+// The planes of a texel, rounded.
+ivec4 tsr_values(TsrFormat f, ivec4 outputs) {
     // Outputs are below 2^28; unsigned, so that anything else wraps in every language.
-    ivec4 c = (ivec4(uvec4(outputs) + (1u << uint(f.fraction - 1))) >> f.fraction) + f.background;
+    return ivec4(uvec4(outputs) + (1u << uint(f.fraction - 1))) >> f.fraction;
+}
+
+// The codes of a texel: planes onto the background, colour transform undone, clamped.
+ivec4 tsr_codes(TsrFormat f, ivec4 values) {
+    ivec4 c = values + f.background;
     if (f.ycocg) {
         int t = c.x - (c.z >> 1);
         int g = c.z + t;

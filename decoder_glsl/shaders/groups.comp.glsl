@@ -1,4 +1,5 @@
-// One invocation: the size of the indirect dispatch of pass 5, in rows of 1,024 groups.
+// One invocation: the size of the indirect dispatch of pass 5, in rows of 1,024 groups; and the
+// counters are made ready for the next wave.
 #include "buffers.glsl"
 
 void tsr_size_dispatch() {
@@ -8,6 +9,9 @@ void tsr_size_dispatch() {
     tsr_set_work(uint(tsr_w_groups), min(items, 1024u));
     tsr_set_work(uint(tsr_w_groups) + 1u, min((items + 1023u) / 1024u, 65535u));
     tsr_set_work(uint(tsr_w_groups) + 2u, 1u);
+    tsr_set_work(uint(tsr_w_ready), items);
+    tsr_set_work(uint(tsr_w_items), 0u);
+    tsr_set_work(uint(tsr_w_wave), tsr_work_word(uint(tsr_w_wave)) + 1u);
 }
 
 #ifndef __cplusplus

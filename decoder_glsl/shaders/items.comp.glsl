@@ -1,5 +1,8 @@
 // Pass 4, 64 invocations a tile: cuts the blocks into items, the work of one group of the next pass.
 // A damaged tile becomes one block of no coefficients: the background.
+//
+// Passes 4 and 5 run once for every depth of copies in the batch, the wave. Blocks that copy nothing
+// are those of wave 0; what a block copies was written in the waves before its own.
 #include "buffers.glsl"
 #include "patch.glsl"
 
@@ -26,9 +29,11 @@ void tsr_cut_tile(uint tile, uint lane) {
     if (tile >= tsr_header(tsr_b_tiles))
         return;
     uint state = tsr_state_at(tile);
+    uint wave = tsr_work_word(uint(tsr_w_wave));
+    bool predicted = tsr_tile(tile, tsr_tile_copies) != tsr_none;
     uint room = uint(tsr_max_items);
     if (tsr_work_word(state + uint(tsr_st_damaged)) != 0u) {
-        if (lane == 0u) {
+        if (lane == 0u && wave == 0u) {
             uint at = tsr_block_at(tile, 0u);
             uint place = tsr_tile(tile, tsr_tile_shape) << 20;
             tsr_set_work(at + uint(tsr_k_place), place);
@@ -38,9 +43,13 @@ void tsr_cut_tile(uint tile, uint lane) {
         }
         return;
     }
+    if (wave > 0u && !predicted)
+        return;
     uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
     for (uint block = lane; block < blocks; block += 64u) {
         TSR_LOOP;
+        if (predicted && tsr_copy(tile, block, tsr_copy_how) >> 8 != wave)
+            continue;
         uint at = tsr_block_at(tile, block);
         tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_place)),
                       tsr_work_word(at + uint(tsr_k_rest)), room);

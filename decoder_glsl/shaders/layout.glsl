@@ -20,6 +20,7 @@ const int tsr_t_correction_step = 9; // 2 E + 1
 const int tsr_t_offsets = 10;        // plane 0: magnitude 1, larger; the other planes: the same
 const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_pack
 const int tsr_t_shapes = 17; // word of the first shape record
+const int tsr_t_predicts = 18; // leaves of split trees are followed by predictions
 const int tsr_t_zero = 32;   // frequencies of 0: [4][20][10]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
 const int tsr_t_magnitude = 832;     // [2][11] symbol tables
@@ -30,7 +31,11 @@ const int tsr_t_split = 1624;        // [6][6] words c[1] | c[2] << 16
 const int tsr_t_kind = 1660;         // [2] likewise: the kind of a block's colour
 const int tsr_t_rotation = 1664;     // [49][9] signed
 const int tsr_t_basis = 2112;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + k n + x, signed
-const int tsr_t_end = 13552;         // shape records and their scans follow
+const int tsr_t_prediction = 13552;        // [6] symbol tables
+const int tsr_t_displacement = 13624;      // [2]
+const int tsr_t_displacement_kind = 13648; // [2] words c[1] | c[2] << 16
+const int tsr_t_copying_length = 13650;    // [9] tsr_t_first_length of blocks that copy something
+const int tsr_t_end = 13758;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest) | position << 20,
 // then the 12 earlier neighbours as 16-bit scan indices, the four that count double first; the entry's
@@ -67,9 +72,11 @@ const int tsr_b_payload_bytes = 19;
 const int tsr_b_counts_at = 20; // in the work buffer: how many raw levels each segment gave
 const int tsr_b_items_at = 21;
 const int tsr_b_items_room = 22; // items
+const int tsr_b_copies_at = 23;  // what the blocks of predicted tiles copy
+const int tsr_b_values_at = 24;  // in the work buffer: values of predicted tiles
 const int tsr_batch_words = 32;
 
-const int tsr_tile_words = 12;
+const int tsr_tile_words = 14;
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
 const int tsr_tile_segments = 2;
@@ -82,6 +89,13 @@ const int tsr_tile_blocks = 8;      // its first block record, counted in record
 const int tsr_tile_block_room = 9;  // records
 const int tsr_tile_nodes = 10;      // its first kept node, from tsr_b_node_at
 const int tsr_tile_node_room = 11;
+const int tsr_tile_copies = 12; // word of its first copy record, from tsr_b_copies_at; none: not predicted
+const int tsr_tile_values = 13; // word of its values, from tsr_b_values_at; or none
+
+// A copy record, one a block of a predicted tile (FORMAT.md 4.6).
+const int tsr_copy_words = 2;
+const int tsr_copy_how = 0;  // bit 0: along s, bit 1: along t | depth << 8
+const int tsr_copy_move = 1; // displacements in half texels, signed bytes: u, v along s; u, v along t
 
 const int tsr_segment_words = 8;
 const int tsr_seg_tile = 0;
@@ -100,7 +114,9 @@ const uint tsr_nowhere = 0xF0000000u; // a word past any buffer
 
 // ---- Binding 2, work: what the passes hand to each other.
 const int tsr_w_groups = 0; // arguments of the indirect dispatch of texels.comp, three words
-const int tsr_w_items = 3;  // number of items
+const int tsr_w_items = 3;  // number of items, as they are made
+const int tsr_w_wave = 4;   // blocks of this depth of copies are next
+const int tsr_w_ready = 5;  // number of items of the wave that texels.comp is at
 const int tsr_w_state = 8;  // the tile states; what follows is placed by the batch header
 const int tsr_state_words = 8;
 const int tsr_st_blocks = 0;
@@ -126,6 +142,9 @@ const uint tsr_damage_segments = 2u;
 const uint tsr_damage_levels = 4u;
 const uint tsr_damage_end = 8u;
 const uint tsr_damage_corrections = 16u;
+
+// The values of a predicted tile, for its blocks to copy: texels t, s, v, u with u fastest, once for
+// planes 0 and 1 (16 bits each, plane 0 low) and again for planes 2 and 3; halves: once a plane.
 
 // ---- Binding 3, coefficients: sorted by t, s, v, u frequency, four words each: frequency, planes 0..2.
 

@@ -109,9 +109,12 @@ void tsr_block_colour(TSR_INOUT(TsrSegmentWalk) w) {
 
 // The length of a plane, and behind plane 0's the colour of the block.
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
-    uint table = w.plane == 0 ? uint(tsr_t_first_length) +
-                                    tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words)
-                              : uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
+    uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
+    if (w.plane == 0) {
+        bool copies = (tsr_copy(w.tile, w.block, tsr_copy_how) & 3u) != 0u;
+        table = uint(copies ? tsr_t_copying_length : tsr_t_first_length) +
+                tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words);
+    }
     int token = tsr_symbol(w.r, table);
     int bits = token <= 1 ? 0 : (token == 2 ? 1 : 2);
     int raw = int(tsr_raw(w.r, bits));

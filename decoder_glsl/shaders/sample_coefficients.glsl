@@ -151,8 +151,8 @@ TsrFour tsr_evaluate(TsrBlock b, ivec2 place, ivec4 angles, uint begin, uint cou
 }
 
 vec4 tsr_shown(TsrFormat format, ivec3 colour, int alpha) {
-    uvec4 samples =
-        tsr_samples(format, tsr_codes(format, ivec4(colour.x, colour.y, colour.z, alpha)));
+    ivec4 values = tsr_values(format, ivec4(colour.x, colour.y, colour.z, alpha));
+    uvec4 samples = tsr_samples(format, tsr_codes(format, values));
     if (format.half_floats)
         return tsr_unpack(samples.x | (samples.y << 16), samples.z | (samples.w << 16));
     return vec4(samples) / 255.0;

@@ -2,8 +2,10 @@
 // they give (FORMAT.md part 4).
 //
 // Stage 1: an invocation a position walks all coefficients, u and v. Stage 2 sums along s. Stage 3
-// sums along t, all planes of a texel at once, and writes it. All invocations read the same
+// sums along t, all planes of a texel at once, adds what a block copies, and writes it. All invocations read the same
 // coefficients at the same time, and the shared arrays are laid out with positions innermost.
+//
+// Batches with predicted tiles need TSR_PREDICTED_TILES; the others are spared its registers.
 #include "colour.glsl"
 #include "patch.glsl"
 #include "walk.glsl"
@@ -34,6 +36,7 @@ struct TsrTarget {
     uint folds_u;
     uvec2 stride;
     uint multipliers; // word of the tile's corrections, or none
+    uint values;      // word of its values, if it is predicted, or none
     ivec4 sides;      // of the tile
     int step;         // of corrections
 };
@@ -53,6 +56,8 @@ TsrTarget tsr_target(uint tile) {
     t.multipliers = damaged || multipliers == tsr_none
                         ? tsr_none
                         : tsr_header(tsr_b_multipliers_at) + multipliers;
+    uint values = tsr_tile(tile, tsr_tile_values);
+    t.values = damaged || values == tsr_none ? tsr_none : tsr_header(tsr_b_values_at) + values;
     t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
     t.step = int(tsr_table(tsr_t_correction_step));
     return t;
@@ -66,6 +71,8 @@ struct TsrItem {
     int positions;
     TsrPatch patch_of;
     ivec4 origin;      // of the block in the tile
+    uint copies;       // directions, as in tsr_copy_how
+    uint move;         // displacements, as in tsr_copy_move
     uint coefficients; // the first one
     uint colour_count;
     uint alpha_count;
@@ -78,7 +85,7 @@ struct TsrItem {
 
 TsrItem tsr_item(uint number) {
     TsrItem item;
-    item.real = number < tsr_work_word(uint(tsr_w_items));
+    item.real = number < tsr_work_word(uint(tsr_w_ready));
     uint at = tsr_item_at(number);
     uint who = item.real ? tsr_work_word(at) : 0u;
     uint range = item.real ? tsr_work_word(at + 1u) : 0u;
@@ -93,6 +100,8 @@ TsrItem tsr_item(uint number) {
     item.positions = min(int(range >> 16), item.patch_of.positions);
     item.origin = ivec4(int(place & 31u), int((place >> 5) & 31u), int((place >> 10) & 31u),
                         int((place >> 15) & 31u));
+    item.copies = tsr_copy(item.tile, item.block, tsr_copy_how) & 3u;
+    item.move = tsr_copy(item.tile, item.block, tsr_copy_move);
     uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);
     item.coefficients =
         tsr_segment(segment, tsr_seg_sorted) + tsr_work_word(block + uint(tsr_k_first));
@@ -304,14 +313,98 @@ ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
                  item.format.largest);
 }
 
-// Stage 3, for one position, s and t: the codes before corrections.
+// Where values of a predicted tile stand: the texel's word, and words from one to the next part of it.
+uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
+    return target.values +
+           uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
+}
+uint tsr_value_stride(TsrTarget target) {
+    return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
+}
+
+// Two planes of 16 bits in a word, and two of 20 bits in one each.
+ivec2 tsr_two_values(uint word) {
+    return ivec2(int(word << 16u) >> 16, int(word) >> 16);
+}
+int tsr_one_value(uint word) {
+    return int(word << 12u) >> 12;
+}
+
+// The values at a texel of the view (s, t), or the edge of the tile.
+ivec4 tsr_value(TsrItem item, int u, int v, int s, int t) {
+    TsrTarget target = item.target;
+    int planes = item.format.planes;
+    uint at = tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
+                           clamp(v, 0, target.sides.y - 1), s, t);
+    uint stride = tsr_value_stride(target);
+    if (item.format.half_floats)
+        return ivec4(tsr_one_value(tsr_work_word(at)),
+                     planes > 1 ? tsr_one_value(tsr_work_word(at + stride)) : 0,
+                     planes > 2 ? tsr_one_value(tsr_work_word(at + 2u * stride)) : 0,
+                     planes > 3 ? tsr_one_value(tsr_work_word(at + 3u * stride)) : 0);
+    ivec2 low = tsr_two_values(tsr_work_word(at));
+    ivec2 high = tsr_two_values(planes > 2 ? tsr_work_word(at + stride) : 0u);
+    return ivec4(low.x, low.y, high.x, high.y);
+}
+
+void tsr_keep_value(TsrItem item, ivec4 value, int u, int v, int s, int t) {
+    int planes = item.format.planes;
+    uint at = tsr_value_at(item.target, u, v, s, t);
+    uint stride = tsr_value_stride(item.target);
+    uvec4 word = uvec4(value);
+    if (!item.format.half_floats) {
+        tsr_set_work(at, (word.x & 0xFFFFu) | (word.y << 16));
+        if (planes > 2)
+            tsr_set_work(at + stride, (word.z & 0xFFFFu) | (word.w << 16));
+        return;
+    }
+    tsr_set_work(at, word.x);
+    if (planes > 1)
+        tsr_set_work(at + stride, word.y);
+    if (planes > 2)
+        tsr_set_work(at + 2u * stride, word.z);
+    if (planes > 3)
+        tsr_set_work(at + 3u * stride, word.w);
+}
+
+// Twice the values between texels u and u + 1 of a row, where `between` is 1, or at u.
+ivec4 tsr_two_along(TsrItem item, int u, int between, int v, int s, int t) {
+    ivec4 first = tsr_value(item, u, v, s, t);
+    return first + (between != 0 ? tsr_value(item, u + 1, v, s, t) : first);
+}
+
+// Four times what `steps` displacements away in the view (s, t) lies; `move`: u, v in signed bytes.
+ivec4 tsr_four_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
+    int x = 2 * u + steps * (int(move << 24u) >> 24);
+    int y = 2 * v + steps * (int(move << 16u) >> 24);
+    ivec4 upper = tsr_two_along(item, x >> 1, x & 1, y >> 1, s, t);
+    return upper + ((y & 1) != 0 ? tsr_two_along(item, x >> 1, x & 1, (y >> 1) + 1, s, t) : upper);
+}
+
+// The values of a texel of a predicted tile: with what its block copies, clamped, and kept for others.
+ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
+    ivec4 sum = ivec4(0);
+    if ((item.copies & 1u) != 0u)
+        sum += tsr_four_moved(item, item.move, s - item.origin.z + 1, u, v,
+                              max(item.origin.z - 1, 0), t);
+    if ((item.copies & 2u) != 0u)
+        sum += tsr_four_moved(item, item.move >> 16, t - item.origin.w + 1, u, v, s,
+                              max(item.origin.w - 1, 0));
+    ivec4 copied = item.copies == 3u ? (sum + 4) >> 3 : (sum + 2) >> 2;
+    int limit = item.format.half_floats ? 1 << 18 : 1 << 15;
+    ivec4 value = clamp(values + copied, -limit, limit - 1);
+    tsr_keep_value(item, value, u, v, s, t);
+    return value;
+}
+
+// Stage 3, for one position, s and t: the values of all planes.
 ivec4 tsr_sum_t_at(TsrItem item, int s, int t, int position) {
     TsrValues values =
         tsr_sum_along(item, item.patch_of.sides.w, t, item.patch_of.support_t,
                       tsr_after_s(item, 0, s, position), item.patch_of.sides.z * item.positions,
                       item.plane_after);
-    return tsr_codes(item.format, ivec4(values.colour.x, values.colour.y, values.colour.z,
-                                        values.alpha.x));
+    return tsr_values(item.format, ivec4(values.colour.x, values.colour.y, values.colour.z,
+                                         values.alpha.x));
 }
 
 void tsr_sum_t(TsrItem item, int lane) {
@@ -323,14 +416,21 @@ void tsr_sum_t(TsrItem item, int lane) {
     int v = item.origin.y + row_v;
     uvec3 pixel = tsr_place(item.target, u, v);
     for (int s = share.first; s < item.patch_of.sides.z; s += share.step) {
+        ivec4 values = ivec4(0);
         ivec4 codes = ivec4(0);
         for (int t = 0; t < item.patch_of.sides.w; ++t) {
             TSR_LOOP;
-            // Without a frequency along t all are the same.
-            if (t == 0 || item.patch_of.support_t > 1)
-                codes = tsr_sum_t_at(item, s, t, share.position);
             int in_s = item.origin.z + s;
             int in_t = item.origin.w + t;
+            // Without a frequency along t all are the same.
+            if (t == 0 || item.patch_of.support_t > 1) {
+                values = tsr_sum_t_at(item, s, t, share.position);
+                codes = tsr_codes(item.format, values);
+            }
+#ifdef TSR_PREDICTED_TILES
+            if (item.target.values != tsr_none)
+                codes = tsr_codes(item.format, tsr_predicted(item, values, u, v, in_s, in_t));
+#endif
             ivec4 corrected = tsr_corrected(item, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
                             tsr_samples(item.format, corrected));

@@ -31,6 +31,38 @@ void tsr_store_node(uint tile, uint slot, uint value) {
         tsr_set_work(tsr_node_at(tile, slot), value);
 }
 
+void tsr_pass_component(TSR_INOUT(TsrRans) r, int table) {
+    int token = tsr_symbol(r, uint(tsr_t_displacement + table * tsr_symbol_words));
+    if (token > 0) {
+        tsr_raw(r, token - 1);
+        tsr_raw(r, 1);
+    }
+}
+
+void tsr_pass_displacement(TSR_INOUT(TsrRans) r, int direction) {
+    if (tsr_symbol3(r, uint(tsr_t_displacement_kind + direction)) == 2) {
+        tsr_pass_component(r, direction);
+        tsr_pass_component(r, 1 - direction);
+    }
+}
+
+// Reads past the prediction of a leaf. What it says comes with the batch: the host, which counts the
+// tree, knows it, and has the depths of the copies besides. `copies`: whether the last leaf that has
+// a prediction copies something.
+void tsr_pass_prediction(TSR_INOUT(TsrRans) r, uint place, TSR_INOUT(bool) copies) {
+    bool along_s = (place & 0x7C00u) != 0u;
+    bool along_t = (place & 0xF8000u) != 0u;
+    if (!along_s && !along_t)
+        return;
+    int context = (along_s ? (along_t ? 4 : 0) : 2) + (copies ? 1 : 0);
+    int symbol = tsr_symbol(r, uint(tsr_t_prediction + context * tsr_symbol_words));
+    copies = symbol != 0;
+    if (copies && along_s && symbol != 2)
+        tsr_pass_displacement(r, 0);
+    if (copies && along_t && (!along_s || symbol > 1))
+        tsr_pass_displacement(r, 1);
+}
+
 void tsr_decode_tree(uint tile) {
     if (tile >= tsr_header(tsr_b_tiles))
         return;
@@ -45,6 +77,8 @@ void tsr_decode_tree(uint tile) {
     uint blocks = 0u;
     uint nodes = 0u;
     uint slots = 1u;
+    bool predicts = tsr_table(tsr_t_predicts) != 0u;
+    bool copies = false;
     for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {
         TSR_LOOP;
         TsrNode node = stack[waiting - 1];
@@ -59,6 +93,8 @@ void tsr_decode_tree(uint tile) {
             tsr_set_work(tsr_block_at(tile, blocks), node.place);
             tsr_store_node(tile, node.depths >> 8, 0x80000000u | blocks);
             blocks += 1u;
+            if (predicts)
+                tsr_pass_prediction(r, node.place, copies);
             continue;
         }
         int children = tsr_s_children + 2 * (split - 1);

@@ -1,12 +1,14 @@
 // The decoder's shaders as C++ (tests/shader_machine.h) on payloads that nothing has checked, against
 // the CPU's decoder; or, with bit 7 of the first byte, on batches whose words are changed, too.
 //
-// Input: byte 0: setting (3 bits), corrections, keep_nodes, folded, 0, changed; byte 1: grid; byte 2:
+// Input: byte 0: setting (3 bits), corrections, keep_nodes, folded, predictions (and then no
+// corrections), changed; byte 1: grid; byte 2:
 // number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
 // then the payloads, each but the last behind its u16 length.
 #include "format/bytes.h"
 #include "tests/codec_test_support.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/random_predictions.h"
 #include "tests/shader_oracle.h"
 
 #include <map>
@@ -29,7 +31,7 @@ constexpr std::array<Grid, 8> grids = {{{{14, 5, 3, 2}, {7, 5, 3, 2}},
                                         {{2, 1, 32, 31}, {1, 1, 32, 31}},
                                         {{6, 4, 4, 4}, {3, 4, 4, 4}}}};
 
-CodingParameters parameters_of(unsigned setting) {
+CodingParameters parameters_of(unsigned setting, bool predictions) {
     CodingParameters parameters;
     for (StepCode& step : parameters.step)
         step = setting == 3 ? StepCode{(max_step_exponent << 11) | 2047}
@@ -37,6 +39,7 @@ CodingParameters parameters_of(unsigned setting) {
     parameters.rotated_step = parameters.step[0];
     parameters.offsets = {{{3, 9}, {31, 0}}};
     parameters.colour_rotation = setting % 4 >= 2;
+    parameters.prediction = predictions;
     parameters.correction_error = static_cast<std::uint16_t>(setting == 5 ? 65535 : setting);
     test::Random random(setting);
     if (setting >= 4)
@@ -44,15 +47,18 @@ CodingParameters parameters_of(unsigned setting) {
     return parameters;
 }
 
-ShaderOracle& oracle(unsigned setting, bool corrections, unsigned grid) {
-    static std::map<std::array<unsigned, 3>, std::unique_ptr<ShaderOracle>> all;
-    auto& found = all[{setting, corrections, grid}];
+// `first`: byte 0 of an input.
+ShaderOracle& oracle(unsigned first, unsigned grid) {
+    const unsigned setting = first & 7u;
+    const bool predictions = (first & 64u) != 0, corrections = !predictions && (first & 8u) != 0;
+    static std::map<std::array<unsigned, 4>, std::unique_ptr<ShaderOracle>> all;
+    auto& found = all[{setting, corrections, predictions, grid}];
     if (!found) {
         const TextureDesc desc{grids[grid].size,
                                setting % 3 == 2 ? SampleType::half16 : SampleType::unorm8,
                                static_cast<std::uint8_t>(1 + setting % 4)};
-        found = std::make_unique<ShaderOracle>(
-            test::empty_file(desc, grids[grid].tile, parameters_of(setting), corrections));
+        found = std::make_unique<ShaderOracle>(test::empty_file(
+            desc, grids[grid].tile, parameters_of(setting, predictions), corrections));
     }
     return *found;
 }
@@ -114,12 +120,14 @@ Bytes random_payload(test::Random& random, const ShaderOracle& oracle, std::uint
         map[map.size() / 3] += 70000;
         streams = encode_corrections(map, shape, coding.planes, coding.tables);
     }
-    Bytes payload;
-    encode_levels(
+    TileLevels levels =
         test::RandomTile(random, coding,
                          {.split = 0.6, .density = 0.05, .empty = 0.5, .magnitude_bits = 20})
-            .make(shape),
-        streams, coding, payload);
+            .make(shape);
+    if (coding.predicts)
+        test::RandomPredictions(random, 0.6).add_to(levels);
+    Bytes payload;
+    encode_levels(levels, streams, coding, payload);
     return payload;
 }
 
@@ -128,12 +136,12 @@ Bytes random_payload(test::Random& random, const ShaderOracle& oracle, std::uint
 std::vector<Bytes> seeds() {
     std::vector<Bytes> all;
     test::Random random(8);
-    for (unsigned i = 0; i < 48; ++i) {
+    for (unsigned i = 0; i < 96; ++i) {
         Case made;
         made.grid = i % grids.size();
-        made.first = (i * 5 % 64) | (i % 2 ? 128u : 0u);
-        const bool corrections = (made.first & 8u) != 0;
-        const ShaderOracle& file = oracle(made.first & 7u, corrections, made.grid);
+        made.first = (i * 5 % 64) | (i >= 48 ? 64u : 0u) | (i % 2 ? 128u : 0u);
+        const bool corrections = (made.first & 72u) == 8u;
+        const ShaderOracle& file = oracle(made.first, made.grid);
         const auto tiles = std::min<std::uint64_t>(1 + i % 4, file.reader().tile_count());
         for (std::uint64_t tile = 0; tile < tiles; ++tile)
             made.payloads.push_back(random_payload(random, file, tile, corrections));
@@ -156,7 +164,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         {reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 16384)});
     const std::uint32_t first = input.take(1);
     const std::uint32_t grid = input.take(1) % fuzz::grids.size();
-    test::ShaderOracle& oracle = fuzz::oracle(first & 7u, (first & 8u) != 0, grid);
+    test::ShaderOracle& oracle = fuzz::oracle(first, grid);
     const test::ShaderOracle::Layout layout{(first & 16u) != 0, (first & 32u) != 0};
     const auto tiles = std::min<std::uint64_t>(1 + input.take(1) % 4, oracle.reader().tile_count());
     std::vector<std::pair<std::uint32_t, std::uint32_t>> changes;
