@@ -79,7 +79,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     put(coding.correction_error, 2);
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
-    put(coding.colour_rotation ? 1 : 0, 1);
+    put((coding.colour_rotation ? 1u : 0u) | (coding.dependent ? 2u : 0u), 1);
 
     RansEncoder encoder;
     walk(
@@ -128,9 +128,10 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 1)
+    if (flags > 3)
         return damaged("unknown flags");
-    coding.colour_rotation = flags == 1;
+    coding.colour_rotation = (flags & 1) != 0;
+    coding.dependent = (flags & 2) != 0;
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;
