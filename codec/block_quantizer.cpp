@@ -19,8 +19,8 @@ constexpr float smallest_last = 0.5f;
 
 constexpr float infinite = 1e30f;
 
-// Paths of the trellis that far back have met.
-constexpr int window = 32;
+// Paths of the trellis that far back have mostly met.
+constexpr int window = 20;
 
 } // namespace
 
@@ -33,7 +33,7 @@ static_assert(7 * (max_coded_length / 8) * max_planes + max_planes <= max_segmen
 
 BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
                                const QuantizerOptions& options)
-    : coding_(coding), costs_(costs), options_([&]{auto o=options; if(getenv("TLAM")) o.lambda*=atof(getenv("TLAM")); return o;}()) {
+    : coding_(coding), costs_(costs), options_(options) {
     for (int plane = 0; plane < coding.planes; ++plane)
         inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
             1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
@@ -191,6 +191,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                  ++back) {
                 std::array<std::uint16_t, states> old;
                 std::copy_n(seen_.data() + back * states, states, old.begin());
+                if (old == std::array<std::uint16_t, states>{})
+                    continue;
                 for (std::size_t s = 0; s < states; ++s)
                     seen_[back * states + s] = old[before[s]];
             }

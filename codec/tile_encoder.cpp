@@ -20,6 +20,7 @@ EffortSettings EffortSettings::of(int effort) {
         settings.search.grids = diagonal;
     else if (effort <= 4)
         settings.search.grids = diagonal | grid(0, 1) | grid(1, 2) | grid(2, 3);
+    settings.dependent = effort >= 2;
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;

@@ -17,6 +17,7 @@ struct EffortSettings {
     QuantizerOptions quantizer;
     bool recode =
         true; // code again under tables fitted to all tiles; else those of the sample stay
+    bool dependent = true;      // quantise by a trellis
     bool rotate_colours = true; // try rotated colour axes for every block
     bool second_pass = false;   // decide again under the tables of the first pass
 

@@ -28,12 +28,12 @@ constexpr int plane_classes = 2; // first plane of a leaf; the others
 
 // Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
 // half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
-constexpr int quantiser_states = 4;
+constexpr int quantiser_states = 8;
 constexpr std::array<std::array<std::uint8_t, 2>, quantiser_states> next_state{
-    {{0, 2}, {2, 0}, {1, 3}, {3, 1}}}; // [state][parity of the magnitude]
+    {{0, 2}, {5, 7}, {1, 3}, {6, 4}, {2, 0}, {4, 6}, {3, 1}, {7, 5}}}; // [state][parity of the magnitude]
 constexpr int quantisers = 2;
 constexpr int quantiser_of(int state) {
-    return state >> 1;
+    return state & 1;
 }
 
 // Contexts look at amplitudes: distances from 0 in half steps, to two binary digits. Code c stands

@@ -37,6 +37,7 @@ CodingParameters parameters_with(Random& random, bool rotation) {
         step = StepCode::nearest(1 + 20 * random.unit());
     parameters.rotated_step = parameters.step[0];
     parameters.colour_rotation = rotation;
+    parameters.dependent = random.chance(0.5);
     parameters.parameters = random.chance(0.3) ? random_parameters(random) : default_parameters();
     return parameters;
 }
@@ -305,7 +306,7 @@ TEST(HostileTile, LargestLevelsAreDefined) {
                            {.split = 0.3, .density = 1, .empty = 0, .full_length = true})
                     .make(shape);
             for (NonZero& nz : tile.nonzeros)
-                nz.level = nz.level < 0 ? -max_level : max_level;
+                nz.level = nz.level < 0 ? -max_level : max_level; // not dependent: any may follow
             const ColourCoding colour{
                 {{1, 1, 1, 1}, type, 4}, ColourTransform::ycocg_r, {0, 0, 0, 0}};
             TileDecoder decoder(coding, colour);
