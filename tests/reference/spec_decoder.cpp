@@ -900,7 +900,10 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
             }
         }
         const int neighbours =
-            i == 0 ? std::min(std::bit_width(static_cast<uint32_t>(product(block.size))) / 2, 8)
+            i == 0 ? std::min(
+                         static_cast<int>(std::bit_width(static_cast<uint32_t>(product(block.size)))) /
+                             2,
+                         8)
                    : amplitude_code(S * (4096 / w) / 512);
         int cross = 0;
         for (size_t p = 0; p < static_cast<size_t>(plane); ++p)
