@@ -35,9 +35,10 @@ uint tsr_amplitude_code(uint amplitude) {
         return amplitude;
     if (amplitude > 191u)
         return 15u;
-    uint digits = 2u;
-    for (uint rest = amplitude >> 2; rest > 0u; rest >>= 1)
-        digits += 1u;
+    // Binary digits; not by a loop, whose rounds would count as the segment's work.
+    uint digits = 2u + (amplitude > 3u ? 1u : 0u) + (amplitude > 7u ? 1u : 0u) +
+                  (amplitude > 15u ? 1u : 0u) + (amplitude > 31u ? 1u : 0u) +
+                  (amplitude > 63u ? 1u : 0u) + (amplitude > 127u ? 1u : 0u);
     return 2u * (digits - 1u) + ((amplitude >> (digits - 2u)) & 1u);
 }
 uint tsr_seen(uint lane, uint index) {
