@@ -109,8 +109,7 @@ void BlockQuantizer::find_crosses(const TileLevels& out, std::size_t first_plane
         for (const NonZero& nz : out.levels(out.planes[plane]))
             if (nz.index < end)
                 cross_[nz.index] = static_cast<std::uint8_t>(ContextGrid::add_cross(
-                    cross_[nz.index],
-                    amplitude_of_level(nz.level, coding_.parameters.dependent)));
+                    cross_[nz.index], amplitude_of_level(nz.level, coding_.parameters.dependent)));
 }
 
 // The Viterbi algorithm over the states of dependent quantisation (one state: plain quantisation,
@@ -144,8 +143,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         const bool negative = amplitude_[at] < 0;
         const float a = std::fabs(amplitude_[at]);
         const bool candidates = a >= (dependent ? smallest_dependent : smallest_candidate);
-        const auto nearest = static_cast<std::int32_t>(
-            std::min(a / unit + 0.5f, static_cast<float>(max_level - 1)));
+        const auto nearest =
+            static_cast<std::int32_t>(std::min(a / unit + 0.5f, static_cast<float>(max_level - 1)));
         std::uint8_t* before = before_.data() + at * states;
         std::int32_t* level = level_.data() + at * states;
         next_cost.fill(infinite);
@@ -157,8 +156,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
             const int neighbours =
                 i == 0 ? size_class(order.shape)
                        : neighbour_class(sum[static_cast<std::size_t>(s)], context.share);
-            const auto& flag = costs_.zero[static_cast<std::size_t>(zero_parameter(
-                quantiser, task.plane_class, context.position, neighbours, cross))];
+            const auto& flag = costs_.zero[static_cast<std::size_t>(
+                zero_parameter(quantiser, task.plane_class, context.position, neighbours, cross))];
             const auto consider = [&](std::int32_t l, std::int32_t magnitude, float total) {
                 const int to = dependent ? next_state[static_cast<std::size_t>(s)]
                                                      [static_cast<std::size_t>(magnitude & 1)]

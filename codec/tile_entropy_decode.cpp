@@ -130,8 +130,8 @@ private:
             const int cross = grid_.cross(place);
             const int quantiser = quantiser_of(state);
             std::int32_t magnitude = 0;
-            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(zero_parameter(
-                    quantiser, p_class, context.position, neighbours, cross))])) {
+            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(
+                    zero_parameter(quantiser, p_class, context.position, neighbours, cross))])) {
                 const auto table = static_cast<std::size_t>(
                     magnitude_table(quantiser, p_class, i == 0, neighbours, cross));
                 magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));
@@ -139,8 +139,7 @@ private:
                 if (level > max_level)
                     return false;
                 const bool negative = rans_.raw(1) != 0;
-                out_.nonzeros.push_back(
-                    {static_cast<std::uint16_t>(i), negative ? -level : level});
+                out_.nonzeros.push_back({static_cast<std::uint16_t>(i), negative ? -level : level});
                 grid_.mark(place, amplitude_of_level(level, dependent));
             }
             if (dependent)

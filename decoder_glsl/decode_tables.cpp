@@ -121,9 +121,8 @@ std::uint32_t scale_word(const Scale& scale) {
 void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleType type,
                 std::uint32_t* record) {
     for (std::size_t set = 0; set < 5; ++set) {
-        const ScaleSet scales =
-            make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape, type,
-                        coding.dependent);
+        const ScaleSet scales = make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape,
+                                            type, coding.dependent);
         for (std::size_t axes = 0; axes < 5; ++axes)
             record[tsr_s_scales + set * 5 + axes] = scale_word(scales[axes]);
     }

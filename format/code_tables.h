@@ -29,8 +29,9 @@ constexpr int plane_classes = 2; // first plane of a leaf; the others
 // Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
 // half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
 constexpr int quantiser_states = 8;
-constexpr std::array<std::array<std::uint8_t, 2>, quantiser_states> next_state{
-    {{0, 2}, {5, 7}, {1, 3}, {6, 4}, {2, 0}, {4, 6}, {3, 1}, {7, 5}}}; // [state][parity of the magnitude]
+// [state][parity of the magnitude]
+constexpr std::uint8_t next_state[quantiser_states][2] = {{0, 2}, {5, 7}, {1, 3}, {6, 4},
+                                                          {2, 0}, {4, 6}, {3, 1}, {7, 5}};
 constexpr int quantisers = 2;
 constexpr int quantiser_of(int state) {
     return state & 1;

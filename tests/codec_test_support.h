@@ -186,8 +186,8 @@ private:
                         const int level = coding_.parameters.dependent
                                               ? 2 * magnitude - quantiser_of(state)
                                               : magnitude;
-                        tile.nonzeros.push_back({static_cast<std::uint16_t>(i),
-                                                 random_.chance(0.5) ? level : -level});
+                        tile.nonzeros.push_back(
+                            {static_cast<std::uint16_t>(i), random_.chance(0.5) ? level : -level});
                     }
                     if (coding_.parameters.dependent)
                         state = next_state[static_cast<std::size_t>(state)]

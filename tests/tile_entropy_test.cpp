@@ -296,12 +296,12 @@ public:
         int state = 0;
         for (int i = 0; i < tile_.planes[0].coded_length; ++i) {
             const auto& k = order.entry[static_cast<std::size_t>(i)].k;
-            const double x =
-                block_.plane[0][static_cast<std::size_t>(
-                    ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] /
-                4; // half steps
+            const double x = block_.plane[0][static_cast<std::size_t>(
+                                 ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] /
+                             4; // half steps
             const int quantiser = quantiser_of(state);
-            const int magnitude = static_cast<int>(std::max(0.0, (std::fabs(x) + quantiser) / 2 + 0.4));
+            const int magnitude =
+                static_cast<int>(std::max(0.0, (std::fabs(x) + quantiser) / 2 + 0.4));
             if (magnitude > 0) {
                 const int level = 2 * magnitude - quantiser;
                 tile.nonzeros.push_back({static_cast<std::uint16_t>(i), x < 0 ? -level : level});
@@ -388,8 +388,7 @@ TEST(BlockQuantizer, IsNearTheBestSequenceOfSmallBlocks) {
                 int state = 0, rest = code;
                 for (int i = 0; i < 4; ++i, rest /= signs) {
                     const int x = rest % signs - most, magnitude = std::abs(x);
-                    const int level =
-                        dependent ? 2 * magnitude - quantiser_of(state) : magnitude;
+                    const int level = dependent ? 2 * magnitude - quantiser_of(state) : magnitude;
                     if (x != 0)
                         tile.nonzeros.push_back(
                             {static_cast<std::uint16_t>(i), x < 0 ? -level : level});

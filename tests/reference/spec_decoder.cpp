@@ -899,12 +899,11 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
                 S += neighbour.weight * amplitude_value(amplitude[place(from, block.size)]);
             }
         }
-        const int neighbours =
-            i == 0 ? std::min(
-                         static_cast<int>(std::bit_width(static_cast<uint32_t>(product(block.size)))) /
-                             2,
-                         8)
-                   : amplitude_code(S * (4096 / w) / 512);
+        const int neighbours = i == 0 ? std::min(static_cast<int>(std::bit_width(
+                                                     static_cast<uint32_t>(product(block.size)))) /
+                                                     2,
+                                                 8)
+                                      : amplitude_code(S * (4096 / w) / 512);
         int cross = 0;
         for (size_t p = 0; p < static_cast<size_t>(plane); ++p)
             cross = amplitude_code(amplitude_value(cross) +
