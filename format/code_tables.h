@@ -51,8 +51,15 @@ constexpr std::uint32_t amplitude_of(int code) {
     return code < 2 ? static_cast<std::uint32_t>(code) : (2u + (code & 1)) << (code / 2 - 1);
 }
 constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
+// Codes of small numbers; the last one stands for all above.
+inline constexpr auto small_codes = [] {
+    std::array<std::uint8_t, 193> codes{};
+    for (std::uint32_t x = 0; x < codes.size(); ++x)
+        codes[x] = static_cast<std::uint8_t>(amplitude_code(x));
+    return codes;
+}();
 constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
-    return amplitude_code((sum * share) >> 9);
+    return small_codes[std::min<std::size_t>((sum * share) >> 9, small_codes.size() - 1)];
 }
 constexpr int cross_classes = 6; // the amplitude at the same place in earlier planes
 constexpr int cross_class(int code) {
