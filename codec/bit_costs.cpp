@@ -30,13 +30,12 @@ void add_length_raw_bits(std::array<float, length_tokens>& costs) {
 BitCosts::BitCosts(const CodeTables& tables) {
     for (std::size_t i = 0; i < zero.size(); ++i)
         zero[i] = {bits(tables.zero[i]), bits(probability_total - tables.zero[i])};
-    for (std::size_t p = 0; p < magnitude.size(); ++p)
-        for (std::size_t c = 0; c < magnitude[p].size(); ++c) {
-            fill<magnitude_tokens>(magnitude[p][c], tables.magnitude[p][c]);
-            for (int token = 0; token < magnitude_tokens; ++token)
-                magnitude[p][c][static_cast<std::size_t>(token)] +=
-                    static_cast<float>(1 + std::max(0, token - 3));
-        }
+    for (std::size_t i = 0; i < magnitude.size(); ++i) {
+        fill<magnitude_tokens>(magnitude[i], tables.magnitude[i]);
+        for (int token = 0; token < magnitude_tokens; ++token)
+            magnitude[i][static_cast<std::size_t>(token)] +=
+                static_cast<float>(1 + std::max(0, token - 3));
+    }
     for (std::size_t i = 0; i < first_length.size(); ++i) {
         fill<length_tokens>(first_length[i], tables.first_length[i]);
         add_length_raw_bits(first_length[i]);

@@ -1,5 +1,6 @@
 #include "codec/block_quantizer.h"
 
+#include "codec/context_grid.h"
 #include "codec/tile_entropy.h"
 #include "codec/tile_syntax.h"
 
@@ -9,8 +10,17 @@
 namespace tessera {
 namespace {
 
-// A coefficient below this can only become 0, in steps.
+// A coefficient below this can only become 0, in steps; half steps are within reach of dependent
+// quantisation.
 constexpr float smallest_candidate = 0.55f;
+constexpr float smallest_dependent = 0.4f;
+// ... and is not worth a longer coded length.
+constexpr float smallest_last = 0.5f;
+
+constexpr float infinite = 1e30f;
+
+// Paths of the trellis that far back have mostly met.
+constexpr int window = 20;
 
 } // namespace
 
@@ -56,12 +66,13 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
                                    : inverse_step_[static_cast<std::size_t>(plane)];
     const auto& n = block.shape.n;
     const int p_class = plane_class(plane);
-    const auto& offsets = offset_[static_cast<std::size_t>(p_class)];
     const auto& length_costs =
         plane == 0 ? costs_.first_length[static_cast<std::size_t>(length_context(block.shape, block.copies))]
                    : costs_.other_length[static_cast<std::size_t>(first_token)];
     const int limit = length_limit(coding_.planes, order.length());
 
+    const bool dependent = coding_.parameters.dependent;
+    const float smallest = dependent ? smallest_last : smallest_candidate;
     amplitude_.resize(static_cast<std::size_t>(limit));
     int last = -1;
     for (int i = 0; i < limit; ++i) {
@@ -70,75 +81,147 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
             x[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] *
             inverse_step;
         amplitude_[static_cast<std::size_t>(i)] = a;
-        if (std::fabs(a) >= smallest_candidate)
+        if (std::fabs(a) >= smallest)
             last = i;
     }
     PlaneLevels levels;
     levels.first = static_cast<std::uint32_t>(out.nonzeros.size());
-    out.planes.push_back(levels);
-    const float lambda = options_.lambda;
-    float best_cost = lambda * length_costs[0]; // relative to "all of it is zero"
-    if (last < 0)
-        return best_cost;
-
-    grid_.begin(order.support[static_cast<std::size_t>(
-        round_up_coded_length(last + 1, order.length()) - 1)]);
-    for (std::size_t earlier = first_plane; earlier + 1 < out.planes.size(); ++earlier)
-        for (const NonZero& nz : out.levels(out.planes[earlier]))
-            if (nz.index <= last)
-                grid_.mark_cross(grid_.place(order.entry[nz.index]), std::abs(nz.level));
-
+    float cost = options_.lambda * length_costs[0]; // relative to "all of it is zero"
     levels_.clear();
-    std::size_t best_count = 0;
-    float cost = 0; // of the coefficients so far, against their energy
-    for (int i = 0; i <= last; ++i) {
-        const ScanEntry& entry = order.entry[static_cast<std::size_t>(i)];
-        const int place = grid_.place(entry);
-        const int neighbours = grid_.neighbours(place);
-        const auto& flag = costs_.zero[static_cast<std::size_t>(
-            zero_parameter(p_class, order.position_class[static_cast<std::size_t>(i)], neighbours,
-                           grid_.cross(place)))];
-        const float signed_a = amplitude_[static_cast<std::size_t>(i)];
-        const float a = std::fabs(signed_a);
-        float choice_cost = lambda * flag[0];
-        std::int32_t choice = 0;
-        if (a >= smallest_candidate) {
-            const auto& tokens =
-                costs_.magnitude[static_cast<std::size_t>(p_class)]
-                                [static_cast<std::size_t>(i == 0 ? neighbour_classes : neighbours)];
-            const auto nearest =
-                static_cast<std::int32_t>(std::min(a + 0.5f, static_cast<float>(max_level)));
-            for (std::int32_t m = nearest; m > 0 && m + 2 > nearest; --m) {
-                const float error = a - (static_cast<float>(m) - offsets[m > 1 ? 1 : 0]);
-                const float candidate =
-                    error * error - a * a +
-                    lambda * (flag[1] + tokens[static_cast<std::size_t>(magnitude_token(m).token)]);
-                if (candidate < choice_cost) {
-                    choice_cost = candidate;
-                    choice = m;
-                }
+    if (last >= 0) {
+        const int end = round_up_coded_length(last + 1, order.length());
+        find_crosses(out, first_plane, end);
+        const PlaneTask task{order, p_class, length_costs};
+        cost = dependent ? choose_levels<quantiser_states>(task, end) : choose_levels<1>(task, end);
+    }
+    out.nonzeros.insert(out.nonzeros.end(), levels_.rbegin(), levels_.rend());
+    levels.count = static_cast<std::uint16_t>(levels_.size());
+    if (!levels_.empty())
+        levels.coded_length = static_cast<std::uint16_t>(
+            round_up_coded_length(levels_.front().index + 1, order.length()));
+    out.planes.push_back(levels);
+    return cost;
+}
+
+void BlockQuantizer::find_crosses(const TileLevels& out, std::size_t first_plane, int end) {
+    cross_.assign(static_cast<std::size_t>(end), 0);
+    for (std::size_t plane = first_plane; plane < out.planes.size(); ++plane)
+        for (const NonZero& nz : out.levels(out.planes[plane]))
+            if (nz.index < end)
+                cross_[nz.index] = static_cast<std::uint8_t>(ContextGrid::add_cross(
+                    cross_[nz.index], amplitude_of_level(nz.level, coding_.parameters.dependent)));
+}
+
+// The Viterbi algorithm over the states of dependent quantisation (one state: plain quantisation,
+// where it is the choice coefficient by coefficient). Every state's best path has its own contexts.
+template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task, int end) {
+    constexpr bool dependent = states > 1;
+    constexpr float unit = dependent ? 0.5f : 1.0f; // of a level, in steps
+    const ScanOrder& order = task.order;
+    const float lambda = options_.lambda;
+    const auto& offsets = offset_[static_cast<std::size_t>(task.plane_class)];
+    const auto count = static_cast<std::size_t>(end);
+    seen_.assign(count * states, 0);
+    before_.resize(count * states);
+    level_.resize(count * states);
+
+    std::array<float, states> cost, next_cost; // against the energy of the coefficients so far
+    cost.fill(infinite);
+    cost[0] = 0;
+    float best_cost = lambda * task.length_costs[0];
+    int best_end = 0, best_state = 0;
+    for (int i = 0; i < end; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        std::array<std::uint32_t, states> sum{};
+        for (std::size_t j = 0; j < scan_neighbours; ++j) {
+            const std::uint16_t* seen = seen_.data() + order.neighbours[at][j] * states;
+            for (std::size_t s = 0; s < states; ++s)
+                sum[s] += j < double_neighbours ? 2u * seen[s] : seen[s];
+        }
+        const ScanContext& context = order.context[at];
+        const int cross = cross_class(cross_[at]);
+        const bool negative = amplitude_[at] < 0;
+        const float a = std::fabs(amplitude_[at]);
+        const bool candidates = a >= (dependent ? smallest_dependent : smallest_candidate);
+        const auto nearest =
+            static_cast<std::int32_t>(std::min(a / unit + 0.5f, static_cast<float>(max_level - 1)));
+        std::uint8_t* before = before_.data() + at * states;
+        std::int32_t* level = level_.data() + at * states;
+        next_cost.fill(infinite);
+        for (int s = 0; s < states; ++s) {
+            const float so_far = cost[static_cast<std::size_t>(s)];
+            if (so_far >= infinite)
+                continue;
+            const int quantiser = quantiser_of(s);
+            const int neighbours =
+                i == 0 ? size_class(order.shape)
+                       : neighbour_class(sum[static_cast<std::size_t>(s)], context.share);
+            const auto& flag = costs_.zero[static_cast<std::size_t>(
+                zero_parameter(quantiser, task.plane_class, context.position, neighbours, cross))];
+            const auto consider = [&](std::int32_t l, std::int32_t magnitude, float total) {
+                const int to = dependent ? next_state[static_cast<std::size_t>(s)]
+                                                     [static_cast<std::size_t>(magnitude & 1)]
+                                         : 0;
+                if (total >= next_cost[static_cast<std::size_t>(to)])
+                    return;
+                next_cost[static_cast<std::size_t>(to)] = total;
+                before[to] = static_cast<std::uint8_t>(s);
+                level[to] = l;
+            };
+            consider(0, 0, so_far + lambda * flag[0]);
+            if (!candidates)
+                continue;
+            const auto& tokens = costs_.magnitude[static_cast<std::size_t>(
+                magnitude_table(quantiser, task.plane_class, i == 0, neighbours, cross))];
+            for (std::int32_t l = std::max(1, nearest - (dependent ? 2 : 1));
+                 l <= nearest + (dependent ? 1 : 0); ++l) {
+                if (dependent && (l & 1) != quantiser)
+                    continue;
+                const std::int32_t magnitude = coded_magnitude(l, dependent);
+                const float error = a - unit * (static_cast<float>(l) - offsets[l > 1 ? 1 : 0]);
+                const float bits =
+                    flag[1] + tokens[static_cast<std::size_t>(magnitude_token(magnitude).token)];
+                consider(l, magnitude, so_far + error * error - a * a + lambda * bits);
             }
         }
-        cost += choice_cost;
-        if (choice == 0)
-            continue;
-        levels_.push_back({static_cast<std::uint16_t>(i), signed_a < 0 ? -choice : choice});
-        grid_.mark(place, choice);
-        const int length = round_up_coded_length(i + 1, order.length());
-        const float stop =
-            cost + lambda * length_costs[static_cast<std::size_t>(length_token(length))];
-        if (stop < best_cost) {
-            best_cost = stop;
-            best_count = levels_.size();
+        cost = next_cost;
+        if constexpr (dependent)
+            for (std::size_t back = static_cast<std::size_t>(std::max(0, i - window)); back < at;
+                 ++back) {
+                std::array<std::uint16_t, states> old;
+                std::copy_n(seen_.data() + back * states, states, old.begin());
+                if (old == std::array<std::uint16_t, states>{})
+                    continue;
+                for (std::size_t s = 0; s < states; ++s)
+                    seen_[back * states + s] = old[before[s]];
+            }
+        for (std::size_t s = 0; s < states; ++s) {
+            if (cost[s] >= infinite) {
+                before[s] = 0;
+                level[s] = 0;
+            }
+            seen_[at * states + s] = static_cast<std::uint16_t>(
+                amplitude_of(amplitude_code(amplitude_of_level(level[s], dependent))));
+            if (negative)
+                level[s] = -level[s];
         }
+        if (round_up_coded_length(i + 1, order.length()) != i + 1)
+            continue;
+        const float length_cost =
+            lambda * task.length_costs[static_cast<std::size_t>(length_token(i + 1))];
+        for (int s = 0; s < states; ++s)
+            if (cost[static_cast<std::size_t>(s)] + length_cost < best_cost) {
+                best_cost = cost[static_cast<std::size_t>(s)] + length_cost;
+                best_end = i + 1;
+                best_state = s;
+            }
     }
-    out.nonzeros.insert(out.nonzeros.end(), levels_.begin(),
-                        levels_.begin() + static_cast<std::ptrdiff_t>(best_count));
-    PlaneLevels& written = out.planes.back();
-    written.count = static_cast<std::uint16_t>(best_count);
-    if (best_count > 0)
-        written.coded_length = static_cast<std::uint16_t>(
-            round_up_coded_length(levels_[best_count - 1].index + 1, order.length()));
+    for (int i = best_end - 1, s = best_state; i >= 0; --i) {
+        const auto at = static_cast<std::size_t>(i * states + s);
+        if (level_[at] != 0)
+            levels_.push_back({static_cast<std::uint16_t>(i), level_[at]});
+        s = before_[at];
+    }
     return best_cost;
 }
 

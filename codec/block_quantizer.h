@@ -2,7 +2,6 @@
 #pragma once
 
 #include "codec/bit_costs.h"
-#include "codec/context_grid.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_levels.h"
 
@@ -40,8 +39,19 @@ public:
     float quantize(const BlockCoefficients& block, TileLevels& out);
 
 private:
+    // What the choice of levels needs to know of one plane.
+    struct PlaneTask {
+        const ScanOrder& order;
+        int plane_class;
+        const std::array<float, length_tokens>& length_costs;
+    };
+
     float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                          std::size_t first_plane, TileLevels& out);
+    // The cheapest levels of amplitude_[0 .. end) go to levels_, last one first.
+    template <int states> float choose_levels(const PlaneTask& task, int end);
+    // Codes of the amplitudes in earlier planes.
+    void find_crosses(const TileLevels& out, std::size_t first_plane, int end);
 
     const TileCoding& coding_;
     const BitCosts& costs_;
@@ -49,9 +59,14 @@ private:
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;
     std::array<std::array<float, 2>, plane_classes> offset_{};
-    ContextGrid grid_;
     std::vector<float> amplitude_;
+    std::vector<std::uint8_t> cross_;
     std::vector<NonZero> levels_;
+    // Of each coefficient and state behind it: the best path's state before, its level, and its
+    // amplitude for contexts.
+    std::vector<std::uint8_t> before_;
+    std::vector<std::int32_t> level_;
+    std::vector<std::uint16_t> seen_;
 };
 
 } // namespace tessera

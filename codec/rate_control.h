@@ -6,8 +6,8 @@
 namespace tessera {
 
 // Parameters with all steps set for a base step of the first plane (in sample codes), default
-// tables.
-CodingParameters parameters_for_step(double step, const TextureDesc& desc);
+// tables. Dependent levels get steps for the PSNR that independent ones have.
+CodingParameters parameters_for_step(double step, const TextureDesc& desc, bool dependent);
 
 // Base step of --quality 1..100: halves every 8, 0.75 at 100 (times 16 for half floats, whose codes
 // are as much finer than what can be seen).

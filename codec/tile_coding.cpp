@@ -19,8 +19,9 @@ const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
     auto made = std::make_unique<ShapeCoding>();
     made->order = make_scan_order(shape, parameters.scan_weights);
     for (int plane = 0; plane < planes; ++plane)
-        made->scales[plane] = make_scales(parameters.step[plane], shape, type);
-    made->rotated_scales = make_scales(parameters.rotated_step, shape, type);
+        made->scales[plane] =
+            make_scales(parameters.step[plane], shape, type, parameters.dependent);
+    made->rotated_scales = make_scales(parameters.rotated_step, shape, type, parameters.dependent);
     const std::unique_lock lock(mutex_);
     return *shapes_.try_emplace(shape, std::move(made)).first->second;
 }

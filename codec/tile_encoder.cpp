@@ -80,6 +80,7 @@ EffortSettings EffortSettings::of(int effort) {
     if (effort >= 7)
         settings.search.copies = {24, 10}, settings.copy_rounds = 2;
     settings.search.rotated_colours = getenv("RC") ? atoi(getenv("RC")) : 1;
+    settings.dependent = effort >= 2;
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
     settings.second_pass = effort >= 7;

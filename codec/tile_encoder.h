@@ -18,6 +18,7 @@ struct EffortSettings {
     QuantizerOptions quantizer;
     bool recode =
         true; // code again under tables fitted to all tiles; else those of the sample stay
+    bool dependent = true;      // quantise by a trellis
     bool rotate_colours = true; // try rotated colour axes for every block
     int copy_rounds = 1;        // of the search for blocks that copy
     bool second_pass = false;   // decide again under the tables of the first pass

@@ -33,10 +33,9 @@ struct StatisticsVisitor {
                          displacement_tokens - 1, displacement_tokens, token);
     }
     void zero(int parameter, bool is_zero) { statistics.decide(parameter, !is_zero); }
-    void magnitude(int p_class, int context, int token) {
-        statistics.chain(magnitude_offset +
-                             (p_class * magnitude_contexts + context) * magnitude_chain,
-                         magnitude_chain, magnitude_tokens, token);
+    void magnitude(int table, int token) {
+        statistics.chain(magnitude_offset + table * magnitude_chain, magnitude_chain,
+                         magnitude_tokens, token);
     }
     void colour(bool rotated, int kind) {
         statistics.chain(colour_offset + rotated * (colour_kinds - 1), colour_kinds - 1,
@@ -71,9 +70,8 @@ struct CodingVisitor {
     void zero(int parameter, bool is_zero) {
         coder.bit(!is_zero, tables.zero[static_cast<std::size_t>(parameter)]);
     }
-    void magnitude(int p_class, int context, int token) {
-        tables.magnitude[static_cast<std::size_t>(p_class)][static_cast<std::size_t>(context)]
-            .encode(coder, token);
+    void magnitude(int table, int token) {
+        tables.magnitude[static_cast<std::size_t>(table)].encode(coder, token);
     }
     void colour(bool rotated, int kind) { tables.colour[rotated].encode(coder, kind); }
     void raw(std::uint32_t value, int bits) { coder.raw(value, bits); }

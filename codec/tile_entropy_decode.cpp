@@ -129,39 +129,41 @@ private:
         PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
         const int length = levels.coded_length;
         const int p_class = plane_class(plane);
+        const bool dependent = coding_.parameters.dependent;
         grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
         for (int earlier = 0; earlier < plane; ++earlier)
             for (const NonZero& nz :
                  out_.levels(out_.planes[first_plane + static_cast<std::size_t>(earlier)]))
                 if (nz.index < length)
-                    grid_.mark_cross(grid_.place(order.entry[nz.index]), std::abs(nz.level));
-        const std::uint16_t* zero_row = coding_.tables.zero.data();
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
+                                     amplitude_of_level(nz.level, dependent));
+        int state = 0;
         for (int i = 0; i < length; ++i) {
+            const ScanContext& context = order.context[static_cast<std::size_t>(i)];
             const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
-            const int neighbours = grid_.neighbours(place);
-            const int parameter =
-                zero_parameter(p_class, order.position_class[static_cast<std::size_t>(i)],
-                               neighbours, grid_.cross(place));
-            if (!rans_.bit(zero_row[parameter]))
-                continue;
-            const std::int32_t magnitude = decode_magnitude(p_class, i, neighbours);
-            if (magnitude > max_level)
-                return false;
-            const bool negative = rans_.raw(1) != 0;
-            out_.nonzeros.push_back(
-                {static_cast<std::uint16_t>(i), negative ? -magnitude : magnitude});
-            grid_.mark(place, magnitude);
+            const int neighbours =
+                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
+            const int cross = grid_.cross(place);
+            const int quantiser = quantiser_of(state);
+            std::int32_t magnitude = 0;
+            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(
+                    zero_parameter(quantiser, p_class, context.position, neighbours, cross))])) {
+                const auto table = static_cast<std::size_t>(
+                    magnitude_table(quantiser, p_class, i == 0, neighbours, cross));
+                magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));
+                const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
+                if (level > max_level)
+                    return false;
+                const bool negative = rans_.raw(1) != 0;
+                out_.nonzeros.push_back({static_cast<std::uint16_t>(i), negative ? -level : level});
+                grid_.mark(place, amplitude_of_level(level, dependent));
+            }
+            if (dependent)
+                state = next_state[static_cast<std::size_t>(state)]
+                                  [static_cast<std::size_t>(magnitude & 1)];
         }
         levels.count = static_cast<std::uint16_t>(out_.nonzeros.size() - levels.first);
         return true;
-    }
-
-    std::int32_t decode_magnitude(int p_class, int index, int neighbours) {
-        const std::size_t context =
-            static_cast<std::size_t>(index == 0 ? neighbour_classes : neighbours);
-        return take_magnitude(
-            rans_,
-            coding_.tables.magnitude[static_cast<std::size_t>(p_class)][context].decode(rans_));
     }
 
     const TileCoding& coding_;

@@ -2,7 +2,7 @@
 // counting, coding, estimating. A Visitor gets
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
 //   displacement(class, token), first_length(context, token), other_length(previous, token),
-//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(plane class, context, token), raw(value, bits)
+//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token), raw(value, bits)
 #pragma once
 
 #include "codec/context_grid.h"
@@ -173,28 +173,40 @@ private:
                     const ScanOrder& order) {
         const int length = planes.back().coded_length;
         const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
+        const bool dependent = coding_.parameters.dependent;
         grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
         for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
             for (const NonZero& nz : tile.levels(earlier))
                 if (nz.index < length)
-                    grid_.mark_cross(grid_.place(order.entry[nz.index]), std::abs(nz.level));
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
+                                     amplitude_of_level(nz.level, dependent));
         const std::span<const NonZero> levels = tile.levels(planes.back());
         std::size_t next = 0;
+        int state = 0;
         for (int i = 0; i < length; ++i) {
+            const ScanContext& context = order.context[static_cast<std::size_t>(i)];
             const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
-            const int neighbours = grid_.neighbours(place);
+            const int neighbours =
+                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
+            const int cross = grid_.cross(place);
+            const int quantiser = quantiser_of(state);
             const bool zero = next == levels.size() || levels[next].index != i;
-            visitor_.zero(zero_parameter(p_class, order.position_class[static_cast<std::size_t>(i)],
-                                         neighbours, grid_.cross(place)),
+            visitor_.zero(zero_parameter(quantiser, p_class, context.position, neighbours, cross),
                           zero);
-            if (zero)
-                continue;
-            const std::int32_t level = levels[next++].level;
-            const MagnitudeToken token = magnitude_token(std::abs(level));
-            visitor_.magnitude(p_class, i == 0 ? neighbour_classes : neighbours, token.token);
-            put_magnitude_raw(visitor_, token);
-            visitor_.raw(level < 0, 1);
-            grid_.mark(place, std::abs(level));
+            std::int32_t magnitude = 0;
+            if (!zero) {
+                const std::int32_t level = levels[next++].level;
+                magnitude = coded_magnitude(level, dependent);
+                const MagnitudeToken token = magnitude_token(magnitude);
+                visitor_.magnitude(magnitude_table(quantiser, p_class, i == 0, neighbours, cross),
+                                   token.token);
+                put_magnitude_raw(visitor_, token);
+                visitor_.raw(level < 0, 1);
+                grid_.mark(place, amplitude_of_level(level, dependent));
+            }
+            if (dependent)
+                state = next_state[static_cast<std::size_t>(state)]
+                                  [static_cast<std::size_t>(magnitude & 1)];
         }
     }
 

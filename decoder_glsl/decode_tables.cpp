@@ -43,8 +43,7 @@ void put_code_tables(const CodeTables& tables, Words& words) {
             at += tsr_symbol_words;
         }
     };
-    put(tables.magnitude[0], tsr_t_magnitude);
-    put(tables.magnitude[1], tsr_t_magnitude + magnitude_contexts * tsr_symbol_words);
+    put(tables.magnitude, tsr_t_magnitude);
     const std::span lengths(tables.first_length);
     put(lengths.first(size_classes), tsr_t_first_length);
     put(lengths.last(size_classes), tsr_t_copying_length);
@@ -95,6 +94,7 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_sample_type] = desc.type == SampleType::half16;
     words[tsr_t_planes] = desc.channels;
     words[tsr_t_colour] = header.colour == ColourTransform::ycocg_r;
+    words[tsr_t_dependent] = coding.dependent;
     words[tsr_t_rotates] = coding.colour_rotation && desc.channels >= 3;
     const auto planes = texel_planes(header.background, desc, header.colour);
     for (std::size_t i = 0; i < 4; ++i)
@@ -109,61 +109,15 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_background_texel + 1] = pixel[1];
 }
 
-// Scan indices of a block's frequencies, and of the earlier neighbours of each (FORMAT.md 3.4).
-class NeighbourLists {
-public:
-    explicit NeighbourLists(const ScanOrder& order)
-        : order_(order), rank_(static_cast<std::size_t>(order.shape.texels()), unknown) {
-        for (std::size_t i = 0; i < order.entry.size(); ++i)
-            rank_[raster(order.entry[i].k[0], order.entry[i].k[1], order.entry[i].k[2],
-                         order.entry[i].k[3])] = static_cast<std::uint16_t>(i);
-    }
-
-    // The four that count double first; the coefficient itself, not yet decoded, where there is none.
-    std::array<std::uint16_t, 12> of(std::size_t index) const {
-        static constexpr int steps[12][4] = {
-            {1, 0, 0, 0},  {0, 1, 0, 0}, {0, 0, 1, 0},  {0, 0, 0, 1},  {1, 0, 1, 0}, {1, 0, -1, 0},
-            {-1, 0, 1, 0}, {0, 1, 0, 1}, {0, 1, 0, -1}, {0, -1, 0, 1}, {1, 1, 0, 0}, {0, 0, 1, 1}};
-        std::array<std::uint16_t, 12> list;
-        for (std::size_t i = 0; i < 12; ++i) {
-            const std::uint16_t found = before(order_.entry[index], steps[i]);
-            list[i] = found < index ? found : static_cast<std::uint16_t>(index);
-        }
-        return list;
-    }
-
-private:
-    static constexpr std::uint16_t unknown = 0xFFFF;
-
-    std::size_t raster(int u, int v, int s, int t) const {
-        const auto& n = order_.shape.n;
-        return static_cast<std::size_t>(((t * n[2] + s) * n[1] + v) * n[0] + u);
-    }
-    std::uint16_t before(const ScanEntry& entry, const int (&step)[4]) const {
-        std::array<int, 4> k;
-        for (std::size_t axis = 0; axis < 4; ++axis) {
-            k[axis] = entry.k[axis] - step[axis];
-            if (k[axis] < 0 || k[axis] >= order_.shape.n[axis])
-                return unknown;
-        }
-        return rank_[raster(k[0], k[1], k[2], k[3])];
-    }
-
-    const ScanOrder& order_;
-    std::vector<std::uint16_t> rank_;
-};
-
 void append_scan(const ScanOrder& order, Words& words) {
-    const NeighbourLists neighbours(order);
     for (std::size_t i = 0; i < order.entry.size(); ++i) {
         const auto& k = order.entry[i].k;
         words.push_back(k[0] | (std::uint32_t{k[1]} << 5) | (std::uint32_t{k[2]} << 10) |
-                        (std::uint32_t{k[3]} << 15) |
-                        (std::uint32_t{order.position_class[i]} << 20));
-        const auto list = neighbours.of(i);
-        for (std::size_t j = 0; j < 12; j += 2)
+                        (std::uint32_t{k[3]} << 15));
+        const auto& list = order.neighbours[i];
+        for (std::size_t j = 0; j < list.size(); j += 2)
             words.push_back(list[j] | (std::uint32_t{list[j + 1]} << 16));
-        words.push_back(0);
+        words.push_back(order.context[i].share | (std::uint32_t{order.context[i].position} << 16));
     }
 }
 
@@ -175,8 +129,8 @@ std::uint32_t scale_word(const Scale& scale) {
 void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleType type,
                 std::uint32_t* record) {
     for (std::size_t set = 0; set < 5; ++set) {
-        const ScaleSet scales =
-            make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape, type);
+        const ScaleSet scales = make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape,
+                                            type, coding.dependent);
         for (std::size_t axes = 0; axes < 5; ++axes)
             record[tsr_s_scales + set * 5 + axes] = scale_word(scales[axes]);
     }

@@ -12,7 +12,7 @@ using namespace layout;
 
 // Threads of a group, as the shaders say.
 constexpr std::uint32_t stream_group = 16; // tree, corrections
-constexpr std::uint32_t levels_group = 8;
+constexpr std::uint32_t levels_group = 4;
 constexpr std::uint32_t row_groups = 1024; // groups of 64 levels along x of order.comp
 
 std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {

@@ -49,8 +49,7 @@ CodeTables::CodeTables(const Parameters& parameters) {
             next += chain_length;
         }
     };
-    for (auto& plane : magnitude)
-        build_next(plane, magnitude_chain);
+    build_next(magnitude, magnitude_chain);
     build_next(first_length, length_tokens - 1);
     build_next(other_length, length_tokens - 1);
     for (auto& row : split)

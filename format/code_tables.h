@@ -25,9 +25,46 @@ constexpr int parameter_count_of_odds = 64;
 std::uint32_t stop_frequency(std::uint8_t parameter);
 
 constexpr int plane_classes = 2; // first plane of a leaf; the others
-constexpr int neighbour_classes = 10;
-constexpr int cross_classes = 3; // magnitudes at the same place in earlier planes: 0, 1, more
-constexpr int magnitude_contexts = neighbour_classes + 1; // the last one is DC's
+
+// Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
+// half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
+constexpr int quantiser_states = 8;
+// [state][parity of the magnitude]
+constexpr std::uint8_t next_state[quantiser_states][2] = {{0, 2}, {5, 7}, {1, 3}, {6, 4},
+                                                          {2, 0}, {4, 6}, {3, 1}, {7, 5}};
+constexpr int quantisers = 2;
+constexpr int quantiser_of(int state) {
+    return state & 1;
+}
+
+// Contexts look at amplitudes: distances from 0 in half steps, to two binary digits. Code c stands
+// for 0, 1, 2, 3, 4, 6, 8, 12, ... 192.
+constexpr int amplitude_codes = 16;
+constexpr int amplitude_code(std::uint32_t amplitude) {
+    if (amplitude < 2)
+        return static_cast<int>(amplitude);
+    const int digits = static_cast<int>(std::bit_width(amplitude));
+    return std::min(2 * (digits - 1) + static_cast<int>(amplitude >> (digits - 2) & 1),
+                    amplitude_codes - 1);
+}
+constexpr std::uint32_t amplitude_of(int code) {
+    return code < 2 ? static_cast<std::uint32_t>(code) : (2u + (code & 1)) << (code / 2 - 1);
+}
+constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
+// Codes of small numbers; the last one stands for all above.
+inline constexpr auto small_codes = [] {
+    std::array<std::uint8_t, 193> codes{};
+    for (std::uint32_t x = 0; x < codes.size(); ++x)
+        codes[x] = static_cast<std::uint8_t>(amplitude_code(x));
+    return codes;
+}();
+constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
+    return small_codes[std::min<std::size_t>((sum * share) >> 9, small_codes.size() - 1)];
+}
+constexpr int cross_classes = 6; // the amplitude at the same place in earlier planes
+constexpr int cross_class(int code) {
+    return std::min((code + 1) / 2, cross_classes - 1);
+}
 constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
 constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
 constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
@@ -44,6 +81,22 @@ constexpr int length_context(const BlockShape& shape, bool copies) {
 }
 constexpr int depth_classes = max_split_depth + 1;
 
+// Magnitude tables of one quantiser: of plane 0 by neighbours, then those of DC by size class; of
+// the other planes by neighbours / 2 and cross, then those of DC by size class.
+constexpr int magnitude_crosses = cross_classes - 2; // the first three in one
+constexpr int other_magnitudes = neighbour_classes + size_classes;
+constexpr int magnitude_tables =
+    other_magnitudes + neighbour_classes / 2 * magnitude_crosses + size_classes;
+// neighbours is the size class for DC.
+constexpr int magnitude_table(int quantiser, int plane_class, bool dc, int neighbours, int cross) {
+    const int first = quantiser * magnitude_tables;
+    if (plane_class == 0)
+        return first + (dc ? neighbour_classes : 0) + neighbours;
+    return first + other_magnitudes +
+           (dc ? neighbour_classes / 2 * magnitude_crosses + neighbours
+               : neighbours / 2 * magnitude_crosses + std::max(cross - 2, 0));
+}
+
 constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
 constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
@@ -51,9 +104,9 @@ constexpr int correction_chain = magnitude_chain + 1;
 
 // Where each group's parameters start, in file order, and how many a file holds in all.
 constexpr int zero_parameters =
-    position_classes * neighbour_classes * (1 + (plane_classes - 1) * cross_classes);
+    quantisers * (1 + cross_classes) * zero_positions * neighbour_classes;
 constexpr int magnitude_offset = zero_parameters;
-constexpr int magnitude_parameters = plane_classes * magnitude_contexts * magnitude_chain;
+constexpr int magnitude_parameters = quantisers * magnitude_tables * magnitude_chain;
 constexpr int first_length_offset = magnitude_offset + magnitude_parameters;
 constexpr int first_length_parameters = length_contexts * (length_tokens - 1);
 constexpr int other_length_offset = first_length_offset + first_length_parameters;
@@ -80,10 +133,12 @@ constexpr int parameter_count = displacement_offset + displacement_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
-// Index of the zero-flag parameter. cross is 0 in plane class 0.
-constexpr int zero_parameter(int plane_class, int position, int neighbours, int cross) {
-    const int row = plane_class == 0 ? 0 : 1 + cross;
-    return (row * position_classes + position) * neighbour_classes + neighbours;
+// Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class
+// for DC.
+constexpr int zero_parameter(int quantiser, int plane_class, int position, int neighbours,
+                             int cross) {
+    const int row = quantiser * (1 + cross_classes) + (plane_class == 0 ? 0 : 1 + cross);
+    return (row * zero_positions + position) * neighbour_classes + neighbours;
 }
 
 // A multi-symbol table: start[i] .. start[i + 1] is symbol i's share of 4096.
@@ -108,8 +163,7 @@ struct CodeTables {
     explicit CodeTables(const Parameters& parameters);
 
     std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
-    std::array<std::array<SymbolTable<magnitude_tokens>, magnitude_contexts>, plane_classes>
-        magnitude;
+    std::array<SymbolTable<magnitude_tokens>, quantisers * magnitude_tables> magnitude;
     std::array<SymbolTable<length_tokens>, length_contexts> first_length;
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;

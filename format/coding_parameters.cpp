@@ -80,7 +80,9 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     put(coding.correction_error, 2);
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
-    put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u), 1);
+    put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u) |
+            (coding.dependent ? 4u : 0u),
+        1);
 
     RansEncoder encoder;
     walk(
@@ -129,10 +131,11 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 3)
+    if (flags > 7)
         return damaged("unknown flags");
     coding.colour_rotation = (flags & 1) != 0;
     coding.prediction = (flags & 2) != 0;
+    coding.dependent = (flags & 4) != 0;
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;

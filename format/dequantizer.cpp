@@ -35,7 +35,7 @@ StepCode StepCode::nearest(double step) {
     return {static_cast<std::uint16_t>((exponent << 11) | (scaled - 2048))};
 }
 
-ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type) {
+ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type, bool dependent) {
     const std::uint64_t significand = 2048u + (step.bits & 2047u);
     ScaleSet scales;
     for (int axes = 0; axes <= 4; ++axes) {
@@ -48,8 +48,9 @@ ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type) {
             mantissa = 1024;
             ++shift;
         }
-        scales[axes] = {static_cast<std::int32_t>(mantissa),
-                        shift + (step.bits >> 11) - 12 + fraction_bits(type) - 18};
+        scales[axes] = {static_cast<std::int32_t>(mantissa), shift + (step.bits >> 11) - 12 +
+                                                                 fraction_bits(type) - 18 -
+                                                                 (dependent ? 1 : 0)};
     }
     return scales;
 }

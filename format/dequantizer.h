@@ -37,8 +37,10 @@ struct Scale {
 // Scales of one plane of one block shape, indexed by the number of axes whose frequency is not 0.
 using ScaleSet = std::array<Scale, 5>;
 
-// step * 2^fraction * sqrt(2)^axes / sqrt(texels), rounded as FORMAT.md 4.1 says.
-ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type);
+// step * 2^fraction * sqrt(2)^axes / sqrt(texels), rounded as FORMAT.md 4.1 says; half of that where
+// levels are `dependent`.
+ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type,
+                     bool dependent = false);
 
 // How far towards zero a reconstruction point lies inside its interval, in 1/64 of a step, for
 // magnitude 1 and for larger ones: the centroid of a Laplacian. 0..31.

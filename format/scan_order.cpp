@@ -18,6 +18,41 @@ std::uint8_t position_class_of(std::uint32_t cost) {
     return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
 }
 
+// Neighbours before each entry, and what contexts need of them.
+void find_neighbours(ScanOrder& order) {
+    constexpr std::uint16_t unknown = 0xFFFF;
+    const auto& n = order.shape.n;
+    const auto raster = [&n](const std::array<int, 4>& k) {
+        return static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0]);
+    };
+    std::vector<std::uint16_t> rank(static_cast<std::size_t>(order.shape.texels()), unknown);
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const auto& k = order.entry[i].k;
+        rank[raster({k[0], k[1], k[2], k[3]})] = static_cast<std::uint16_t>(i);
+    }
+    order.neighbours.resize(order.entry.size());
+    order.context.resize(order.entry.size());
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        unsigned weight = 0;
+        for (std::size_t j = 0; j < scan_neighbours; ++j) {
+            std::array<int, 4> k;
+            bool inside = true;
+            for (std::size_t axis = 0; axis < 4; ++axis) {
+                k[axis] = order.entry[i].k[axis] - neighbour_steps[j][axis];
+                inside = inside && k[axis] >= 0 && k[axis] < n[axis];
+            }
+            const std::uint16_t found = inside ? rank[raster(k)] : unknown;
+            const bool earlier = found < i;
+            order.neighbours[i][j] = earlier ? found : static_cast<std::uint16_t>(i);
+            weight += earlier ? (j < double_neighbours ? 2u : 1u) : 0u;
+        }
+        order.context[i].share = static_cast<std::uint16_t>(weight > 0 ? 4096u / weight : 0u);
+        // Four position classes make one.
+        order.context[i].position = static_cast<std::uint8_t>((order.position_class[i] + 3) / 4);
+    }
+}
+static_assert((position_classes - 1 + 3) / 4 == zero_positions - 1);
+
 } // namespace
 
 ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
@@ -53,6 +88,7 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
                 std::max(support[axis], static_cast<std::uint8_t>(keyed.entry.k[axis] + 1));
         order.support.push_back(support);
     }
+    find_neighbours(order);
     return order;
 }
 

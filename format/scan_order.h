@@ -25,6 +25,29 @@ struct ScanEntry {
     std::array<std::uint8_t, 4> k; // frequency along u, v, s, t
 };
 
+// What the contexts of a coefficient take from its place in the scan.
+constexpr int zero_positions = 6;
+struct ScanContext {
+    std::uint16_t share = 0;   // 4096 / (weight of its earlier neighbours); 0 for DC
+    std::uint8_t position = 0; // 0 DC, else 1 .. zero_positions - 1
+};
+
+// The steps by which a frequency is reached from its neighbours; the first four count double.
+constexpr int scan_neighbours = 12;
+constexpr int double_neighbours = 4;
+constexpr std::array<std::array<std::int8_t, 4>, scan_neighbours> neighbour_steps{{{1, 0, 0, 0},
+                                                                                   {0, 1, 0, 0},
+                                                                                   {0, 0, 1, 0},
+                                                                                   {0, 0, 0, 1},
+                                                                                   {1, 0, 1, 0},
+                                                                                   {1, 0, -1, 0},
+                                                                                   {-1, 0, 1, 0},
+                                                                                   {0, 1, 0, 1},
+                                                                                   {0, 1, 0, -1},
+                                                                                   {0, -1, 0, 1},
+                                                                                   {1, 1, 0, 0},
+                                                                                   {0, 0, 1, 1}}};
+
 struct ScanOrder {
     BlockShape shape;
     // The first min(texels, max_coded_length) coefficients, DC first.
@@ -32,6 +55,9 @@ struct ScanOrder {
     std::vector<std::uint8_t> position_class; // of each entry, 0 is DC alone
     // support[i]: per axis, one more than the largest frequency among entries 0..i.
     std::vector<std::array<std::uint8_t, 4>> support;
+    std::vector<ScanContext> context;
+    // The scan indices of each entry's earlier neighbours; its own index where there is none.
+    std::vector<std::array<std::uint16_t, scan_neighbours>> neighbours;
 
     int length() const { return static_cast<int>(entry.size()); }
 };

@@ -178,9 +178,21 @@ private:
             levels.first = static_cast<std::uint32_t>(tile.nonzeros.size());
             if (!random_.chance(options_.empty)) {
                 const int last = options_.full_length ? most - 1 : random_.range(0, most - 1);
-                for (int i = 0; i <= last; ++i)
-                    if (i == last || random_.chance(options_.density))
-                        tile.nonzeros.push_back({static_cast<std::uint16_t>(i), level()});
+                int state = 0;
+                for (int i = 0; i <= last; ++i) {
+                    int magnitude = 0;
+                    if (i == last || random_.chance(options_.density)) {
+                        magnitude = this->magnitude();
+                        const int level = coding_.parameters.dependent
+                                              ? 2 * magnitude - quantiser_of(state)
+                                              : magnitude;
+                        tile.nonzeros.push_back(
+                            {static_cast<std::uint16_t>(i), random_.chance(0.5) ? level : -level});
+                    }
+                    if (coding_.parameters.dependent)
+                        state = next_state[static_cast<std::size_t>(state)]
+                                          [static_cast<std::size_t>(magnitude & 1)];
+                }
                 levels.count = static_cast<std::uint16_t>(tile.nonzeros.size() - levels.first);
                 levels.coded_length =
                     static_cast<std::uint16_t>(round_up_coded_length(last + 1, scan));
@@ -192,10 +204,11 @@ private:
                                                                : 0));
         }
     }
-    std::int32_t level() {
-        const int bits = random_.range(1, options_.magnitude_bits);
-        const int magnitude = random_.range(1, (1 << bits) - 1);
-        return random_.chance(0.5) ? magnitude : -magnitude;
+    // Dependent levels are up to twice as large.
+    int magnitude() {
+        const int most = options_.magnitude_bits - (coding_.parameters.dependent ? 1 : 0);
+        const int bits = random_.range(1, std::max(1, most));
+        return random_.range(1, (1 << bits) - 1);
     }
 
     Random& random_;

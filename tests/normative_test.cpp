@@ -47,10 +47,12 @@ TEST(Dequantizer, ScalesAreTheRoundedIdeal) {
             for (int round = 0; round < 300; ++round) {
                 const StepCode step{static_cast<std::uint16_t>(
                     random.range(0, ((max_step_exponent + 1) << 11) - 1))};
-                const ScaleSet scales = make_scales(step, shape, type);
+                const bool dependent = random.chance(0.5);
+                const ScaleSet scales = make_scales(step, shape, type, dependent);
                 for (int axes = 0; axes <= 4; ++axes) {
                     const Scale scale = scales[static_cast<std::size_t>(axes)];
                     const long double ideal = static_cast<long double>(step.value()) *
+                                              (dependent ? 0.5L : 1.0L) *
                                               std::exp2l(fraction_bits(type) + axes / 2.0L) /
                                               std::sqrt(static_cast<long double>(shape.texels()));
                     ASSERT_GE(scale.mantissa, 1024);
@@ -137,6 +139,7 @@ TEST(ScanOrder, SortsByCostThenRaster) {
                 ASSERT_LT(last, now) << name_of(shape) << " entry " << i;
                 last = now;
                 ASSERT_EQ(order.position_class[i], i == 0 ? 0 : std::min(1 + cost / 24, 19u));
+                ASSERT_EQ(order.context[i].position, i == 0 ? 0 : std::min(1 + cost / 96, 5u));
                 // What the contexts look at is coded before: one step down along any axis.
                 int stride = 1;
                 for (std::size_t axis = 0; axis < 4; ++axis) {
@@ -153,6 +156,14 @@ TEST(ScanOrder, SortsByCostThenRaster) {
 
 // ---------------------------------------------------------------- contexts
 
+// To two binary digits, at most 192.
+int rounded(int amplitude) {
+    int most = 0;
+    for (const int value : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192})
+        most = amplitude >= value ? value : most;
+    return most;
+}
+
 TEST(ContextGrid, ScatteringEqualsGathering) {
     Random random(5);
     ContextGrid grid; // one for all, as in the codec: begin() must clear
@@ -163,7 +174,8 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
         const int length = random.range(1, order.length());
         grid.begin(order.support[static_cast<std::size_t>(length - 1)]);
         using Key = std::array<int, 4>;
-        std::map<Key, int> marked, cross;
+        std::map<Key, int> marked, cross; // amplitudes and their sums, as far as contexts see them
+        std::set<Key> coded;
         const auto key = [&](int i) {
             const auto& k = order.entry[static_cast<std::size_t>(i)].k;
             return Key{k[0], k[1], k[2], k[3]};
@@ -171,32 +183,44 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
         for (int plane = 0; plane < 2; ++plane)
             for (int i = 0; i < length; ++i)
                 if (random.chance(0.2)) {
-                    const int magnitude = random.range(1, 3);
+                    const int amplitude = random.range(1, 300);
                     grid.mark_cross(grid.place(order.entry[static_cast<std::size_t>(i)]),
-                                    magnitude);
-                    cross[key(i)] += std::min(magnitude, 2);
+                                    static_cast<std::uint32_t>(amplitude));
+                    cross[key(i)] = rounded(cross[key(i)] + rounded(amplitude));
                 }
         const double density = random.unit();
         for (int i = 0; i < length; ++i) {
             const Key at = key(i);
-            const auto near = [&](int u, int v, int s, int t) {
-                const auto found = marked.find({at[0] - u, at[1] - v, at[2] - s, at[3] - t});
-                return found == marked.end() ? 0 : std::min(found->second, 2);
+            int sum = 0, weight = 0;
+            const auto near = [&](int times, int u, int v, int s, int t) {
+                const Key from{at[0] - u, at[1] - v, at[2] - s, at[3] - t};
+                if (!coded.contains(from))
+                    return;
+                weight += times;
+                const auto found = marked.find(from);
+                sum += found == marked.end() ? 0 : times * rounded(found->second);
             };
-            const int sum =
-                2 * (near(1, 0, 0, 0) + near(0, 1, 0, 0) + near(0, 0, 1, 0) + near(0, 0, 0, 1)) +
-                near(1, 0, 1, 0) + near(1, 0, -1, 0) + near(-1, 0, 1, 0) + near(0, 1, 0, 1) +
-                near(0, 1, 0, -1) + near(0, -1, 0, 1) + near(1, 1, 0, 0) + near(0, 0, 1, 1);
-            int want = 9;
-            for (const int last : {15, 11, 8, 6, 4, 3, 2, 1, 0})
-                want -= sum <= last;
-            const int place = grid.place(order.entry[static_cast<std::size_t>(i)]);
-            ASSERT_EQ(grid.neighbours(place), want) << name_of(shape) << " entry " << i;
-            ASSERT_EQ(grid.cross(place), std::min(cross[at], 2))
-                << name_of(shape) << " entry " << i;
+            near(2, 1, 0, 0, 0), near(2, 0, 1, 0, 0), near(2, 0, 0, 1, 0), near(2, 0, 0, 0, 1);
+            near(1, 1, 0, 1, 0), near(1, 1, 0, -1, 0), near(1, -1, 0, 1, 0), near(1, 0, 1, 0, 1);
+            near(1, 0, 1, 0, -1), near(1, 0, -1, 0, 1), near(1, 1, 1, 0, 0), near(1, 0, 0, 1, 1);
+            coded.insert(at);
+            const auto& entry = order.entry[static_cast<std::size_t>(i)];
+            const auto& context = order.context[static_cast<std::size_t>(i)];
+            const int place = grid.place(entry);
+            ASSERT_EQ(context.share, weight == 0 ? 0 : 4096 / weight);
+            ASSERT_EQ(weight == 0, i == 0);
+            // The class of the mean in eighths: the number of values at or below it.
+            int want = 0;
+            for (const int value : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192})
+                want += sum * context.share / 512 >= value;
+            ASSERT_EQ(grid.neighbours(place, context), want) << name_of(shape) << " entry " << i;
+            int want_cross = 0;
+            for (const int value : {1, 3, 6, 12, 24})
+                want_cross += cross[at] >= value;
+            ASSERT_EQ(grid.cross(place), want_cross) << name_of(shape) << " entry " << i;
             if (random.chance(density)) {
-                marked[at] = random.chance(0.1) ? max_level : random.range(1, 4);
-                grid.mark(place, marked[at]);
+                marked[at] = random.chance(0.1) ? 2 * max_level : random.range(1, 9);
+                grid.mark(place, static_cast<std::uint32_t>(marked[at]));
             }
         }
     }
@@ -335,9 +359,8 @@ void check_tables(const CodeTables& tables) {
         ASSERT_GE(zero, 1);
         ASSERT_LE(zero, 4095);
     }
-    for (const auto& plane : tables.magnitude)
-        for (const auto& table : plane)
-            ASSERT_NO_FATAL_FAILURE(check_table(table));
+    for (const auto& table : tables.magnitude)
+        ASSERT_NO_FATAL_FAILURE(check_table(table));
     for (const auto& table : tables.first_length)
         ASSERT_NO_FATAL_FAILURE(check_table(table));
     for (const auto& table : tables.other_length)
@@ -382,6 +405,7 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
         code = step();
     coding.rotated_step = step();
     coding.colour_rotation = random.chance(0.5);
+    coding.dependent = random.chance(0.5);
     for (auto& offsets : coding.offsets)
         for (std::uint8_t& offset : offsets)
             offset = static_cast<std::uint8_t>(random.range(0, 31));
@@ -418,6 +442,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->step, want.step);
         EXPECT_EQ(got->rotated_step, want.rotated_step);
         EXPECT_EQ(got->colour_rotation, want.colour_rotation);
+        EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->offsets, want.offsets);
         EXPECT_EQ(got->scan_weights, want.scan_weights);
         EXPECT_EQ(got->correction_error, want.correction_error);

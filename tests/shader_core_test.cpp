@@ -147,6 +147,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
         CodingParameters parameters;
         parameters.parameters = random_parameters(random);
         parameters.colour_rotation = true;
+        parameters.dependent = number % 2 == 1;
         parameters.correction_error = static_cast<std::uint16_t>(number);
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));

@@ -19,27 +19,28 @@ const int tsr_t_fraction = 8;
 const int tsr_t_correction_step = 9; // 2 E + 1
 const int tsr_t_offsets = 10;        // plane 0: magnitude 1, larger; the other planes: the same
 const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_pack
-const int tsr_t_shapes = 17; // word of the first shape record
-const int tsr_t_predicts = 18; // leaves of split trees are followed by predictions
-const int tsr_t_zero = 32;   // frequencies of 0: [4][20][10]
+const int tsr_t_dependent = 16; // 1: dependent quantisation
+const int tsr_t_shapes = 17;    // word of the first shape record
+const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
+const int tsr_t_zero = 32;      // frequencies of 0: [2][7][6][16]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
-const int tsr_t_magnitude = 832;     // [2][11] symbol tables
-const int tsr_t_first_length = 1096; // [9]
-const int tsr_t_other_length = 1204; // [14]
-const int tsr_t_correction = 1372;   // [21]
-const int tsr_t_split = 1624;        // [6][6] words c[1] | c[2] << 16
-const int tsr_t_kind = 1660;         // [2] likewise: the kind of a block's colour
-const int tsr_t_rotation = 1664;     // [49][9] signed
-const int tsr_t_basis = 2112;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + k n + x, signed
-const int tsr_t_prediction = 13552;        // [6] symbol tables
-const int tsr_t_displacement = 13624;      // [2]
-const int tsr_t_displacement_kind = 13648; // [2] words c[1] | c[2] << 16
-const int tsr_t_copying_length = 13650;    // [9] tsr_t_first_length of blocks that copy something
-const int tsr_t_end = 13758;         // shape records and their scans follow
+const int tsr_t_magnitude = 1376;    // [2][66] symbol tables
+const int tsr_t_first_length = 2960; // [9]
+const int tsr_t_other_length = 3068; // [14]
+const int tsr_t_correction = 3236;   // [21]
+const int tsr_t_split = 3488;        // [6][6] words c[1] | c[2] << 16
+const int tsr_t_kind = 3524;         // [2] likewise: the kind of a block's colour
+const int tsr_t_rotation = 3528;     // [49][9] signed
+const int tsr_t_basis = 3976;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + k n + x, signed
+const int tsr_t_prediction = 15416;        // [6] symbol tables
+const int tsr_t_displacement = 15488;      // [2]
+const int tsr_t_displacement_kind = 15512; // [2] words c[1] | c[2] << 16
+const int tsr_t_copying_length = 15514;    // [9] tsr_t_first_length of blocks that copy something
+const int tsr_t_end = 15622;         // shape records and their scans follow
 
-// A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest) | position << 20,
-// then the 12 earlier neighbours as 16-bit scan indices, the four that count double first; the entry's
-// own index where there is none. Its last word is free.
+// A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
+// neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
+// there is none; last its share | position << 16 (see ScanContext).
 const int tsr_shape_words = 36;
 const int tsr_s_sides = 0; // nu | nv << 8 | ns << 16 | nt << 24
 const int tsr_s_scan = 1;  // word of its first scan entry

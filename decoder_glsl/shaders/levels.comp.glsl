@@ -3,39 +3,49 @@
 // Every round of the one loop decodes either the head of a plane or one coefficient, which is how the
 // format counts the work of a segment; so the rounds are bounded and threads of a group stay in step.
 //
-// Magnitudes are remembered as min(m, 2), two bits a coefficient in scan order. A coefficient gathers
+// Amplitudes are remembered by their codes, four bits a coefficient in scan order. A coefficient gathers
 // its context from the places of its earlier neighbours, which the scan's table lists.
 #include "rans.glsl"
 
 // Threads of a group. Tiles are few and their streams long: small groups spread over more processors
-// and wait less for each other's branches.
+// and wait less for each other's branches. Four of them take the 16 KiB of shared memory that every
+// device has.
 #ifndef TSR_LEVELS_GROUP
-#define TSR_LEVELS_GROUP 8
+#define TSR_LEVELS_GROUP 4
 #endif
 const int tsr_levels_group = TSR_LEVELS_GROUP;
-const int tsr_memory_words = 256; // two bits for each of 4,096 coefficients
+const int tsr_memory_words = 512; // four bits for each of 4,096 coefficients
 
 #ifndef __cplusplus
-// Of this plane, and the sums over the earlier planes of the block.
+// Of this plane, and of the sums over the earlier planes of the block.
 shared uint tsr_own[tsr_levels_group * tsr_memory_words];
 shared uint tsr_cross[tsr_levels_group * tsr_memory_words];
 #endif
 
 // Word-major, so that threads at the same place of their scans do not share a bank.
 int tsr_memory(uint lane, uint word) {
-    return int((word & 255u) * uint(tsr_levels_group) + lane);
+    return int((word & 511u) * uint(tsr_levels_group) + lane);
+}
+// Codes 0, 1, 2, 3, 4, 5, ... 15 stand for the amplitudes 0, 1, 2, 3, 4, 6, ... 192.
+uint tsr_amplitude_of(uint code) {
+    return code < 2u ? code : (2u + (code & 1u)) << ((code >> 1) - 1u);
+}
+uint tsr_amplitude_code(uint amplitude) {
+    if (amplitude < 2u)
+        return amplitude;
+    if (amplitude > 191u)
+        return 15u;
+    // Binary digits; not by a loop, whose rounds would count as the segment's work.
+    uint digits = 2u + (amplitude > 3u ? 1u : 0u) + (amplitude > 7u ? 1u : 0u) +
+                  (amplitude > 15u ? 1u : 0u) + (amplitude > 31u ? 1u : 0u) +
+                  (amplitude > 63u ? 1u : 0u) + (amplitude > 127u ? 1u : 0u);
+    return 2u * (digits - 1u) + ((amplitude >> (digits - 2u)) & 1u);
 }
 uint tsr_seen(uint lane, uint index) {
-    return (tsr_own[tsr_memory(lane, index >> 4)] >> ((index & 15u) * 2u)) & 3u;
+    return tsr_amplitude_of((tsr_own[tsr_memory(lane, index >> 3)] >> ((index & 7u) * 4u)) & 15u);
 }
 uint tsr_seen_two(uint lane, uint pair) {
     return tsr_seen(lane, pair & 0xFFFFu) + tsr_seen(lane, pair >> 16);
-}
-
-int tsr_neighbour_class(uint sum) {
-    if (sum < 5u)
-        return int(sum);
-    return 5 + (sum > 6u ? 1 : 0) + (sum > 8u ? 1 : 0) + (sum > 11u ? 1 : 0) + (sum > 15u ? 1 : 0);
 }
 
 struct TsrSegmentWalk {
@@ -60,6 +70,7 @@ struct TsrSegmentWalk {
     int plane;
     int size;
     int at; // coefficients decoded
+    int state; // of the quantisers
     int first_token;
     uint own;   // the word being filled
     uint cross; // and that of the earlier planes
@@ -122,6 +133,7 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     length += raw << max(0, token - 1 - bits);
     w.size = min(length, w.coded);
     w.at = 0;
+    w.state = 0;
     if (w.plane == 0) {
         w.first_token = token;
         if (w.size > 0 && tsr_table(tsr_t_rotates) != 0u)
@@ -142,40 +154,65 @@ void tsr_keep_level(TSR_INOUT(TsrSegmentWalk) w, uint frequency, uint magnitude,
     w.largest_t = max(w.largest_t, frequency >> 15);
 }
 
+// Of the eight states, by the parity of the magnitude; four bits each.
+int tsr_next_state(int state, uint magnitude) {
+    uint next = (magnitude & 1u) == 0u ? 0x73426150u : 0x51604372u;
+    return int((next >> uint(4 * state)) & 7u);
+}
+
+// Index of the magnitude's table (see magnitude_table in format/code_tables.h).
+int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
+    bool dc = w.at == 0;
+    if (w.plane == 0)
+        return quantiser * 66 + (dc ? 16 : 0) + neighbours;
+    return quantiser * 66 + 25 + (dc ? 32 + neighbours : (neighbours >> 1) * 4 + max(cross - 2, 0));
+}
+
 void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
-    uint word = uint(w.at) >> 4;
-    uint shift = (uint(w.at) & 15u) * 2u;
+    uint word = uint(w.at) >> 3;
+    uint shift = (uint(w.at) & 7u) * 4u;
     if (shift == 0u) {
         w.own = 0u;
         w.cross = word < w.cross_words ? tsr_cross[tsr_memory(w.lane, word)] : 0u;
         tsr_own[tsr_memory(w.lane, word)] = 0u;
     }
     uint entry = w.scan + uint(w.at * tsr_scan_words);
-    uint place = tsr_table(entry);
-    uint sum = 2u * (tsr_seen_two(w.lane, tsr_table(entry + 1u)) +
-                     tsr_seen_two(w.lane, tsr_table(entry + 2u))) +
-               tsr_seen_two(w.lane, tsr_table(entry + 3u)) +
-               tsr_seen_two(w.lane, tsr_table(entry + 4u)) +
-               tsr_seen_two(w.lane, tsr_table(entry + 5u)) +
-               tsr_seen_two(w.lane, tsr_table(entry + 6u));
-    int neighbours = tsr_neighbour_class(sum);
-    uint cross = (w.cross >> shift) & 3u;
-    int row = w.plane == 0 ? 0 : 1 + int(cross);
-    int zero = tsr_t_zero + (row * 20 + int((place >> 20) & 31u)) * 10 + neighbours;
-    if (tsr_bit(w.r, tsr_table(zero))) {
-        int context = (w.plane == 0 ? 0 : 11) + (w.at == 0 ? 10 : neighbours);
-        int token = tsr_symbol(w.r, uint(tsr_t_magnitude + context * tsr_symbol_words));
-        uint magnitude = tsr_magnitude(w.r, token);
-        uint negative = tsr_raw(w.r, 1);
-        w.damaged = w.damaged || magnitude > 0xFFFFFu;
-        uint capped = min(magnitude, 2u);
-        w.own |= capped << shift;
-        w.cross = (w.cross & ~(3u << shift)) | (min(cross + capped, 2u) << shift);
-        tsr_own[tsr_memory(w.lane, word)] = w.own;
-        tsr_keep_level(w, place & 0xFFFFFu, magnitude & 0xFFFFFu, negative);
+    uint context = tsr_table(entry + 7u);
+    uint cross = (w.cross >> shift) & 15u;
+    int cross_class = min(int(cross + 1u) >> 1, 5);
+    int neighbours = int(tsr_shape(w.shape, tsr_s_size_class));
+    if (w.at > 0) {
+        uint sum = 2u * (tsr_seen_two(w.lane, tsr_table(entry + 1u)) +
+                         tsr_seen_two(w.lane, tsr_table(entry + 2u))) +
+                   tsr_seen_two(w.lane, tsr_table(entry + 3u)) +
+                   tsr_seen_two(w.lane, tsr_table(entry + 4u)) +
+                   tsr_seen_two(w.lane, tsr_table(entry + 5u)) +
+                   tsr_seen_two(w.lane, tsr_table(entry + 6u));
+        neighbours = int(tsr_amplitude_code((sum * (context & 0xFFFFu)) >> 9));
     }
+    bool dependent = tsr_table(tsr_t_dependent) != 0u;
+    int quantiser = w.state & 1;
+    int row = quantiser * 7 + (w.plane == 0 ? 0 : 1 + cross_class);
+    int zero = tsr_t_zero + (row * 6 + int(context >> 16)) * 16 + neighbours;
+    uint magnitude = 0u;
+    if (tsr_bit(w.r, tsr_table(zero))) {
+        int table = tsr_magnitude_table(w, quantiser, neighbours, cross_class);
+        int token = tsr_symbol(w.r, uint(tsr_t_magnitude + table * tsr_symbol_words));
+        magnitude = tsr_magnitude(w.r, token);
+        uint negative = tsr_raw(w.r, 1);
+        uint level = dependent ? 2u * magnitude - uint(quantiser) : magnitude;
+        w.damaged = w.damaged || level > 0xFFFFFu;
+        uint code = tsr_amplitude_code(dependent ? level : 2u * level);
+        uint both = tsr_amplitude_code(tsr_amplitude_of(cross) + tsr_amplitude_of(code));
+        w.own |= code << shift;
+        w.cross = (w.cross & ~(15u << shift)) | (both << shift);
+        tsr_own[tsr_memory(w.lane, word)] = w.own;
+        tsr_keep_level(w, tsr_table(entry) & 0xFFFFFu, level & 0xFFFFFu, negative);
+    }
+    if (dependent)
+        w.state = tsr_next_state(w.state, magnitude);
     w.at += 1;
-    if (shift == 30u || w.at == w.size)
+    if (shift == 28u || w.at == w.size)
         tsr_cross[tsr_memory(w.lane, word)] = w.cross;
 }
 
@@ -212,6 +249,7 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
     w.last_rotated = false;
     w.size = 0;
     w.at = 0;
+    w.state = 0;
     w.first_token = 0;
     w.own = 0u;
     w.cross = 0u;
@@ -232,7 +270,7 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
         else
             tsr_plane_head(w);
         if (w.at == w.size) { // the plane ends, and with the last one the block
-            w.cross_words = max(w.cross_words, uint(w.size + 15) >> 4);
+            w.cross_words = max(w.cross_words, uint(w.size + 7) >> 3);
             w.plane += 1;
             w.size = 0;
             w.at = 0;

@@ -7,6 +7,7 @@ namespace tessera::fuzz {
 std::vector<Bytes> seeds() {
     CodingParameters changed;
     changed.colour_rotation = true;
+    changed.dependent = true;
     changed.correction_error = 3;
     for (std::size_t i = 0; i < changed.parameters.size(); i += 7)
         changed.parameters[i] = static_cast<std::uint8_t>(i % 64);

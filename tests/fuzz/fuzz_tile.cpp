@@ -29,6 +29,7 @@ const std::vector<Setting>& settings() {
                     i == 3 ? StepCode{(max_step_exponent << 11) | 2047} : StepCode::nearest(4 + i);
             parameters.rotated_step = parameters.step[0];
             parameters.colour_rotation = i % 2 == 1;
+            parameters.dependent = i % 4 >= 2;
             parameters.correction_error = static_cast<std::uint16_t>(i == 5 ? 65535 : i);
             if (i >= 4)
                 parameters.parameters = test::random_parameters(random);

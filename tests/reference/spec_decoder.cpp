@@ -493,7 +493,7 @@ private:
 constexpr uint8_t default_parameter_list[] = {
 #include "tests/reference/default_parameters.inc"
 };
-constexpr size_t parameter_count = 1738;
+constexpr size_t parameter_count = 3272;
 static_assert(std::size(default_parameter_list) == parameter_count);
 
 struct Step {
@@ -509,9 +509,10 @@ struct Code {
     int64_t correction_error = 0;
     bool has_colour_symbols = false;
     bool has_predictions = false;
+    bool dependent = false;
 
-    uint32_t zero[4][20][10]; // frequencies of 0
-    Table magnitude[2][11];
+    uint32_t zero[2][7][6][16]; // frequencies of 0
+    Table magnitude[2][66];
     Table first_length[18];
     Table other_length[14];
     Table split[6][6];
@@ -570,9 +571,10 @@ Code read_code(Bytes section) {
         d[i] = frequency(u8(section, 20 + i));
     }
     const int flags = u8(section, 23);
-    require(flags <= 3, "CODE: flags");
+    require(flags <= 7, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
+    code.dependent = flags & 4;
 
     // The differences to the defaults.
     Stream stream(section.subspan(24));
@@ -599,14 +601,15 @@ Code read_code(Bytes section) {
         rest = rest.subspan(chain);
         return result;
     };
-    for (auto& row : code.zero)
-        for (auto& position : row)
-            for (uint32_t& f : position) {
-                f = frequency(rest[0]);
-                rest = rest.subspan(1);
-            }
-    for (auto& of_class : code.magnitude)
-        for (Table& t : of_class)
+    for (auto& quantiser : code.zero)
+        for (auto& row : quantiser)
+            for (auto& position : row)
+                for (uint32_t& f : position) {
+                    f = frequency(rest[0]);
+                    rest = rest.subspan(1);
+                }
+    for (auto& of_quantiser : code.magnitude)
+        for (Table& t : of_quantiser)
             t = table(9, 24);
     for (Table& t : code.first_length)
         t = table(13, 14);
@@ -731,7 +734,7 @@ Scan make_scan(const Vector4& n, const std::array<int, 4>& weight) {
                      [](const Coefficient& a, const Coefficient& b) { return a.cost < b.cost; });
     scan.resize(std::min<size_t>(scan.size(), 4096));
     for (size_t i = 0; i < scan.size(); ++i)
-        scan[i].position = i == 0 ? 0 : std::min(1 + scan[i].cost / 24, 19);
+        scan[i].position = i == 0 ? 0 : std::min(1 + scan[i].cost / 96, 5);
     return scan;
 }
 
@@ -792,8 +795,8 @@ private:
     std::array<std::array<std::array<int, 2>, 2>, 2> displacement_{}; // [direction][last, the one before]
     bool predicted_tile_ = false;
     std::array<std::vector<int64_t>, 4> plane_values_; // P of 4.6, by place() in the tile
-    // Per plane: min(magnitude, 2) of the coefficients decoded so far, by place().
-    std::array<std::vector<uint8_t>, 4> small_;
+    // Per plane: codes of the amplitudes of the coefficients decoded so far, by place(); -1 before.
+    std::array<std::vector<int>, 4> amplitude_;
     // Codes, texel by texel as part 2 numbers them, channels adjacent.
     std::vector<int64_t> codes_;
 };
@@ -959,52 +962,79 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
     }
 }
 
+int amplitude_code(int64_t x) {
+    if (x < 2)
+        return static_cast<int>(x);
+    const int n = std::bit_width(static_cast<uint64_t>(x));
+    return std::min(2 * (n - 1) + static_cast<int>(x >> (n - 2) & 1), 15);
+}
+
+int amplitude_value(int code) {
+    static constexpr int values[] = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192};
+    return values[code];
+}
+
 void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length) {
-    // Steps from a coefficient to the frequencies of whose neighbour sum it is part.
+    // Steps from a neighbour to the coefficient.
     struct Neighbour {
         Vector4 step;
-        int times;
+        int weight;
     };
-    static constexpr Neighbour neighbours[] = {
+    static constexpr Neighbour neighbour_list[] = {
         {{1, 0, 0, 0}, 2},  {{0, 1, 0, 0}, 2},  {{0, 0, 1, 0}, 2},  {{0, 0, 0, 1}, 2},
         {{1, 0, 1, 0}, 1},  {{1, 0, -1, 0}, 1}, {{-1, 0, 1, 0}, 1}, {{0, 1, 0, 1}, 1},
         {{0, 1, 0, -1}, 1}, {{0, -1, 0, 1}, 1}, {{1, 1, 0, 0}, 1},  {{0, 0, 1, 1}, 1}};
-    static constexpr int classes[] = {0, 1, 2, 3, 4, 5, 5, 6, 6, 7, 7, 7, 8, 8, 8, 8};
+    static constexpr int after_even[] = {0, 5, 1, 6, 2, 4, 3, 7};
+    static constexpr int after_odd[] = {2, 7, 3, 4, 0, 6, 1, 5};
 
     const Scan& scan = scan_of(block.size);
-    std::vector<uint8_t>& small = small_[static_cast<size_t>(plane)];
-    small.assign(static_cast<size_t>(product(block.size)), 0);
+    std::vector<int>& amplitude = amplitude_[static_cast<size_t>(plane)];
+    amplitude.assign(static_cast<size_t>(product(block.size)), -1);
     std::vector<int32_t>& levels = block.levels[static_cast<size_t>(plane)];
-    const size_t of_class = plane == 0 ? 0 : 1;
+    int state = 0;
     for (size_t i = 0; i < static_cast<size_t>(length); ++i) {
         const Coefficient& coefficient = scan[i];
-        int sum = 0;
-        for (const Neighbour& neighbour : neighbours) {
+        const int Q = code_.dependent ? state % 2 : 0;
+        int w = 0, S = 0;
+        for (const Neighbour& neighbour : neighbour_list) {
             Vector4 from{};
             bool inside = true;
             for (size_t a = 0; a < 4; ++a) {
                 from[a] = coefficient.k[a] - neighbour.step[a];
                 inside = inside && from[a] >= 0 && from[a] < block.size[a];
             }
-            if (inside)
-                sum += small[place(from, block.size)] * neighbour.times;
+            if (inside && amplitude[place(from, block.size)] >= 0) {
+                w += neighbour.weight;
+                S += neighbour.weight * amplitude_value(amplitude[place(from, block.size)]);
+            }
         }
-        const size_t context = static_cast<size_t>(sum < 16 ? classes[sum] : 9);
+        const int neighbours = i == 0 ? std::min(static_cast<int>(std::bit_width(
+                                                     static_cast<uint32_t>(product(block.size)))) /
+                                                     2,
+                                                 8)
+                                      : amplitude_code(S * (4096 / w) / 512);
         int cross = 0;
         for (size_t p = 0; p < static_cast<size_t>(plane); ++p)
-            cross += small_[p][coefficient.where];
-        const size_t row = static_cast<size_t>(plane == 0 ? 0 : 1 + std::min(cross, 2));
+            cross = amplitude_code(amplitude_value(cross) +
+                                   amplitude_value(std::max(amplitude_[p][coefficient.where], 0)));
+        const int K = std::min((cross + 1) / 2, 5);
+        const int row = plane == 0 ? 0 : 1 + K;
 
-        int64_t level = 0;
-        if (stream.bit(code_.zero[row][coefficient.position][context])) {
-            const int q = stream.symbol(code_.magnitude[of_class][i == 0 ? 10 : context]);
-            level = read_magnitude(stream, q);
+        int64_t magnitude = 0, level = 0;
+        if (stream.bit(code_.zero[Q][row][coefficient.position][neighbours])) {
+            int m = i == 0 ? 16 + neighbours : neighbours;
+            if (plane > 0)
+                m = i == 0 ? 57 + neighbours : 25 + 4 * (neighbours / 2) + std::max(K - 2, 0);
+            const int q = stream.symbol(code_.magnitude[Q][m]);
+            magnitude = read_magnitude(stream, q);
+            level = code_.dependent ? 2 * magnitude - Q : magnitude;
             require(level <= (1 << 20) - 1, "tile: a level's magnitude");
-            small[coefficient.where] = static_cast<uint8_t>(std::min<int64_t>(level, 2));
-            if (stream.raw(1))
-                level = -level;
         }
+        amplitude[coefficient.where] = amplitude_code(code_.dependent ? level : 2 * level);
+        if (magnitude > 0 && stream.raw(1))
+            level = -level;
         levels.push_back(static_cast<int32_t>(level));
+        state = magnitude % 2 == 0 ? after_even[state] : after_odd[state];
     }
 }
 
@@ -1026,7 +1056,7 @@ uint64_t floor_sqrt(uint64_t a) {
     return root;
 }
 
-Scale make_scale(const Step& step, int N, int z, int F) {
+Scale make_scale(const Step& step, int N, int z, int F, bool dependent) {
     using Wide = unsigned __int128;
     const Wide square = static_cast<Wide>((2048 + step.m) * (2048 + step.m));
     const uint64_t A = static_cast<uint64_t>((square << (z + 36)) / static_cast<unsigned>(N));
@@ -1037,7 +1067,7 @@ Scale make_scale(const Step& step, int N, int z, int F) {
         M = 1024;
         ++h;
     }
-    return {M, h + step.e - 12 + F - 18};
+    return {M, h + step.e - 12 + F - 18 - (dependent ? 1 : 0)};
 }
 
 int64_t dequantise(int64_t level, const Scale& scale, int offset) {
@@ -1223,7 +1253,7 @@ void TileDecoder::reconstruct(const Block& block) {
             std::count_if(block.size.begin(), block.size.end(), [](int side) { return side > 1; }));
         std::array<Scale, 5> scale;
         for (int z = 0; z <= longer; ++z)
-            scale[static_cast<size_t>(z)] = make_scale(step, N, z, F);
+            scale[static_cast<size_t>(z)] = make_scale(step, N, z, F, code_.dependent);
         for (size_t i = 0; i < block.levels[p].size(); ++i) {
             const int64_t level = block.levels[p][i];
             const int z = static_cast<int>(

@@ -25,7 +25,8 @@ Result<Statistics> statistics_of(const char* path) {
         return parameters.status();
     const TextureDesc desc = file->desc();
     const TileCoding coding(*parameters, desc.type, desc.channels);
-    const ColourCoding colour{desc, file->header().colour, file->header().background};
+    const ColourCoding colour{desc, file->header().colour, file->header().background,
+                              (file->header().required_features & feature_corrections) != 0};
     TileDecoder decoder(coding, colour);
     Statistics statistics;
     for (std::uint64_t tile = 0; tile < file->tile_count(); ++tile) {
