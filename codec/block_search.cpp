@@ -21,8 +21,9 @@ constexpr float bits_per_octave_of_energy = 0.85f;
 constexpr float rounding_error = 1.0f / 12.0f;
 constexpr float block_overhead_bits = 3.0f;
 constexpr float rotation_bits = 3.0f; // of a colour symbol, often the one before
-static float copy_mode_bits = getenv("CM")?atof(getenv("CM")):12.0f;
-static float displacement_bits = getenv("DB")?atof(getenv("DB")):5.0f; // with what merging saves
+// Of a copying block over one that does not, beside its displacements: the model takes what is left
+// of it for cheaper than it is.
+constexpr float copy_bits = 12.0f;
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
 
@@ -268,7 +269,7 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
         const Grid& grid = grids_[grid_index(s, angular)];
         spatial.push_back({grid.segments[0], grid.segments[1]});
     }
-    static float BC = getenv("BC")?atof(getenv("BC")):1.0f; const float bit_cost = BC * options_.lambda / (inverse_step_[0] * inverse_step_[0]);
+    const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
     for (int direction = 0; direction < copy_directions; ++direction)
         displacements_.match(direction, {finest.segments[2], finest.segments[3]}, spatial,
                              options_.copies, costs_, bit_cost,
@@ -302,7 +303,7 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     const float scale = inverse_step_[0] * inverse_step_[0];
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t, CopyFrom::both}) {
         BlockPrediction prediction{from, {}};
-        float bits = copy_mode_bits;
+        float bits = copy_bits;
         bool promising = true;
         for (int direction = 0; direction < copy_directions; ++direction)
             if (prediction.copies_along(direction)) {

@@ -10,6 +10,7 @@ namespace {
 
 // Of a block that copies, beside its levels: what encode_best takes them for.
 constexpr float usual_prediction_bits = 6.0f;
+constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
 
 // Squared quantiser steps: what a block of zeros would leave. On rotated axes that is not what it is
 // on Y, Co and Cg, which are not orthogonal, so costs relative to zero are not comparable.
@@ -70,21 +71,25 @@ EffortSettings EffortSettings::of(int effort) {
     EffortSettings settings;
     // Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene);
     // other sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
-    const std::uint64_t diagonal = grid(0, 0) | grid(1, 1) | grid(2, 2) | grid(3, 3);
-    if (effort <= 2)
+    const std::uint64_t diagonal = grid(1, 1) | grid(2, 2) | grid(3, 3);
+    if (effort == 0)
         settings.search.grids = diagonal;
+    else if (effort <= 2)
+        settings.search.grids = diagonal | grid(0, 0);
     else if (effort <= 4)
-        settings.search.grids = diagonal | grid(0, 1) | grid(1, 2) | grid(2, 3);
-    if (effort >= 5)
-        settings.search.copies = {16, 6};
-    if (effort >= 7)
-        settings.search.copies = {24, 10}, settings.copy_rounds = 2;
-    settings.search.rotated_colours = getenv("RC") ? atoi(getenv("RC")) : 1;
+        settings.search.grids = diagonal | grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(2, 3);
     settings.dependent = effort >= 2;
     settings.rotate_colours = effort >= 2;
     settings.recode = effort >= 2;
-    settings.second_pass = effort >= 7;
-    settings.quantizer.optimise = effort >= 1;
+    settings.search.rotated_colours = effort >= 3;
+    // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
+    settings.search.copies = effort >= 9   ? DisplacementRange{32, 16}
+                             : effort >= 7 ? DisplacementRange{24, 10}
+                             : effort >= 5 ? DisplacementRange{16, 6}
+                             : effort >= 4 ? DisplacementRange{8, 4}
+                                           : DisplacementRange{};
+    settings.copy_rounds = effort >= 9 ? 3 : effort >= 6 ? 2 : 1;
+    settings.second_pass = effort >= 8;
     return settings;
 }
 
@@ -93,36 +98,44 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
     planes_from_texels(texels, *colour_, shape, planes_);
     search_.choose_blocks(planes_, out);
     out.predictions.clear();
-    encode_blocks(out);
+    float cost = encode_blocks(out);
     if (!coding_->predicts || settings_->search.copies.along == 0)
         return;
     // What the tile looks like without copies stands for what its blocks could copy; what it then
-    // looks like, in a second round, is nearer to the truth.
+    // looks like, in a further round, is nearer to the truth. The cheapest of all rounds stays.
     reconstruct(out, *coding_, scratch_, decoded_);
     for (int round = 0; round < settings_->copy_rounds; ++round) {
         if (!search_.choose_copies(decoded_, copies_))
             return;
-        encode_copies(copies_);
-        std::swap(out, copies_);
+        const float with_copies = encode_copies(copies_);
+        if (with_copies < cost) {
+            cost = with_copies;
+            std::swap(out, copies_);
+        }
     }
 }
 
-void TileEncoder::encode_blocks(TileLevels& out) {
+// Returns the tile's cost, as encode_copies does.
+float TileEncoder::encode_blocks(TileLevels& out) {
     last_rotation_ = 1;
+    float cost = 0;
     for (const Block& block : out.blocks)
-        encode_block(block, {}, out);
+        cost += encode_block(block, {}, out) + settings_->quantizer.lambda * usual_split_bits;
+    return cost;
 }
 
 // Closed loop: each block copies from what the decoder will have.
-void TileEncoder::encode_copies(TileLevels& out) {
+float TileEncoder::encode_copies(TileLevels& out) {
     const CopyDepths depths = limit_depths(out);
     const auto planes = static_cast<std::size_t>(coding_->planes);
     out.planes.assign(out.blocks.size() * planes, {});
     out.colours.assign(out.blocks.size(), 0);
     last_rotation_ = 1;
     decoded_.resize(out.shape, coding_->planes);
+    float cost = 0;
     for (const std::uint16_t i : depths.order) {
-        encode_best(out.blocks[i], out.predictions[i]);
+        cost += encode_best(out.blocks[i], out.predictions[i]) +
+                settings_->quantizer.lambda * usual_split_bits;
         for (std::size_t plane = 0; plane < planes; ++plane) {
             out.planes[i * planes + plane] = trial_.planes[plane];
             out.planes[i * planes + plane].first +=
@@ -135,25 +148,28 @@ void TileEncoder::encode_copies(TileLevels& out) {
     sort_levels(out);
     if (!copies_anything(out))
         out.predictions.clear();
+    return cost;
 }
 
 // One block into trial_, with its prediction or, where that turns out cheaper, without.
-void TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
+float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
     trial_.clear();
     const int rotation_before = last_rotation_;
-    const float copied = encode_block(block, prediction, trial_);
+    const float chosen = encode_block(block, prediction, trial_);
     if (prediction.from == CopyFrom::nothing)
-        return;
+        return chosen;
+    const float copied = chosen + settings_->quantizer.lambda * usual_prediction_bits;
     const int rotation_after = last_rotation_;
     last_rotation_ = rotation_before;
     other_trial_.clear();
     const float own = encode_block(block, {}, other_trial_);
-    if (own < copied + settings_->quantizer.lambda * usual_prediction_bits) {
+    if (own < copied) {
         std::swap(trial_, other_trial_);
         prediction = {};
-    } else {
-        last_rotation_ = rotation_after;
+        return own;
     }
+    last_rotation_ = rotation_after;
+    return copied;
 }
 
 // Plain colour first, then the rotation that gathers most energy; the cheaper one stays.

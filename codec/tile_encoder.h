@@ -39,9 +39,9 @@ public:
     void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
 
 private:
-    void encode_blocks(TileLevels& out);
-    void encode_copies(TileLevels& out);
-    void encode_best(const Block& block, BlockPrediction& prediction);
+    float encode_blocks(TileLevels& out);
+    float encode_copies(TileLevels& out);
+    float encode_best(const Block& block, BlockPrediction& prediction);
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
     float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
 
