@@ -87,11 +87,8 @@ void add_predicted(const Block& block, const std::vector<std::int32_t>& predicte
                      block.origin[1] + v) *
                         tile.n[0] +
                     block.origin[0];
-                for (int u = 0; u < n[0]; ++u)
-                    row[u] = std::clamp(row[u] + (predicted.empty() ? 0 : from[u]), -limit,
-                                        limit - 1);
-                if (!predicted.empty())
-                    from += n[0];
+                kernels().add_within(row, predicted.empty() ? nullptr : from, n[0], limit);
+                from += predicted.empty() ? 0 : n[0];
             }
 }
 

@@ -155,6 +155,13 @@ void add_half_texels(const std::int32_t* upper, const std::int32_t* lower, bool 
             sums[i] += 2 * (upper[i] + lower[i]);
 }
 
+void add_within(std::int32_t* values, const std::int32_t* added, int n, std::int32_t bound) {
+    for (int i = 0; i < n; ++i) {
+        const std::int32_t sum = values[i] + (added != nullptr ? added[i] : 0);
+        values[i] = sum < -bound ? -bound : sum > bound - 1 ? bound - 1 : sum;
+    }
+}
+
 void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
                              int last, int rows, int n, float* sums) {
     for (int y = 0; y < rows; ++y) {
@@ -397,7 +404,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 
 constexpr Kernels make_kernels(const char* name) {
     return {name,           inverse_rows, inverse_planes, round_rows,
-            add_half_texels, store_ycocg8, forward_rows,   forward_planes,
+            add_half_texels, add_within, store_ycocg8, forward_rows,   forward_planes,
             forward_image,  add_squared_differences,      coding_cost};
 }
 

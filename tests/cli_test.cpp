@@ -475,7 +475,7 @@ TEST_F(Cli, SetsPicturesSideBySide) {
 
 // A file of 8 tiles in a small window.
 const std::string bench_scene =
-    "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20";
+    "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20 --effort 3";
 const std::string bench_a = "bench gpu a.tess --size 48x32 --frames 2 --warm-up 1 ";
 
 TEST_F(Cli, ChecksWhatToBench) {

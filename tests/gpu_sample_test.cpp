@@ -56,7 +56,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = {32, 16, 8, 8};
-    options.effort = 4; // without predictions, which on sample does not take
+    options.effort = 3; // without predictions, which on sample does not take
     options.threads = 2;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
