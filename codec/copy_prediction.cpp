@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace tessera {
 namespace {
@@ -45,51 +46,86 @@ std::int32_t limit_of(SampleType type) {
     return type == SampleType::unorm8 ? 1 << 15 : 1 << 18;
 }
 
+// Calls visit(sums, s, t, v) for every row of a block; sums >> shift_of(prediction) are its predicted
+// values.
+template <class Visit>
+void for_each_row(const Block& block, const BlockPrediction& prediction, const BlockShape& tile,
+                  const std::vector<std::int32_t>& plane, Visit visit) {
+    const auto& n = block.shape.n;
+    const int page = tile.n[0] * tile.n[1];
+    const std::int32_t rounding = prediction.from == CopyFrom::both ? 4 : 2;
+    std::array<std::int32_t, max_tile_side> sums;
+    for (int t = 0; t < n[3]; ++t)
+        for (int s = 0; s < n[2]; ++s) {
+            const int at_s = block.origin[2] + s, at_t = block.origin[3] + t;
+            const auto view = [&](int from_s, int from_t, int steps, const Displacement& d) {
+                return MovedView(plane.data() + (from_t * tile.n[2] + from_s) * page, tile,
+                                 steps * d.u, steps * d.v);
+            };
+            std::optional<MovedView> along_s, along_t;
+            if (prediction.copies_along(0))
+                along_s.emplace(view(block.origin[2] - 1, at_t, s + 1, prediction.displacement[0]));
+            if (prediction.copies_along(1))
+                along_t.emplace(view(at_s, block.origin[3] - 1, t + 1, prediction.displacement[1]));
+            for (int v = 0; v < n[1]; ++v) {
+                sums.fill(rounding);
+                if (along_s)
+                    along_s->add_row(block.origin[0], block.origin[1] + v, n[0], sums.data());
+                if (along_t)
+                    along_t->add_row(block.origin[0], block.origin[1] + v, n[0], sums.data());
+                visit(sums.data(), s, t, v);
+            }
+        }
+}
+
+int shift_of(const BlockPrediction& prediction) {
+    return prediction.from == CopyFrom::both ? 3 : 2;
+}
+
 } // namespace
 
 void predict_plane(const Block& block, const BlockPrediction& prediction, const BlockShape& tile,
                    const std::vector<std::int32_t>& plane, std::vector<std::int32_t>& out) {
-    const auto& n = block.shape.n;
-    const int texels = block.shape.texels(), page = tile.n[0] * tile.n[1];
-    const bool both = prediction.from == CopyFrom::both;
-    out.assign(static_cast<std::size_t>(texels), both ? 4 : 2);
-    for (int direction = 0; direction < copy_directions; ++direction) {
-        if (!prediction.copies_along(direction))
-            continue;
-        const Displacement& d = prediction.displacement[static_cast<std::size_t>(direction)];
-        std::int32_t* sums = out.data();
-        for (int t = 0; t < n[3]; ++t)
-            for (int s = 0; s < n[2]; ++s) {
-                const int from_s = direction == 0 ? block.origin[2] - 1 : block.origin[2] + s;
-                const int from_t = direction == 0 ? block.origin[3] + t : block.origin[3] - 1;
-                const int steps = 1 + (direction == 0 ? s : t);
-                MovedView view(plane.data() + (from_t * tile.n[2] + from_s) * page, tile,
-                               steps * d.u, steps * d.v);
-                for (int v = 0; v < n[1]; ++v, sums += n[0])
-                    view.add_row(block.origin[0], block.origin[1] + v, n[0], sums);
-            }
-    }
-    for (std::int32_t& value : out)
-        value >>= both ? 3 : 2;
+    const int n = block.shape.n[0], shift = shift_of(prediction);
+    out.resize(static_cast<std::size_t>(block.shape.texels()));
+    std::int32_t* to = out.data();
+    for_each_row(block, prediction, tile, plane, [&](const std::int32_t* sums, int, int, int) {
+        for (int u = 0; u < n; ++u)
+            *to++ = sums[u] >> shift;
+    });
 }
 
-void add_predicted(const Block& block, const std::vector<std::int32_t>& predicted, SampleType type,
-                   const BlockShape& tile, std::vector<std::int32_t>& plane) {
+void finish_predicted(const Block& block, const BlockPrediction& prediction, SampleType type,
+                      const BlockShape& tile, bool has_difference,
+                      std::vector<std::int32_t>& plane) {
     const auto& n = block.shape.n;
     const std::int32_t limit = limit_of(type);
-    const std::int32_t* from = predicted.data();
-    for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v) {
-                std::int32_t* row =
-                    plane.data() +
-                    (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
-                     block.origin[1] + v) *
-                        tile.n[0] +
-                    block.origin[0];
-                kernels().add_within(row, predicted.empty() ? nullptr : from, n[0], limit);
-                from += predicted.empty() ? 0 : n[0];
-            }
+    const auto row = [&](int s, int t, int v) {
+        return plane.data() +
+               (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
+                block.origin[1] + v) *
+                   tile.n[0] +
+               block.origin[0];
+    };
+    if (prediction.from == CopyFrom::nothing) {
+        constexpr std::array<std::int32_t, max_tile_side> nothing{};
+        for (int t = 0; has_difference && t < n[3]; ++t)
+            for (int s = 0; s < n[2]; ++s)
+                for (int v = 0; v < n[1]; ++v)
+                    kernels().add_within(row(s, t, v), nothing.data(), 0, n[0], limit);
+        return;
+    }
+    const int shift = shift_of(prediction);
+    for_each_row(block, prediction, tile, plane,
+                 [&](const std::int32_t* sums, int s, int t, int v) {
+                     std::int32_t* to = row(s, t, v);
+                     // Means of clamped values need no clamp.
+                     if (has_difference)
+                         kernels().add_within(to, sums, shift, n[0], limit);
+                     else
+                         for (int u = 0; u < n[0]; ++u)
+                             to[u] = sums[u] >> shift;
+                 });
 }
 
 } // namespace tessera

@@ -14,9 +14,11 @@ namespace tessera {
 void predict_plane(const Block& block, const BlockPrediction& prediction, const BlockShape& tile,
                    const std::vector<std::int32_t>& plane, std::vector<std::int32_t>& out);
 
-// Adds predicted values (or nothing, where `predicted` is empty) to a block's values in the tile's
-// plane and clamps them to what a predicted tile may hold.
-void add_predicted(const Block& block, const std::vector<std::int32_t>& predicted, SampleType type,
-                   const BlockShape& tile, std::vector<std::int32_t>& plane);
+// Finishes a block of a predicted tile in the tile's plane: adds what it copies to the difference that
+// stands there (`has_difference`; else the copy replaces what is there), and clamps the values to what
+// a predicted tile may hold.
+void finish_predicted(const Block& block, const BlockPrediction& prediction, SampleType type,
+                      const BlockShape& tile, bool has_difference,
+                      std::vector<std::int32_t>& plane);
 
 } // namespace tessera

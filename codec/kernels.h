@@ -55,8 +55,9 @@ struct Kernels {
     void (*add_half_texels)(const std::int32_t* upper, const std::int32_t* lower, bool between,
                             int n, std::int32_t* sums);
 
-    // values[i] = values[i] + added[i] (0 where `added` is null), within -limit .. limit - 1.
-    void (*add_within)(std::int32_t* values, const std::int32_t* added, int n, std::int32_t limit);
+    // values[i] = values[i] + (sums[i] >> shift), within -limit .. limit - 1.
+    void (*add_within)(std::int32_t* values, const std::int32_t* sums, int shift, int n,
+                       std::int32_t limit);
 
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).

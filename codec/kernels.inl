@@ -155,9 +155,10 @@ void add_half_texels(const std::int32_t* upper, const std::int32_t* lower, bool 
             sums[i] += 2 * (upper[i] + lower[i]);
 }
 
-void add_within(std::int32_t* values, const std::int32_t* added, int n, std::int32_t bound) {
+void add_within(std::int32_t* values, const std::int32_t* sums, int shift, int n,
+                std::int32_t bound) {
     for (int i = 0; i < n; ++i) {
-        const std::int32_t sum = values[i] + (added != nullptr ? added[i] : 0);
+        const std::int32_t sum = values[i] + (sums[i] >> shift);
         values[i] = sum < -bound ? -bound : sum > bound - 1 ? bound - 1 : sum;
     }
 }

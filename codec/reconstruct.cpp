@@ -113,7 +113,15 @@ public:
                         ReconstructScratch& scratch, TilePlanes& planes)
         : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]), coding_(coding),
           shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), planes_(planes),
-          levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)) {}
+          levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
+          copies_(tile.copies(index)) {}
+
+    // Whether run() gives the plane values that are not all 0.
+    bool has_levels(int plane) const {
+        if (colour_ != 0 && plane < 3)
+            return !levels(0).empty() || !levels(1).empty() || !levels(2).empty();
+        return !levels(plane).empty();
+    }
 
     void run() {
         int plane = 0;
@@ -178,6 +186,8 @@ private:
     }
 
     void fill(int plane, std::int32_t value) {
+        if (copies_ && !has_levels(plane))
+            return; // the copy will stand there
         fill_block(block_, value, tile_.shape, planes_.plane[static_cast<std::size_t>(plane)]);
     }
 
@@ -189,23 +199,20 @@ private:
     ReconstructScratch& scratch_;
     TilePlanes& planes_;
     const PlaneLevels* const levels_;
+    const bool copies_;
 };
 
 } // namespace
 
 void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
                        ReconstructScratch& scratch, TilePlanes& planes) {
-    BlockReconstruction(levels, block, coding, scratch, planes).run();
+    BlockReconstruction reconstruction(levels, block, coding, scratch, planes);
+    reconstruction.run();
     if (levels.predictions.empty())
         return;
-    const BlockPrediction& prediction = levels.predictions[block];
-    for (int p = 0; p < coding.planes; ++p) {
-        std::vector<std::int32_t>& plane = planes.plane[static_cast<std::size_t>(p)];
-        scratch.predicted.clear();
-        if (prediction.from != CopyFrom::nothing)
-            predict_plane(levels.blocks[block], prediction, levels.shape, plane, scratch.predicted);
-        add_predicted(levels.blocks[block], scratch.predicted, coding.type, levels.shape, plane);
-    }
+    for (int p = 0; p < coding.planes; ++p)
+        finish_predicted(levels.blocks[block], levels.predictions[block], coding.type, levels.shape,
+                         reconstruction.has_levels(p), planes.plane[static_cast<std::size_t>(p)]);
 }
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,

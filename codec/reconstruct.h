@@ -13,7 +13,6 @@ namespace tessera {
 struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
     std::array<std::vector<std::int32_t>, 3> rotated;
-    std::vector<std::int32_t> predicted;
     RecentShapes shapes; // of the one TileCoding that the scratch is used with
 };
 
