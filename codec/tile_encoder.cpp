@@ -83,12 +83,11 @@ EffortSettings EffortSettings::of(int effort) {
     settings.recode = effort >= 2;
     settings.search.rotated_colours = effort >= 3;
     // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
-    settings.search.copies = effort >= 9   ? DisplacementRange{32, 16}
-                             : effort >= 7 ? DisplacementRange{24, 10}
+    settings.search.copies = effort >= 9   ? DisplacementRange{24, 10}
                              : effort >= 5 ? DisplacementRange{16, 6}
                              : effort >= 4 ? DisplacementRange{8, 4}
                                            : DisplacementRange{};
-    settings.copy_rounds = effort >= 9 ? 3 : effort >= 6 ? 2 : 1;
+    settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 2 : 1;
     settings.second_pass = effort >= 8;
     return settings;
 }
