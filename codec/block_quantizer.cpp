@@ -152,8 +152,9 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         std::int32_t least = nearest, most = nearest;
         if (options_.optimise) {
             least = std::max(1, nearest - (dependent ? 2 : 1));
-            most = a < (dependent ? smallest_dependent : smallest_candidate) ? 0
-                                                                             : nearest + (dependent ? 1 : 0);
+            most = a < (dependent ? smallest_dependent : smallest_candidate)
+                       ? 0
+                       : nearest + (dependent ? 1 : 0);
         }
         const bool may_be_zero = options_.optimise || nearest == 0;
         std::uint8_t* before = before_.data() + at * states;

@@ -253,8 +253,10 @@ CodingParameters parameters_for_step(double step, const TextureDesc& desc,
     const std::array<double, max_planes> ratio = {1.0, std::sqrt(6.0), 2.0, 1.7};
     const double rgb_ratio = std::sqrt(3.0); // of orthonormal RGB
     for (std::size_t plane = 0; plane < max_planes; ++plane)
-        parameters.step[plane] = StepCode::nearest(
-            step * (desc.channels < 3 ? 1.0 : effort.ycocg || plane == 3 ? ratio[plane] : rgb_ratio));
+        parameters.step[plane] =
+            StepCode::nearest(step * (desc.channels < 3            ? 1.0
+                                      : effort.ycocg || plane == 3 ? ratio[plane]
+                                                                   : rgb_ratio));
     parameters.rotated_step = StepCode::nearest(step * rgb_ratio);
     parameters.colour_rotation = desc.channels >= 3 && effort.rotate_colours;
     return parameters;

@@ -81,8 +81,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     else
         settings.search.grids = diagonal | grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(2, 3);
     settings.ycocg = tools.is_on(CodingTool::ycocg, true);
-    settings.rotate_colours =
-        settings.ycocg && tools.is_on(CodingTool::rotation, effort >= 2);
+    settings.rotate_colours = settings.ycocg && tools.is_on(CodingTool::rotation, effort >= 2);
     settings.search.rotated_colours = tools.is_on(CodingTool::rotated_search, effort >= 3);
     settings.quantizer.optimise = tools.is_on(CodingTool::rdo, true);
     settings.dependent =

@@ -33,10 +33,12 @@ inline constexpr std::array<CodingToolInfo, 10> coding_tools = {{
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
     {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
     {CodingTool::ycocg, "ycocg", "YCoCg, not RGB; without it no rotation either"},
-    {CodingTool::rotated_search, "rotated-search", "the search for blocks knows of rotated colours"},
+    {CodingTool::rotated_search, "rotated-search",
+     "the search for blocks knows of rotated colours"},
     {CodingTool::dependent, "dependent", "two quantisers in turn, chosen by a trellis"},
     {CodingTool::rdo, "rdo",
-     "levels by rate and distortion, not rounded with a dead zone; without it not dependent either"},
+     "levels by rate and distortion, not rounded with a dead zone; without it not dependent "
+     "either"},
     {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
 }};

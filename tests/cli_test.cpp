@@ -177,7 +177,8 @@ TEST_F(Cli, SwitchesCodingTools) {
     EXPECT_EQ(bytes("--tools none --effort 1"), bytes("--tools none"));
     succeed(small_scene + "-q -o x.tess --tools none");
     succeed("compare x.tess a.rgb --size 32x16x9x5 --min-psnr 38");
-    fail(1, encode + "--tools -copeis", {"--tools", "'-copeis'", "did you mean 'copies'", "fitted-tables"});
+    fail(1, encode + "--tools -copeis",
+         {"--tools", "'-copeis'", "did you mean 'copies'", "fitted-tables"});
     fail(1, encode + "--tools +frobnication", {"--tools", "frobnication", "copies, both, half"});
     fail(1, encode + "--tools copies", {"--tools", "+copies", "-copies"});
     fail(1, encode + "--tools -copies,,+half", {"--tools"});

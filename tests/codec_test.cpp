@@ -197,7 +197,7 @@ MemoryTexture texture_with_parallax(SampleType type) {
     for (int i = 0; i < 3 * 64 * 64; ++i)
         lattice.push_back(random.unit());
     const double gain = type == SampleType::half16 ? 1000 : 1;
-    return {describe({32, 24, 6, 5}, type), [=](int u, int v, int s, int t, int c) {
+    return {describe({24, 16, 6, 5}, type), [=](int u, int v, int s, int t, int c) {
                 const double x = 0.5 * (u + 0.5 * s) + 8, y = 0.5 * (v + t) + 8;
                 const int i = static_cast<int>(x), j = static_cast<int>(y);
                 const auto at = [&](int k, int l) {
@@ -216,7 +216,8 @@ MemoryTexture texture_with_parallax(SampleType type) {
 TEST(Tools, EachChangesTheFileAndItStillDecodes) {
     for (const SampleType type : types) {
         MemoryTexture texture = texture_with_parallax(type);
-        const EncodeOptions all = options_for({Kind::quality, 70}, 7);
+        EncodeOptions all = options_for({Kind::quality, 70}, 7);
+        all.tile_extent = {16, 16, 4, 4};
         const Encoded full = encode(texture, all);
         const auto check = [&](const char* name, bool none, CodingTool tool) {
             EncodeOptions options = all;
@@ -230,10 +231,8 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Difference d = difference(texture.texels, texels, type);
             EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
             EXPECT_NEAR(encoded.report.psnr, full.report.psnr, 1.5) << name;
-            for (const unsigned threads : {1u, 3u}) {
-                options.threads = threads;
-                EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
-            }
+            options.threads = 3;
+            EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
         };
         for (const CodingToolInfo& info : coding_tools)
             check(info.name, false, info.tool);
@@ -267,10 +266,10 @@ TEST(Tools, KeepTheMaximumError) {
     EncodeOptions options = options_for({Kind::max_error, 2}, 3);
     options.tools.set_all(false);
     const Encoded encoded = encode(texture, options);
-    EXPECT_LE(difference(texture.texels, decode_all(encoded.file, texture.desc()),
-                         SampleType::unorm8)
-                  .largest,
-              2);
+    EXPECT_LE(
+        difference(texture.texels, decode_all(encoded.file, texture.desc()), SampleType::unorm8)
+            .largest,
+        2);
 }
 
 TEST(Codec, TileExtentsAreKept) {
