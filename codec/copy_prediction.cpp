@@ -88,8 +88,8 @@ void add_predicted(const Block& block, const std::vector<std::int32_t>& predicte
                         tile.n[0] +
                     block.origin[0];
                 for (int u = 0; u < n[0]; ++u)
-                    row[u] =
-                        std::clamp(row[u] + (predicted.empty() ? 0 : from[u]), -limit, limit - 1);
+                    row[u] = std::clamp(row[u] + (predicted.empty() ? 0 : from[u]), -limit,
+                                        limit - 1);
                 if (!predicted.empty())
                     from += n[0];
             }
