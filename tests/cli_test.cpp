@@ -189,7 +189,8 @@ TEST_F(Cli, SwitchesCodingTools) {
     const std::string rd = "rd a.rgb --size 32x16x9x5 -o report --rivals none --quality 50 "
                            "--efforts 1 --json ";
     const Json without = json(rd + "--tools none"), with = json(rd); // the cache knows them apart
-    EXPECT_NE(without["textures"][0]["measurements"][0]["bytes"], with["textures"][0]["measurements"][0]["bytes"]);
+    EXPECT_NE(without["textures"][0]["measurements"][0]["bytes"],
+              with["textures"][0]["measurements"][0]["bytes"]);
     EXPECT_NE(without.dump().find("--tools none"), std::string::npos);
     for (const char* verb : {"encode", "bake", "rd"})
         EXPECT_NE(run(std::string(verb) + " --help").out.find("rotated-search: "),
