@@ -16,6 +16,8 @@ constexpr float smallest_candidate = 0.55f;
 constexpr float smallest_dependent = 0.4f;
 // ... and is not worth a longer coded length.
 constexpr float smallest_last = 0.5f;
+// Without optimisation: the first level that is not 0.
+constexpr float dead_zone = 2.0f / 3.0f;
 
 constexpr float infinite = 1e30f;
 
@@ -72,7 +74,9 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const int limit = length_limit(coding_.planes, order.length());
 
     const bool dependent = coding_.parameters.dependent;
-    const float smallest = dependent ? smallest_last : smallest_candidate;
+    const float smallest = !options_.optimise ? dead_zone
+                           : dependent        ? smallest_last
+                                              : smallest_candidate;
     amplitude_.resize(static_cast<std::size_t>(limit));
     int last = -1;
     for (int i = 0; i < limit; ++i) {
@@ -128,7 +132,7 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
     std::array<float, states> cost, next_cost; // against the energy of the coefficients so far
     cost.fill(infinite);
     cost[0] = 0;
-    float best_cost = lambda * task.length_costs[0];
+    float best_cost = options_.optimise ? lambda * task.length_costs[0] : infinite;
     int best_end = 0, best_state = 0;
     for (int i = 0; i < end; ++i) {
         const auto at = static_cast<std::size_t>(i);
@@ -142,9 +146,17 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         const int cross = cross_class(cross_[at]);
         const bool negative = amplitude_[at] < 0;
         const float a = std::fabs(amplitude_[at]);
-        const bool candidates = a >= (dependent ? smallest_dependent : smallest_candidate);
-        const auto nearest =
-            static_cast<std::int32_t>(std::min(a / unit + 0.5f, static_cast<float>(max_level - 1)));
+        const auto nearest = static_cast<std::int32_t>(
+            std::min(a / unit + (options_.optimise ? 0.5f : 1.0f - dead_zone),
+                     static_cast<float>(max_level - 1)));
+        std::int32_t least = nearest, most = nearest;
+        if (options_.optimise) {
+            least = std::max(1, nearest - (dependent ? 2 : 1));
+            most = a < (dependent ? smallest_dependent : smallest_candidate)
+                       ? 0
+                       : nearest + (dependent ? 1 : 0);
+        }
+        const bool may_be_zero = options_.optimise || nearest == 0;
         std::uint8_t* before = before_.data() + at * states;
         std::int32_t* level = level_.data() + at * states;
         next_cost.fill(infinite);
@@ -168,13 +180,13 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                 before[to] = static_cast<std::uint8_t>(s);
                 level[to] = l;
             };
-            consider(0, 0, so_far + lambda * flag[0]);
-            if (!candidates)
+            if (may_be_zero)
+                consider(0, 0, so_far + lambda * flag[0]);
+            if (most == 0)
                 continue;
             const auto& tokens = costs_.magnitude[static_cast<std::size_t>(
                 magnitude_table(quantiser, task.plane_class, i == 0, neighbours, cross))];
-            for (std::int32_t l = std::max(1, nearest - (dependent ? 2 : 1));
-                 l <= nearest + (dependent ? 1 : 0); ++l) {
+            for (std::int32_t l = least; l <= most; ++l) {
                 if (dependent && (l & 1) != quantiser)
                     continue;
                 const std::int32_t magnitude = coded_magnitude(l, dependent);
@@ -205,7 +217,7 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
             if (negative)
                 level[s] = -level[s];
         }
-        if (round_up_coded_length(i + 1, order.length()) != i + 1)
+        if (options_.optimise ? round_up_coded_length(i + 1, order.length()) != i + 1 : i + 1 < end)
             continue;
         const float length_cost =
             lambda * task.length_costs[static_cast<std::size_t>(length_token(i + 1))];

@@ -22,6 +22,7 @@ struct BlockCoefficients {
 // Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
 struct QuantizerOptions {
     float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
+    bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
 };
 
 // Coefficients of a block's scan order that an encoder may code: the longest codable length with

@@ -302,6 +302,8 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     const std::size_t i = grid.index(c);
     const float scale = inverse_step_[0] * inverse_step_[0];
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t, CopyFrom::both}) {
+        if (from == CopyFrom::both && !options_.copies.both)
+            continue;
         BlockPrediction prediction{from, {}};
         float bits = copy_bits;
         bool promising = true;

@@ -136,7 +136,7 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
 }
 
 // Cells in the order of the split tree: each may repeat the displacement of one of the two before.
-void DisplacementSearch::choose(const Axes& cells, const float* errors, float bit_cost,
+void DisplacementSearch::choose(const Axes& cells, const float* errors, bool half, float bit_cost,
                                 Match* matches) {
     const auto width = cells[0].size(), height = cells[1].size();
     const std::size_t count = candidates_.size();
@@ -167,7 +167,7 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, float bi
             }
         };
         const Displacement whole = best.displacement;
-        for (int dv = -1; dv <= 1; ++dv)
+        for (int dv = -1; half && dv <= 1; ++dv)
             for (int du = -1; du <= 1; ++du)
                 if (du != 0 || dv != 0)
                     attempt({static_cast<std::int8_t>(whole.u + du),
@@ -206,7 +206,8 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
         const float* errors = errors_.data();
         for (std::size_t depth = spatial.size(); depth-- > 0;) {
             const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
-            choose(spatial[depth], errors, bit_cost, matches[depth].data() + angle * cells);
+            choose(spatial[depth], errors, range.half, bit_cost,
+                   matches[depth].data() + angle * cells);
             errors += cells * candidates_.size();
         }
     }

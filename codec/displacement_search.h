@@ -16,6 +16,8 @@ namespace tessera {
 // up to `across` in the other.
 struct DisplacementRange {
     int along = 0, across = 0; // along 0: copying is not tried at all
+    bool half = true;          // half texels, too; else only whole ones
+    bool both = true;          // copies along s and t at once, too
 };
 
 // The displacement chosen for one cell, what it leaves (squared error, in the source's units) and
@@ -45,7 +47,7 @@ private:
     void set_candidates(int direction, const DisplacementRange& range);
     void set_bits(int direction, const BitCosts& costs);
     void measure_all(const std::vector<Axes>& spatial);
-    void choose(const Axes& cells, const float* errors, float bit_cost, Match* matches);
+    void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
     // Squared error of the texels u, v of the angular cell in hand; adds to a sum a texel of u.
     void measure(const Displacement& d, const Segment& u, const Segment& v, float* sums) const;
     float error_of(const Displacement& d, const Segment& u, const Segment& v) const;

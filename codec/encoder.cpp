@@ -103,14 +103,16 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc desc = source.desc();
     TESSERA_TRY(check_options(options, desc));
-    EncodePlan plan{source,
-                    options,
-                    TileGrid(desc.size, options.tile_extent),
-                    {desc,
-                     desc.channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
-                     {},
-                     options.rate.kind == RateTarget::Kind::max_error},
-                    EffortSettings::of(options.effort)};
+    const EffortSettings effort = EffortSettings::of(options.effort, options.tools);
+    EncodePlan plan{
+        source,
+        options,
+        TileGrid(desc.size, options.tile_extent),
+        {desc,
+         desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
+         {},
+         options.rate.kind == RateTarget::Kind::max_error},
+        effort};
     if (plan.grid.tiles() > max_tiles)
         return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
     const Result<Sample> sample = read_sample(plan);

@@ -1,6 +1,7 @@
 // Texels -> a .tess file. The public face of the encoder.
 #pragma once
 
+#include "codec/tool_switches.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
@@ -33,6 +34,7 @@ using ProgressFunction = std::function<void(const char* stage, double done, doub
 struct EncodeOptions {
     RateTarget rate;
     int effort = 5;                    // 0 fastest .. 9 smallest
+    ToolSwitches tools;                // on top of the effort; for experiments
     unsigned threads = 0;              // 0: all cores. Never changes the bytes.
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
@@ -58,8 +60,8 @@ struct EncodeReport {
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).
 //
 // Memory: about the compressed size plus, per thread, some MB; never the texture.
-// The bytes depend on the texels, `rate`, `effort`, `tile_extent`, `metadata` and `description`
-// only.
+// The bytes depend on the texels, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
+// `description` only.
 // Errors: bad_argument (options out of range), io, runtime (verification failed), invalid_file
 // (strict and a non-finite sample), and whatever `source` reports.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,

@@ -78,10 +78,12 @@ private:
     // A whole pass, preceded by one over the sample to learn the tables, and recoded under tables
     // fitted to all of it.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
-        const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
-        if (!trained)
-            return trained.status();
-        parameters.parameters = fit_parameters(trained->statistics);
+        if (plan_.effort.fit_tables) {
+            const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
+            if (!trained)
+                return trained.status();
+            parameters.parameters = fit_parameters(trained->statistics);
+        }
         ++passes_;
         Result<PassResult> pass = run_pass(plan_, parameters, stage);
         if (pass && plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
@@ -97,7 +99,7 @@ private:
     }
 
     CodingParameters for_step(double step) const {
-        CodingParameters parameters = parameters_for_step(step, plan_.colour.desc, plan_.effort.dependent);
+        CodingParameters parameters = parameters_for_step(step, plan_.colour.desc, plan_.effort);
         // Corrections are found once a tile is decoded, so nothing could copy corrected texels.
         parameters.prediction = plan_.effort.search.copies.along > 0 && !plan_.colour.corrections;
         return parameters;
@@ -119,7 +121,7 @@ private:
             CodingParameters parameters = for_step(width * factor);
             parameters.correction_error = static_cast<std::uint16_t>(error);
             Result<PassResult> pass = run_pass(plan_, parameters, sample_);
-            if (pass) {
+            if (pass && plan_.effort.fit_tables) {
                 parameters.parameters = fit_parameters(pass->statistics);
                 pass = run_pass(plan_, parameters, sample_);
             }
@@ -239,20 +241,24 @@ private:
 
 } // namespace
 
-CodingParameters parameters_for_step(double step, const TextureDesc& desc, bool dependent) {
+CodingParameters parameters_for_step(double step, const TextureDesc& desc,
+                                     const EffortSettings& effort) {
     CodingParameters parameters;
-    parameters.dependent = dependent;
-    if (dependent)
+    parameters.dependent = effort.dependent;
+    if (effort.dependent)
         step *= 1.045; // the PSNR that independent levels have
     // An error in Co (Cg) moves the three samples together by 1/2 (3/4) of its square, one in Y by
     // 3: steps in the ratio 1 : sqrt 6 : 2 cost the same distortion. Measured: 15 % off either way
     // costs 0.2 %.
     const std::array<double, max_planes> ratio = {1.0, std::sqrt(6.0), 2.0, 1.7};
+    const double rgb_ratio = std::sqrt(3.0); // of orthonormal RGB
     for (std::size_t plane = 0; plane < max_planes; ++plane)
         parameters.step[plane] =
-            StepCode::nearest(step * (desc.channels >= 3 ? ratio[plane] : 1.0));
-    parameters.rotated_step = StepCode::nearest(step * std::sqrt(3.0)); // of orthonormal RGB
-    parameters.colour_rotation = desc.channels >= 3;
+            StepCode::nearest(step * (desc.channels < 3            ? 1.0
+                                      : effort.ycocg || plane == 3 ? ratio[plane]
+                                                                   : rgb_ratio));
+    parameters.rotated_step = StepCode::nearest(step * rgb_ratio);
+    parameters.colour_rotation = desc.channels >= 3 && effort.rotate_colours;
     return parameters;
 }
 

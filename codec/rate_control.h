@@ -5,9 +5,10 @@
 
 namespace tessera {
 
-// Parameters with all steps set for a base step of the first plane (in sample codes), default
-// tables. Dependent levels get steps for the PSNR that independent ones have.
-CodingParameters parameters_for_step(double step, const TextureDesc& desc, bool dependent);
+// Parameters with all steps set for a base step of the first plane of YCoCg (in sample codes),
+// default tables. Dependent levels, and RGB, get steps for the same PSNR.
+CodingParameters parameters_for_step(double step, const TextureDesc& desc,
+                                     const EffortSettings& effort);
 
 // Base step of --quality 1..100: halves every 8, 0.75 at 100 (times 16 for half floats, whose codes
 // are as much finer than what can be seen).

@@ -67,28 +67,37 @@ constexpr std::uint64_t grid(int spatial, int angular) {
 
 } // namespace
 
-EffortSettings EffortSettings::of(int effort) {
+EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     EffortSettings settings;
     // Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene);
     // other sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
     const std::uint64_t diagonal = grid(1, 1) | grid(2, 2) | grid(3, 3);
-    if (effort == 0)
+    if (!tools.is_on(CodingTool::grids, effort > 0))
         settings.search.grids = diagonal;
+    else if (tools.is_on(CodingTool::grids, false) || effort > 4)
+        settings.search.grids = ~std::uint64_t{0};
     else if (effort <= 2)
         settings.search.grids = diagonal | grid(0, 0);
-    else if (effort <= 4)
+    else
         settings.search.grids = diagonal | grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(2, 3);
-    settings.dependent = effort >= 2;
-    settings.rotate_colours = effort >= 2;
-    settings.recode = effort >= 2;
-    settings.search.rotated_colours = effort >= 3;
+    settings.ycocg = tools.is_on(CodingTool::ycocg, true);
+    settings.rotate_colours = settings.ycocg && tools.is_on(CodingTool::rotation, effort >= 2);
+    settings.search.rotated_colours = tools.is_on(CodingTool::rotated_search, effort >= 3);
+    settings.quantizer.optimise = tools.is_on(CodingTool::rdo, true);
+    settings.dependent =
+        settings.quantizer.optimise && tools.is_on(CodingTool::dependent, effort >= 2);
+    settings.fit_tables = tools.is_on(CodingTool::fitted_tables, true);
+    settings.recode = tools.is_on(CodingTool::fitted_tables, effort >= 2);
     // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
     settings.search.copies = effort >= 9   ? DisplacementRange{24, 10}
                              : effort >= 5 ? DisplacementRange{16, 6}
-                             : effort >= 4 ? DisplacementRange{8, 4}
-                                           : DisplacementRange{};
+                                           : DisplacementRange{8, 4};
+    if (!tools.is_on(CodingTool::copies, effort >= 4))
+        settings.search.copies = {};
+    settings.search.copies.both = tools.is_on(CodingTool::both, true);
+    settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 2 : 1;
-    settings.second_pass = effort >= 8;
+    settings.second_pass = effort >= 8 && settings.fit_tables;
     return settings;
 }
 

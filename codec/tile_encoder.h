@@ -6,6 +6,7 @@
 #include "codec/reconstruct.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
+#include "codec/tool_switches.h"
 
 #include <cstddef>
 #include <span>
@@ -20,10 +21,12 @@ struct EffortSettings {
         true; // code again under tables fitted to all tiles; else those of the sample stay
     bool dependent = true;      // quantise by a trellis
     bool rotate_colours = true; // try rotated colour axes for every block
+    bool ycocg = true;          // code YCoCg, not RGB
+    bool fit_tables = true;     // to the sample, and to all tiles
     int copy_rounds = 1;        // of the search for blocks that copy
     bool second_pass = false;   // decide again under the tables of the first pass
 
-    static EffortSettings of(int effort); // 0..9
+    static EffortSettings of(int effort, const ToolSwitches& tools = {}); // effort 0..9
 };
 
 // Encodes tiles of one file. Holds scratch memory: one per thread.

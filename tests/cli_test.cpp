@@ -162,6 +162,41 @@ TEST_F(Cli, BakesEncodesDecodesCompares) {
     EXPECT_EQ(encoded.err, ""); // no progress in a pipe
 }
 
+TEST_F(Cli, SwitchesCodingTools) {
+    succeed(small_scene + "-q -o a.rgb");
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess ";
+    const auto bytes = [&](const std::string& tools) {
+        succeed(encode + tools);
+        return slurp(at("x.tess"));
+    };
+    const std::string all = bytes("");
+    EXPECT_NE(bytes("--tools -copies,-rotation"), all);
+    EXPECT_NE(bytes("--tools none"), all);
+    EXPECT_NE(bytes("--tools none,+copies"), bytes("--tools=none"));
+    EXPECT_EQ(bytes("--tools -copies,+copies"), all); // the last word counts
+    EXPECT_EQ(bytes("--tools none --effort 1"), bytes("--tools none"));
+    succeed(small_scene + "-q -o x.tess --tools none");
+    succeed("compare x.tess a.rgb --size 32x16x9x5 --min-psnr 38");
+    fail(1, encode + "--tools -copeis",
+         {"--tools", "'-copeis'", "did you mean 'copies'", "fitted-tables"});
+    fail(1, encode + "--tools +frobnication", {"--tools", "frobnication", "copies, both, half"});
+    fail(1, encode + "--tools copies", {"--tools", "+copies", "-copies"});
+    fail(1, encode + "--tools -copies,,+half", {"--tools"});
+    fail(1, small_scene + "-o y.tess --tools -copeis", {"did you mean 'copies'"});
+    fail(1, small_scene + "-o y.rgb --tools none", {".tess"});
+    fail(1, "rd composed -o report --tools -copeis", {"did you mean 'copies'"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "x.tess"}));
+    const std::string rd = "rd a.rgb --size 32x16x9x5 -o report --rivals none --quality 50 "
+                           "--efforts 1 --json ";
+    const Json without = json(rd + "--tools none"), with = json(rd); // the cache knows them apart
+    EXPECT_NE(without["textures"][0]["measurements"][0]["bytes"],
+              with["textures"][0]["measurements"][0]["bytes"]);
+    EXPECT_NE(without.dump().find("--tools none"), std::string::npos);
+    for (const char* verb : {"encode", "bake", "rd"})
+        EXPECT_NE(run(std::string(verb) + " --help").out.find("rotated-search: "),
+                  std::string::npos);
+}
+
 TEST_F(Cli, DecodesParts) {
     succeed(small_scene + "-q -o a.tess --quality 60");
     succeed("decode a.tess -q -o whole.rgb");

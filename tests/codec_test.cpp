@@ -190,6 +190,88 @@ TEST(Codec, EveryEffortRoundTrips) {
     }
 }
 
+// Coloured noise, smooth over two texels, that moves half a texel a view along s and one along t.
+MemoryTexture texture_with_parallax(SampleType type) {
+    Random random(11);
+    std::vector<double> lattice;
+    for (int i = 0; i < 3 * 64 * 64; ++i)
+        lattice.push_back(random.unit());
+    const double gain = type == SampleType::half16 ? 1000 : 1;
+    return {describe({24, 16, 6, 5}, type), [=](int u, int v, int s, int t, int c) {
+                const double x = 0.5 * (u + 0.5 * s) + 8, y = 0.5 * (v + t) + 8;
+                const int i = static_cast<int>(x), j = static_cast<int>(y);
+                const auto at = [&](int k, int l) {
+                    const auto place = static_cast<std::size_t>(l * 64 + k);
+                    return 0.7 * lattice[place] +
+                           0.3 * lattice[(static_cast<std::size_t>(c) << 12) + place];
+                };
+                const double f = x - i, g = y - j;
+                const double grain = (u * 7 + v * 13 + s * 29 + t * 31 + c * 3) % 17 / 17.0;
+                return gain * (0.9 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
+                                      g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
+                               0.1 * grain);
+            }};
+}
+
+TEST(Tools, EachChangesTheFileAndItStillDecodes) {
+    for (const SampleType type : types) {
+        MemoryTexture texture = texture_with_parallax(type);
+        EncodeOptions all = options_for({Kind::quality, 70}, 7);
+        all.tile_extent = {16, 16, 4, 4};
+        const Encoded full = encode(texture, all);
+        const auto check = [&](const char* name, bool none, CodingTool tool) {
+            EncodeOptions options = all;
+            if (none)
+                options.tools.set_all(false);
+            else
+                options.tools.set(tool, false);
+            const Encoded encoded = encode(texture, options);
+            EXPECT_NE(encoded.file, full.file) << name;
+            const Bytes texels = decode_all(encoded.file, texture.desc());
+            const Difference d = difference(texture.texels, texels, type);
+            EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
+            EXPECT_NEAR(encoded.report.psnr, full.report.psnr, 2.5) << name;
+            options.threads = 3;
+            EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
+        };
+        for (const CodingToolInfo& info : coding_tools)
+            check(info.name, false, info.tool);
+        check("none", true, {});
+    }
+}
+
+TEST(Tools, OnTopOfAnyEffort) {
+    MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
+    const auto without = [&](int effort) {
+        EncodeOptions options = options_for({Kind::quality, 70}, effort);
+        options.tools.set_all(false);
+        return encode(texture, options).file;
+    };
+    EXPECT_EQ(without(0), without(9)); // nothing is left for an effort to choose
+    const Encoded fastest = encode(texture, options_for({Kind::quality, 70}, 0));
+    for (const CodingTool tool : {CodingTool::copies, CodingTool::rotation, CodingTool::dependent,
+                                  CodingTool::fitted_tables, CodingTool::grids}) {
+        EncodeOptions options = options_for({Kind::quality, 70}, 0);
+        options.tools.set(tool, true);
+        const Encoded encoded = encode(texture, options);
+        EXPECT_NE(encoded.file, fastest.file) << static_cast<int>(tool);
+        const Bytes texels = decode_all(encoded.file, texture.desc());
+        EXPECT_NEAR(encoded.report.psnr,
+                    difference(texture.texels, texels, SampleType::unorm8).psnr, 1e-9);
+    }
+}
+
+TEST(Tools, KeepTheMaximumError) {
+    MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
+    EncodeOptions options = options_for({Kind::max_error, 2}, 3);
+    options.tools.set_all(false);
+    const Encoded encoded = encode(texture, options);
+    EXPECT_LE(
+        difference(texture.texels, decode_all(encoded.file, texture.desc()), SampleType::unorm8)
+            .largest,
+        2);
+}
+
 TEST(Codec, TileExtentsAreKept) {
     const TextureDesc desc = describe({35, 20, 9, 6});
     MemoryTexture texture = named_texture(desc, "smooth");

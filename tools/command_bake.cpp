@@ -67,7 +67,7 @@ Status bake_compressed(const Arguments& a, TexelSource& source) {
 Status bake_plain(const Arguments& a, TexelSource& source) {
     if (says_how_to_encode(a.encode))
         return {ErrorCode::bad_argument,
-                a.output + ": rate, tile and metadata options need a .tess output"};
+                a.output + ": rate, tile, tools and metadata options need a .tess output"};
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
     const auto options =

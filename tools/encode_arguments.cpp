@@ -2,6 +2,7 @@
 
 #include "tools/description_text.h"
 #include "tools/parse.h"
+#include "tools/tool_switches_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -49,6 +50,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     app.add_option("--effort", a.effort, "0 (fastest) to 9 (smallest)")
         ->check(CLI::Range(0, 9))
         ->capture_default_str();
+    app.add_option("--tools", a.tools, tool_switches_help())->type_name("LIST");
     app.add_option("--tile", a.tile, "Largest tile UxVxSxT, sides 1..32 (default 32x32x8x8)");
     app.add_flag("--no-verify", a.no_verify, "Do not decode every tile again before it is written");
     app.add_flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
@@ -68,6 +70,10 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     EncodeOptions options;
     options.rate = make_rate(a);
     options.effort = a.effort;
+    const auto tools = parse_tool_switches(a.tools);
+    if (!tools.ok())
+        return tools.status();
+    options.tools = *tools;
     options.threads = threads;
     options.verify = !a.no_verify;
     options.strict = a.strict;
@@ -92,7 +98,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
 
 bool says_how_to_encode(const EncodeArguments& a) {
     return a.quality || a.target_psnr || a.target_bpt || a.target_bytes || a.max_error ||
-           !a.tile.empty() || !a.metadata.empty();
+           !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
 }
 
 void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& r) {

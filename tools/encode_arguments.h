@@ -16,7 +16,7 @@ struct EncodeArguments {
     std::optional<std::uint64_t> target_bytes;
     int effort = 5;
     bool no_verify = false, strict = false;
-    std::string tile;
+    std::string tile, tools;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
 };

@@ -6,11 +6,10 @@
 #include "codec/access_cost.h"
 #include "codec/encoder.h"
 #include "codec/memory_source.h"
-#include "corpus/bake.h"
+#include "tests/regression/textures.h"
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -21,34 +20,6 @@ namespace {
 double seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
-}
-
-struct Texture {
-    std::string name;
-    TextureDesc desc;
-    std::vector<std::byte> texels;
-};
-
-Result<Texture> load_peers(const char* path) {
-    TextureDesc desc{{128, 64, 32, 32}, SampleType::unorm8, 3};
-    std::vector<std::byte> texels(desc.box_bytes(Box4::whole(desc.size)));
-    std::ifstream file(path, std::ios::binary);
-    if (!file.read(reinterpret_cast<char*>(texels.data()),
-                   static_cast<std::streamsize>(texels.size())))
-        return Status(ErrorCode::io, std::string(path) + ": cannot read 25165824 bytes");
-    return Texture{"peers_composed_128x64x32x32", desc, std::move(texels)};
-}
-
-// Bakes a scene once, so that every row sees the same texels at no cost.
-Result<Texture> bake(const std::string& scene, const Extent4& size) {
-    auto baked = corpus::make_baked_source(scene, size, 16, 1);
-    if (!baked)
-        return baked.status();
-    const TextureDesc desc = (*baked)->desc();
-    const Box4 box = Box4::whole(size);
-    std::vector<std::byte> texels(desc.box_bytes(box));
-    TESSERA_TRY((*baked)->read(box, texels));
-    return Texture{scene + "_" + to_string(size), desc, std::move(texels)};
 }
 
 struct Row {

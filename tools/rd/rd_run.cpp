@@ -7,6 +7,7 @@
 #include "tools/rd/plot.h"
 #include "tools/rd/sweep.h"
 #include "tools/rd/tessera_codec.h"
+#include "tools/tool_switches_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,10 +59,10 @@ std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
         if (std::none_of(codecs.begin(), codecs.end(), [&](const CodecUnderTest& c) {
                 return c.id == "tessera:" + std::to_string(effort);
             }))
-            codecs.push_back(tessera_codec(effort, tessera_settings(o)));
+            codecs.push_back(tessera_codec(effort, tessera_settings(o), o.tools));
     for (const int effort : o.quick ? quick_speed_efforts : speed_efforts)
         if (!has(efforts, effort)) {
-            codecs.push_back(tessera_codec(effort, {speed_setting}));
+            codecs.push_back(tessera_codec(effort, {speed_setting}, o.tools));
             codecs.back().in_plot = false;
         }
     return codecs;
@@ -106,6 +107,7 @@ std::string command_text(const RdOptions& o) {
     if (!o.texture_size.empty())
         text += " --texture-size " + o.texture_size;
     return text + (o.on_sphere ? " --sphere" : "") + (o.quick ? " --quick" : "") +
+           (o.tools.empty() ? "" : " --tools " + o.tools) +
            (o.rivals.empty() ? "" : " --rivals " + o.rivals) + " -o " + o.output;
 }
 
@@ -217,6 +219,9 @@ Result<RdReport> run_rd(const RdOptions& options) {
                                                              : "all");
     if (!rivals.ok())
         return rivals.status();
+    const auto tools = parse_tool_switches(options.tools);
+    if (!tools.ok())
+        return tools.status();
     std::error_code error;
     std::filesystem::create_directories(options.output, error);
     if (error)

@@ -7,6 +7,7 @@
 #include "format/version.h"
 #include "tools/interrupt.h"
 #include "tools/rd/rivals.h" // best_time
+#include "tools/tool_switches_text.h"
 
 #include <chrono>
 
@@ -80,8 +81,13 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-Result<Coded> code(int effort, const CodingJob& job, const std::string& setting) {
+Result<Coded> code(int effort, const std::string& tools, const CodingJob& job,
+                   const std::string& setting) {
+    const auto switches = parse_tool_switches(tools);
+    if (!switches.ok())
+        return switches.status();
     EncodeOptions options;
+    options.tools = *switches;
     options.rate = rate_of(setting);
     options.effort = effort;
     options.threads = job.threads;
@@ -114,14 +120,16 @@ Result<Coded> code(int effort, const CodingJob& job, const std::string& setting)
 
 } // namespace
 
-CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings) {
+CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings,
+                             const std::string& tools) {
     CodecUnderTest codec;
     codec.id = "tessera:" + std::to_string(effort);
-    codec.layout = "effort " + std::to_string(effort) + ", tiles that decode alone";
-    codec.version = "tessera " + build_version();
+    codec.layout = "effort " + std::to_string(effort) + ", tiles that decode alone" +
+                   (tools.empty() ? "" : ", tools " + tools);
+    codec.version = "tessera " + build_version() + (tools.empty() ? "" : " " + tools);
     codec.settings = std::move(settings);
-    codec.run = [effort](const CodingJob& job, const std::string& setting) {
-        return code(effort, job, setting);
+    codec.run = [effort, tools](const CodingJob& job, const std::string& setting) {
+        return code(effort, tools, job, setting);
     };
     return codec;
 }

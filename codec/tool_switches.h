@@ -1,0 +1,69 @@
+// Coding tools that can be switched off one by one, to see what each is worth, or on where an
+// effort leaves them out. What they are worth: tests/regression/ablation.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tessera {
+
+enum class CodingTool : std::uint8_t {
+    copies,
+    both,
+    half,
+    rotation,
+    ycocg,
+    rotated_search,
+    dependent,
+    rdo,
+    fitted_tables,
+    grids,
+};
+
+struct CodingToolInfo {
+    CodingTool tool;
+    const char* name;
+    const char* help;
+};
+
+inline constexpr std::array<CodingToolInfo, 10> coding_tools = {{
+    {CodingTool::copies, "copies", "blocks copy from other views"},
+    {CodingTool::both, "both", "... from two directions at once"},
+    {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
+    {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
+    {CodingTool::ycocg, "ycocg", "YCoCg, not RGB; without it no rotation either"},
+    {CodingTool::rotated_search, "rotated-search",
+     "the search for blocks knows of rotated colours"},
+    {CodingTool::dependent, "dependent", "two quantisers in turn, chosen by a trellis"},
+    {CodingTool::rdo, "rdo",
+     "levels by rate and distortion, not rounded with a dead zone; without it not dependent "
+     "either"},
+    {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
+    {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
+}};
+
+// What was asked for on top of an effort. By itself nothing.
+class ToolSwitches {
+public:
+    void set(CodingTool tool, bool on) {
+        (on ? on_ : off_) |= bit(tool);
+        (on ? off_ : on_) &= ~bit(tool);
+    }
+    void set_all(bool on) {
+        for (const CodingToolInfo& info : coding_tools)
+            set(info.tool, on);
+    }
+    bool is_on(CodingTool tool, bool of_effort) const {
+        return (of_effort || (on_ & bit(tool)) != 0) && (off_ & bit(tool)) == 0;
+    }
+    bool operator==(const ToolSwitches&) const = default;
+
+private:
+    static std::uint32_t bit(CodingTool tool) {
+        return std::uint32_t{1} << static_cast<unsigned>(tool);
+    }
+    std::uint32_t on_ = 0, off_ = 0;
+};
+
+} // namespace tessera
