@@ -58,14 +58,25 @@ float BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) 
     return cost;
 }
 
+float BlockQuantizer::energy(const BlockCoefficients& block) const {
+    const auto count = static_cast<std::size_t>(block.shape.texels());
+    float total = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
+        float sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += x[i] * x[i];
+        total += sum * inverse_step(block, plane) * inverse_step(block, plane);
+    }
+    return total;
+}
+
 float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                                      std::size_t first_plane, TileLevels& out) {
     const ShapeCoding& shape = coding_.shape(block.shape);
     const ScanOrder& order = shape.order;
     const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
-    const float inverse_step = block.colour != 0 && plane < 3
-                                   ? inverse_rotated_step_
-                                   : inverse_step_[static_cast<std::size_t>(plane)];
+    const float per_step = inverse_step(block, plane);
     const auto& n = block.shape.n;
     const int p_class = plane_class(plane);
     const auto& length_costs =
@@ -83,7 +94,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
         const auto& k = order.entry[static_cast<std::size_t>(i)].k;
         const float a =
             x[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] *
-            inverse_step;
+            per_step;
         amplitude_[static_cast<std::size_t>(i)] = a;
         if (std::fabs(a) >= smallest)
             last = i;

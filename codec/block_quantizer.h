@@ -38,7 +38,14 @@ public:
     // cost relative to a block of zeros.
     float quantize(const BlockCoefficients& block, TileLevels& out);
 
+    // What a block of zeros would cost, which quantize() counts from: squared quantiser steps.
+    float energy(const BlockCoefficients& block) const;
+
 private:
+    float inverse_step(const BlockCoefficients& block, int plane) const {
+        return block.colour != 0 && plane < 3 ? inverse_rotated_step_
+                                              : inverse_step_[static_cast<std::size_t>(plane)];
+    }
     // What the choice of levels needs to know of one plane.
     struct PlaneTask {
         const ScanOrder& order;

@@ -169,6 +169,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     reset_choices();
     combine();
     emit(root, 0, 0, {0, 0, 0, 0}, out);
+    out.predictions.clear(); // all copy nothing
 }
 
 // Sums and energies of the finest cells give those of all others.
@@ -257,9 +258,7 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     out.clear();
     out.shape = shape_;
     emit(Block{{0, 0, 0, 0}, shape_, 0, 0}, 0, 0, {0, 0, 0, 0}, out);
-    return std::any_of(out.predictions.begin(), out.predictions.end(), [](const auto& prediction) {
-        return prediction.from != CopyFrom::nothing;
-    });
+    return copies_anything(out.predictions);
 }
 
 void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
@@ -530,7 +529,7 @@ void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
 void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,
                                   const TilePlanes& reconstructed, BlockCoefficients& out) {
     out.shape = block.shape;
-    out.copies = prediction.from != CopyFrom::nothing;
+    out.copies = prediction.copies();
     const auto& n = block.shape.n;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -540,7 +539,7 @@ void BlockSearch::transform_block(const Block& block, const BlockPrediction& pre
         x.resize(std::max(x.size(), texels));
         scratch_a_.resize(std::max(scratch_a_.size(), texels));
         gather_block(block, plane, x.data());
-        if (prediction.from != CopyFrom::nothing)
+        if (prediction.copies())
             subtract_prediction(block, prediction, plane, reconstructed, x.data());
         for (int axis = 3; axis >= 0; --axis) {
             if (n[axis] == 1)

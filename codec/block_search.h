@@ -27,7 +27,7 @@ class BlockSearch {
 public:
     BlockSearch(const TileCoding& coding, const BitCosts& costs, const SearchOptions& options);
 
-    // Fills shape, splits and blocks of `out`.
+    // Fills shape, splits and blocks of `out`; nothing copies.
     void choose_blocks(const TilePlanes& planes, TileLevels& out);
 
     // The same with blocks that copy from other views, for the tile given to the last choose_blocks.

@@ -107,7 +107,7 @@ void finish_predicted(const Block& block, const BlockPrediction& prediction, Sam
                    tile.n[0] +
                block.origin[0];
     };
-    if (prediction.from == CopyFrom::nothing) {
+    if (!prediction.copies()) {
         constexpr std::array<std::int32_t, max_tile_side> nothing{};
         for (int t = 0; has_difference && t < n[3]; ++t)
             for (int s = 0; s < n[2]; ++s)

@@ -5,8 +5,17 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 
 namespace tessera {
+namespace {
+
+float sum_over(const float* sums, const Segment& u) {
+    return std::accumulate(sums + u.begin, sums + u.begin + u.size, 0.0f);
+}
+
+} // namespace
+
 void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
                                const std::vector<std::int32_t>& reconstructed) {
     tile_ = tile;
@@ -96,10 +105,7 @@ float DisplacementSearch::error_of(const Displacement& d, const Segment& u,
                                    const Segment& v) const {
     float sums[max_tile_side] = {};
     measure(d, u, v, sums);
-    float error = 0;
-    for (int i = 0; i < u.size; ++i)
-        error += sums[i];
-    return error;
+    return sum_over(sums, {0, u.size});
 }
 
 // All candidates for all spatial cells of the angular cell in hand.
@@ -111,13 +117,8 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
         for (std::size_t cv = 0; cv < finest[1].size(); ++cv) {
             float sums[max_tile_side] = {};
             measure(candidates_[i], row, finest[1][cv], sums);
-            for (std::size_t cu = 0; cu < finest[0].size(); ++cu) {
-                const Segment& u = finest[0][cu];
-                float error = 0;
-                for (int x = u.begin; x < u.begin + u.size; ++x)
-                    error += sums[x];
-                errors_[(cv * finest[0].size() + cu) * count + i] = error;
-            }
+            for (std::size_t cu = 0; cu < finest[0].size(); ++cu)
+                errors_[(cv * finest[0].size() + cu) * count + i] = sum_over(sums, finest[0][cu]);
         }
     float* fine = errors_.data();
     for (std::size_t depth = spatial.size() - 1; depth-- > 0;) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "codec/encoder.h" // ProgressFunction
+#include "format/sample_code.h"
 #include "format/status.h"
 #include "format/texture.h"
 
@@ -36,8 +37,7 @@ constexpr double log2_peak = 29.2870077666; // log2(65504 / log2_floor) as its p
 
 // Integer that grows by one from each half to the next; +0 and -0 are both 0.
 inline std::int32_t half_ordinal(std::uint16_t half) {
-    const std::int32_t magnitude = half & 0x7FFF;
-    return half & 0x8000 ? -magnitude : magnitude;
+    return sample_code(half, SampleType::half16);
 }
 
 struct SamplePlace {

@@ -223,8 +223,7 @@ void reconstruct(const TileLevels& levels, const TileCoding& coding, Reconstruct
             reconstruct_block(levels, block, coding, scratch, planes);
         return;
     }
-    for (const std::uint16_t block :
-         copy_depths(levels.shape, levels.blocks, levels.predictions).order)
+    for (const std::uint16_t block : levels.order)
         reconstruct_block(levels, block, coding, scratch, planes);
 }
 

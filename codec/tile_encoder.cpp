@@ -2,7 +2,6 @@
 
 #include "codec/colour_choice.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace tessera {
@@ -11,43 +10,6 @@ namespace {
 // Of a block that copies, beside its levels: what encode_best takes them for.
 constexpr float usual_prediction_bits = 6.0f;
 constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
-
-// Squared quantiser steps: what a block of zeros would leave. On rotated axes that is not what it is
-// on Y, Co and Cg, which are not orthogonal, so costs relative to zero are not comparable.
-float energy(const BlockCoefficients& block, const CodingParameters& parameters, bool rotated) {
-    const auto count = static_cast<std::size_t>(block.shape.texels());
-    float total = 0;
-    for (std::size_t plane = 0; plane < block.plane.size(); ++plane) {
-        if (block.plane[plane].size() < count)
-            continue;
-        const StepCode& step =
-            rotated && plane < 3 ? parameters.rotated_step : parameters.step[plane];
-        const auto inverse_step = static_cast<float>(1.0 / step.value());
-        float sum = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            sum += block.plane[plane][i] * block.plane[plane][i];
-        total += sum * inverse_step * inverse_step;
-    }
-    return total;
-}
-
-bool copies_anything(const TileLevels& tile) {
-    return std::any_of(tile.predictions.begin(), tile.predictions.end(), [](const auto& prediction) {
-        return prediction.from != CopyFrom::nothing;
-    });
-}
-
-// Blocks that would copy from too deep copy nothing.
-CopyDepths limit_depths(TileLevels& tile) {
-    for (;;) {
-        CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
-        if (depths.largest <= max_copy_depth)
-            return depths;
-        for (std::size_t i = 0; i < tile.blocks.size(); ++i)
-            if (depths.depth[i] > max_copy_depth)
-                tile.predictions[i] = {};
-    }
-}
 
 // Levels in the order of the blocks, as a decoder reads them.
 void sort_levels(TileLevels& tile) {
@@ -105,7 +67,6 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
                          TileLevels& out) {
     planes_from_texels(texels, *colour_, shape, planes_);
     search_.choose_blocks(planes_, out);
-    out.predictions.clear();
     float cost = encode_blocks(out);
     if (!coding_->predicts || settings_->search.copies.along == 0)
         return;
@@ -134,14 +95,14 @@ float TileEncoder::encode_blocks(TileLevels& out) {
 
 // Closed loop: each block copies from what the decoder will have.
 float TileEncoder::encode_copies(TileLevels& out) {
-    const CopyDepths depths = limit_depths(out);
+    out.order = limit_copy_depths(out.shape, out.blocks, out.predictions).order;
     const auto planes = static_cast<std::size_t>(coding_->planes);
     out.planes.assign(out.blocks.size() * planes, {});
     out.colours.assign(out.blocks.size(), 0);
     last_rotation_ = 1;
     decoded_.resize(out.shape, coding_->planes);
     float cost = 0;
-    for (const std::uint16_t i : depths.order) {
+    for (const std::uint16_t i : out.order) {
         cost += encode_best(out.blocks[i], out.predictions[i]) +
                 settings_->quantizer.lambda * usual_split_bits;
         for (std::size_t plane = 0; plane < planes; ++plane) {
@@ -154,8 +115,8 @@ float TileEncoder::encode_copies(TileLevels& out) {
         reconstruct_block(out, i, *coding_, scratch_, decoded_);
     }
     sort_levels(out);
-    if (!copies_anything(out))
-        out.predictions.clear();
+    if (!copies_anything(out.predictions))
+        out.forget_copies();
     return cost;
 }
 
@@ -164,7 +125,7 @@ float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
     trial_.clear();
     const int rotation_before = last_rotation_;
     const float chosen = encode_block(block, prediction, trial_);
-    if (prediction.from == CopyFrom::nothing)
+    if (!prediction.copies())
         return chosen;
     const float copied = chosen + settings_->quantizer.lambda * usual_prediction_bits;
     const int rotation_after = last_rotation_;
@@ -185,8 +146,9 @@ float TileEncoder::encode_block(const Block& block, const BlockPrediction& predi
                                 TileLevels& out) {
     search_.transform_block(block, prediction, decoded_, coefficients_);
     const TileLevels::Mark mark = out.mark();
-    const float plain =
-        quantizer_.quantize(coefficients_, out) + energy(coefficients_, coding_->parameters, false);
+    // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
+    // orthogonal: costs relative to it would not compare.
+    const float plain = quantizer_.quantize(coefficients_, out) + quantizer_.energy(coefficients_);
     if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
         return plain;
     const int rotation = choose_rotation(
@@ -201,7 +163,7 @@ float TileEncoder::encode_block(const Block& block, const BlockPrediction& predi
     const auto& bits = costs_->colour[1];
     const float lambda = settings_->quantizer.lambda;
     const float rotated = quantizer_.quantize(rotated_, out) +
-                          energy(rotated_, coding_->parameters, true) +
+                          quantizer_.energy(rotated_) +
                           lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
     // A block whose first plane is empty has no colour symbol.
     if (rotated < plain && out.planes[second.planes].coded_length > 0) {

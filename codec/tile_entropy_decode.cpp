@@ -1,8 +1,10 @@
 #include "codec/context_grid.h"
 #include "codec/tile_entropy.h"
 #include "codec/tile_syntax.h"
+#include "format/split_tree.h"
 
 #include <string>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -19,13 +21,10 @@ public:
             rans_ = RansDecoder(parts.segments[i].bytes);
             work_ = 0;
             last_colour_ = ColourMemory{};
-            if (i == 0 && !node(Block{{0, 0, 0, 0}, shape, 0, 0}))
+            if (i == 0 && !decode_tree())
                 return damaged(i, "split tree out of range");
-            if (i == 0 && copies_ &&
-                copy_depths(shape, out_.blocks, out_.predictions).largest > max_copy_depth)
+            if (i == 0 && !order_copies())
                 return damaged(i, "copies of copies, more than 15 deep");
-            if (i == 0 && !copies_)
-                out_.predictions.clear();
             const std::size_t end =
                 i + 1 < parts.segments.size()
                     ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
@@ -48,31 +47,33 @@ private:
         return {ErrorCode::invalid_file, "segment " + std::to_string(segment) + ": " + what};
     }
 
-    bool node(const Block& block) {
-        ++work_;
-        const auto& table = coding_.tables.split[block.spatial_depth][block.angular_depth];
-        auto split = static_cast<Split>(table.decode(rans_));
-        if (split != Split::none && !can_split(block.shape, split))
-            return false;
-        out_.splits.push_back(static_cast<std::uint8_t>(split));
-        if (split == Split::none) {
+    bool decode_tree() {
+        PredictionMemory memory;
+        const auto node = [&](Split split) {
+            ++work_;
+            out_.splits.push_back(static_cast<std::uint8_t>(split));
+        };
+        const auto leaf = [&](const Block& block) {
             out_.blocks.push_back(block);
-            return out_.blocks.size() <= max_leaves && (!coding_.predicts || prediction(block));
-        }
-        const Children children = children_of(block, split);
-        for (int i = 0; i < children.count; ++i)
-            if (!node(children.block[static_cast<std::size_t>(i)]))
+            if (out_.blocks.size() > max_leaves)
                 return false;
-        return true;
+            return !coding_.predicts ||
+                   decode_prediction(rans_, coding_.tables, block, memory,
+                                     out_.predictions.emplace_back());
+        };
+        return decode_split_tree(rans_, coding_.tables, Block{{0, 0, 0, 0}, out_.shape, 0, 0}, node,
+                                 leaf);
     }
 
-    bool prediction(const Block& block) {
-        out_.predictions.emplace_back();
-        BlockPrediction& prediction = out_.predictions.back();
-        if (!decode_prediction(rans_, coding_.tables, block, predictions_, prediction))
-            return false;
-        copies_ = copies_ || prediction.from != CopyFrom::nothing;
-        return true;
+    // False for copies that are too deep.
+    bool order_copies() {
+        if (!copies_anything(out_.predictions)) {
+            out_.forget_copies();
+            return true;
+        }
+        CopyDepths depths = copy_depths(out_.shape, out_.blocks, out_.predictions);
+        out_.order = std::move(depths.order);
+        return depths.largest <= max_copy_depth;
     }
 
     bool decode_block(std::size_t index) {
@@ -172,8 +173,6 @@ private:
     ContextGrid grid_;
     RecentShapes shapes_;
     ColourMemory last_colour_;
-    PredictionMemory predictions_;
-    bool copies_ = false; // a block does
     int work_ = 0;
 };
 

@@ -29,7 +29,10 @@ struct TileLevels {
     std::vector<Block> blocks;         // leaves in decoding order
     std::vector<std::uint8_t> colours; // of each block: 0 plain, else 1 + rotation
     std::vector<std::uint8_t> splits;  // Split of every node, parents before children
-    std::vector<BlockPrediction> predictions; // of each block; empty: no block copies anything
+    // Of each block, and the order in which they are reconstructed (see copy_depths); both empty where
+    // no block copies anything.
+    std::vector<BlockPrediction> predictions;
+    std::vector<std::uint16_t> order;
     std::vector<PlaneLevels> planes;   // blocks.size() * number of planes
     std::vector<NonZero> nonzeros;
 
@@ -38,9 +41,13 @@ struct TileLevels {
         blocks.clear();
         colours.clear();
         splits.clear();
-        predictions.clear();
+        forget_copies();
         planes.clear();
         nonzeros.clear();
+    }
+    void forget_copies() {
+        predictions.clear();
+        order.clear();
     }
     // Ends of colours, planes and nonzeros, for an encoder that tries and takes back.
     struct Mark {
@@ -66,7 +73,7 @@ struct TileLevels {
             planes[i].first -= static_cast<std::uint32_t>(to.nonzeros - from.nonzeros);
     }
     bool copies(std::size_t block) const {
-        return !predictions.empty() && predictions[block].from != CopyFrom::nothing;
+        return !predictions.empty() && predictions[block].copies();
     }
     std::span<const NonZero> levels(const PlaneLevels& plane) const {
         return {nonzeros.data() + plane.first, plane.count};

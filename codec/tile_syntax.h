@@ -142,7 +142,7 @@ private:
         if (context < 0)
             return;
         visitor_.prediction(context, prediction_symbol(prediction.from, context));
-        predictions_.remember(prediction.from != CopyFrom::nothing);
+        predictions_.remember(prediction.copies());
         for (int direction = 0; direction < copy_directions; ++direction) {
             if (!prediction.copies_along(direction))
                 continue;

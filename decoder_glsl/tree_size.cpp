@@ -3,6 +3,7 @@
 #include "decoder_glsl/shader_layout.h"
 #include "format/limits.h"
 #include "format/prediction.h"
+#include "format/split_tree.h"
 
 #include <algorithm>
 #include <utility>
@@ -30,26 +31,18 @@ public:
         : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts) {}
 
     // False for a tree that the format forbids.
-    bool count(const Block& block) {
-        ++size.nodes;
-        const auto split = static_cast<Split>(
-            tables_.split[block.spatial_depth][block.angular_depth].decode(rans_));
-        if (split == Split::none) {
+    bool count(const BlockShape& tile) {
+        const auto node = [&](Split) { ++size.nodes; };
+        const auto leaf = [&](const Block& block) {
             size.items += items_of(block.shape, planes_, block.shape.n[2], block.shape.n[3]);
             return ++size.blocks <= max_leaves && (!predicts_ || predict(block));
-        }
-        if (!can_split(block.shape, split))
-            return false;
-        const Children children = children_of(block, split);
-        for (int i = 0; i < children.count; ++i)
-            if (!count(children.block[static_cast<std::size_t>(i)]))
-                return false;
-        return true;
+        };
+        return decode_split_tree(rans_, tables_, Block{{0, 0, 0, 0}, tile, 0, 0}, node, leaf);
     }
 
     // What the blocks copy, if any does.
     void count_copies(const BlockShape& tile) {
-        if (!copies_)
+        if (!copies_anything(predictions_))
             return;
         const CopyDepths depths = copy_depths(tile, blocks_, predictions_);
         size.too_deep = depths.largest > max_copy_depth;
@@ -77,18 +70,13 @@ private:
     // False for a prediction that the format forbids.
     bool predict(const Block& block) {
         blocks_.push_back(block);
-        predictions_.emplace_back();
-        if (!decode_prediction(rans_, tables_, block, memory_, predictions_.back()))
-            return false;
-        copies_ = copies_ || predictions_.back().from != CopyFrom::nothing;
-        return true;
+        return decode_prediction(rans_, tables_, block, memory_, predictions_.emplace_back());
     }
 
     RansDecoder rans_;
     const CodeTables& tables_;
     const int planes_;
     const bool predicts_;
-    bool copies_ = false;
     PredictionMemory memory_;
     std::vector<Block> blocks_; // with their predictions, where the file has them
     std::vector<BlockPrediction> predictions_;
@@ -101,7 +89,7 @@ TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
     // A tile that turns out damaged is drawn as one block of nothing.
     const std::uint32_t background = items_of(tile, planes, 1, 1);
     TreeCounter counter(segment, tables, planes, predicts);
-    if (!counter.count(Block{{0, 0, 0, 0}, tile, 0, 0}))
+    if (!counter.count(tile))
         return {.items = background};
     counter.count_copies(tile);
     counter.size.items = std::max(counter.size.items, background);

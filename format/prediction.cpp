@@ -51,6 +51,11 @@ std::uint32_t split_path(int n, int x) {
 
 } // namespace
 
+bool copies_anything(std::span<const BlockPrediction> predictions) {
+    return std::any_of(predictions.begin(), predictions.end(),
+                       [](const BlockPrediction& prediction) { return prediction.copies(); });
+}
+
 bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block& block,
                        PredictionMemory& memory, BlockPrediction& out) {
     out = {};
@@ -126,6 +131,18 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
             }
     }
     return result;
+}
+
+CopyDepths limit_copy_depths(const BlockShape& tile, std::span<const Block> blocks,
+                             std::span<BlockPrediction> predictions) {
+    for (;;) {
+        CopyDepths depths = copy_depths(tile, blocks, predictions);
+        if (depths.largest <= max_copy_depth)
+            return depths;
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            if (depths.depth[i] > max_copy_depth)
+                predictions[i] = {};
+    }
 }
 
 } // namespace tessera

@@ -32,11 +32,14 @@ struct BlockPrediction {
     CopyFrom from = CopyFrom::nothing;
     std::array<Displacement, copy_directions> displacement; // of the directions in use, else 0, 0
 
+    bool copies() const { return from != CopyFrom::nothing; }
     bool copies_along(int direction) const {
         return (static_cast<int>(from) >> direction & 1) != 0;
     }
     bool operator==(const BlockPrediction&) const = default;
 };
+
+bool copies_anything(std::span<const BlockPrediction> predictions);
 
 // What a tree remembers of its predicted blocks; the same for coding, counting and decoding.
 class PredictionMemory {
@@ -95,7 +98,8 @@ bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block&
 // depth than the block itself.
 struct CopyDepths {
     std::vector<std::uint8_t> depth;  // of each block; 0: copies nothing
-    std::vector<std::uint16_t> order; // of reconstruction, along the angular split path
+    std::vector<std::uint16_t> order; // of reconstruction, along the angular split path; goes by the
+                                      // blocks alone, whatever they copy
     int largest = 0;                  // above max_copy_depth: the tile is invalid
 };
 constexpr int max_copy_depth = 15;
@@ -103,5 +107,9 @@ constexpr int max_copy_depth = 15;
 // `tile`: the whole tile's shape. The blocks are the leaves of one split tree.
 CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
                        std::span<const BlockPrediction> predictions);
+
+// For writers: takes the predictions of blocks that would copy from too deep away.
+CopyDepths limit_copy_depths(const BlockShape& tile, std::span<const Block> blocks,
+                             std::span<BlockPrediction> predictions);
 
 } // namespace tessera

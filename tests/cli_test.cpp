@@ -1,4 +1,6 @@
 // The tool as a person or a script meets it: the built binary, its exit codes, messages and JSON.
+#include "tests/test_folder.h"
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -6,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -36,9 +39,7 @@ void spit(const fs::path& path, const std::string& bytes) {
 class Cli : public testing::Test {
 protected:
     void SetUp() override {
-        base_ = fs::temp_directory_path() /
-                ("tessera_cli_" + std::to_string(getpid()) + "_" +
-                 testing::UnitTest::GetInstance()->current_test_info()->name());
+        base_ = tessera::test::make_test_folder("cli");
         folder_ = base_ / "work";
         fs::create_directories(folder_);
     }

@@ -7,6 +7,7 @@
 #include "format/output_file.h"
 #include "format/syntax.h"
 #include "format/tile_grid.h"
+#include "tests/test_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -511,9 +512,7 @@ TEST(Names, UnknownValuesHaveAName) {
 class Files : public ::testing::Test {
 protected:
     void SetUp() override {
-        folder_ = std::filesystem::temp_directory_path() /
-                  ("tessera_format_test." + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder_);
+        folder_ = test::make_test_folder("format");
     }
     void TearDown() override {
         std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);

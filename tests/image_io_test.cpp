@@ -1,4 +1,5 @@
 // Textures in files of every kind: what is written is read back, bad files are refused by name.
+#include "tests/test_folder.h"
 #include "tools/copy_texture.h"
 #include "tools/parallel.h"
 #include "tools/parse.h"
@@ -15,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+
 #include <gtest/gtest.h>
 #include <random>
 #include <unistd.h>
@@ -28,10 +30,7 @@ namespace fs = std::filesystem;
 class ImageIo : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() /
-                  ("tessera_io_" + std::to_string(getpid()) + "_" +
-                   testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::create_directories(folder_);
+        folder_ = test::make_test_folder("io");
     }
     void TearDown() override { fs::remove_all(folder_); }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }

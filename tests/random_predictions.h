@@ -18,17 +18,9 @@ public:
         for (const Block& block : tile.blocks)
             tile.predictions.push_back(prediction_of(block));
         // Where copies of copies are too deep, the deepest copy nothing.
-        for (;;) {
-            const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
-            if (depths.largest <= max_copy_depth)
-                break;
-            for (std::size_t i = 0; i < tile.blocks.size(); ++i)
-                if (depths.depth[i] > max_copy_depth)
-                    tile.predictions[i] = {};
-        }
-        if (std::all_of(tile.predictions.begin(), tile.predictions.end(),
-                        [](const auto& p) { return p.from == CopyFrom::nothing; }))
-            tile.predictions.clear(); // as decoders have it
+        tile.order = limit_copy_depths(tile.shape, tile.blocks, tile.predictions).order;
+        if (!copies_anything(tile.predictions))
+            tile.forget_copies(); // as decoders have it
     }
 
 private:

@@ -1,5 +1,6 @@
 // `tessera rd`: the figures, the rivals' tools (stood in for by scripts), what is kept between
 // runs, and the report.
+#include "tests/test_folder.h"
 #include "tools/rd/bd_rate.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/plot_labels.h"
@@ -14,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -188,9 +190,7 @@ TEST(RdLayout, ViewsGoThereAndBack) {
 class RdTools : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() /
-                  ("tessera_rd_test_" + std::to_string(getpid()) + "_" +
-                   testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ = test::make_test_folder("rd");
         fs::create_directories(folder_ / "bin");
         path_ = std::getenv("PATH");
         setenv("PATH", (folder_ / "bin").c_str(), 1);

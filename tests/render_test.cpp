@@ -7,6 +7,7 @@
 #ifdef TESSERA_GPU
 #include "tests/gpu_fixture.h"
 #endif
+#include "tests/test_folder.h"
 #include "tools/command.h"
 #include "tools/gpu_renderer.h"
 #include "tools/png_file.h"
@@ -25,6 +26,7 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -208,12 +210,17 @@ TEST(TextureRenderer, ApproachesTheTruth) {
         }
 }
 
+std::vector<std::byte> encoded(TexelSource& source, const EncodeOptions& options) {
+    std::vector<std::byte> bytes;
+    EXPECT_TRUE(encode_memory(source, bytes, options).ok());
+    return bytes;
+}
+
 TEST(TextureRenderer, ReadsACompressedFile) {
     const auto source = bake("composed", {32, 16, 8, 8}, 2);
     EncodeOptions options;
     options.rate = {RateTarget::Kind::max_error, 0};
-    std::vector<std::byte> bytes;
-    ASSERT_TRUE(encode_memory(*source, bytes, options).ok());
+    const std::vector<std::byte> bytes = encoded(*source, options);
     const auto file = wrap_memory(bytes);
     const auto decoder = Decoder::open(*file);
     ASSERT_TRUE(decoder.ok());
@@ -273,10 +280,7 @@ TEST(ViewReport, Measures) {
 class Render : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() /
-                  ("tessera_render_" + std::to_string(getpid()) + "_" +
-                   testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::create_directories(folder_);
+        folder_ = test::make_test_folder("render");
     }
     void TearDown() override { fs::remove_all(folder_); }
 
@@ -439,9 +443,7 @@ protected:
         EncodeOptions options;
         options.tile_extent = {16, 8, 8, 8};
         options.effort = effort;
-        std::vector<std::byte> bytes;
-        EXPECT_TRUE(encode_memory(*source, bytes, options).ok());
-        return bytes;
+        return encoded(*source, options);
     }
 };
 
@@ -543,8 +545,7 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     EncodeOptions options;
     options.tile_extent = {32, 16, 8, 8};
     options.rate = {RateTarget::Kind::quality, 20};
-    std::vector<std::byte> bytes;
-    ASSERT_TRUE(encode_memory(*source, bytes, options).ok());
+    const std::vector<std::byte> bytes = encoded(*source, options);
     const auto file = wrap_memory(bytes);
     const auto decoder = Decoder::open(*file);
     ASSERT_TRUE(decoder.ok());

@@ -99,14 +99,10 @@ Status run(const Arguments& a) {
     const auto scene = corpus::find_scene(a.scene);
     if (!scene.ok())
         return scene.status();
-    Extent4 size = scene->default_size;
-    if (!a.texture.size.empty()) {
-        const auto parsed = parse_extent(a.texture.size);
-        if (!parsed.ok())
-            return parsed.status().with_context("--size");
-        size = *parsed;
-    }
-    auto baked = corpus::make_baked_source(a.scene, size, a.samples, a.seed);
+    const auto size = parse_extent_or(a.texture.size, "--size", scene->default_size);
+    if (!size.ok())
+        return size.status();
+    auto baked = corpus::make_baked_source(a.scene, *size, a.samples, a.seed);
     if (!baked.ok())
         return baked.status();
     const auto source = interruptible(std::move(*baked));

@@ -69,6 +69,13 @@ Result<Extent4> parse_extent(std::string_view text) {
     return desc.size;
 }
 
+Result<Extent4> parse_extent_or(const std::string& text, const char* option, const Extent4& usual) {
+    if (text.empty())
+        return usual;
+    auto parsed = parse_extent(text);
+    return parsed.ok() ? parsed : parsed.status().with_context(option);
+}
+
 Result<Box4> parse_box(std::string_view text, const Extent4& whole) {
     const auto parts = split(text, ',');
     const std::string quoted = "'" + std::string(text.substr(0, 100)) + "'";

@@ -12,6 +12,8 @@ namespace tessera {
 
 // "512x256x32x32". Errors: bad_argument, with the offending text.
 Result<Extent4> parse_extent(std::string_view text);
+// The value of `option`, or `usual` where it was not given. Errors: those of parse_extent, with the option.
+Result<Extent4> parse_extent_or(const std::string& text, const char* option, const Extent4& usual);
 
 // "u0:u1,v0:v1,s0:s1,t0:t1", half-open; a missing number is the end of the axis (":" is all of it).
 // Errors: bad_argument, also for an empty box and for one that leaves `whole`.

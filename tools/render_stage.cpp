@@ -136,14 +136,10 @@ Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& sta
     const auto info = corpus::find_scene(r.scene);
     if (!info.ok())
         return info.status().with_context("--scene");
-    Extent4 size = info->default_size;
-    if (!r.texture_size.empty()) {
-        const auto parsed = parse_extent(r.texture_size);
-        if (!parsed.ok())
-            return parsed.status().with_context("--texture-size");
-        size = *parsed;
-    }
-    auto baked = corpus::make_baked_source(r.scene, size, r.samples.value_or(usual_samples), 1);
+    const auto size = parse_extent_or(r.texture_size, "--texture-size", info->default_size);
+    if (!size.ok())
+        return size.status();
+    auto baked = corpus::make_baked_source(r.scene, *size, r.samples.value_or(usual_samples), 1);
     if (!baked.ok())
         return baked.status().with_context("--scene " + r.scene);
     stage.original = std::move(*baked);

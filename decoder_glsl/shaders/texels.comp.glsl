@@ -423,14 +423,16 @@ void tsr_sum_t(TsrItem item, int lane) {
             int in_s = item.origin.z + s;
             int in_t = item.origin.w + t;
             // Without a frequency along t all are the same.
-            if (t == 0 || item.patch_of.support_t > 1) {
+            bool changes = t == 0 || item.patch_of.support_t > 1;
+            if (changes)
                 values = tsr_sum_t_at(item, s, t, share.position);
-                codes = tsr_codes(item.format, values);
-            }
 #ifdef TSR_PREDICTED_TILES
             if (item.target.values != tsr_none)
                 codes = tsr_codes(item.format, tsr_predicted(item, values, u, v, in_s, in_t));
+            else
 #endif
+            if (changes)
+                codes = tsr_codes(item.format, values);
             ivec4 corrected = tsr_corrected(item, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
                             tsr_samples(item.format, corrected));

@@ -1,5 +1,6 @@
 // Codecs of arrays and bytes: zfp in four dimensions, OpenEXR's DWAA, zstd, and no codec at all.
-#include "codec/metrics.h" // half_ordinal
+#include "format/sample_code.h"
+#include "tools/rd/bt709.h"
 #include "tools/rd/exr_rival.h"
 #include "tools/rd/rivals.h"
 
@@ -22,24 +23,16 @@ bool has_yuv(const TextureDesc& desc) {
 std::vector<std::vector<float>> planes_of(const RdTexture& texture) {
     const unsigned channels = texture.desc.channels;
     std::vector<std::vector<float>> planes(channels, std::vector<float>(texture.texel_count()));
+    const SampleType type = texture.desc.type;
     const std::byte* from = texture.texels.data();
     for (std::size_t i = 0; i < texture.texel_count(); ++i)
-        for (unsigned c = 0; c < channels; ++c) {
-            if (texture.desc.type == SampleType::unorm8) {
-                planes[c][i] = static_cast<float>(std::to_integer<int>(*from++));
-                continue;
-            }
-            std::uint16_t half;
-            std::memcpy(&half, from, 2);
-            planes[c][i] = static_cast<float>(half_ordinal(half));
-            from += 2;
-        }
+        for (unsigned c = 0; c < channels; ++c, from += sample_bytes(type))
+            planes[c][i] = static_cast<float>(sample_code(load_sample(from, type), type));
     for (std::size_t i = 0; has_yuv(texture.desc) && i < texture.texel_count(); ++i) {
-        const float r = planes[0][i], g = planes[1][i], b = planes[2][i];
-        const float y = 0.2126f * r + 0.7152f * g + 0.0722f * b;
-        planes[0][i] = y;
-        planes[1][i] = (b - y) / 1.8556f;
-        planes[2][i] = (r - y) / 1.5748f;
+        const auto c = to_bt709(planes[0][i], planes[1][i], planes[2][i]);
+        planes[0][i] = c.y;
+        planes[1][i] = c.cb;
+        planes[2][i] = c.cr;
     }
     return planes;
 }
@@ -47,25 +40,17 @@ std::vector<std::vector<float>> planes_of(const RdTexture& texture) {
 std::vector<std::byte> texels_of(const TextureDesc& desc, std::vector<std::vector<float>> planes) {
     const std::size_t count = planes[0].size();
     for (std::size_t i = 0; has_yuv(desc) && i < count; ++i) {
-        const float y = planes[0][i];
-        const float b = y + 1.8556f * planes[1][i], r = y + 1.5748f * planes[2][i];
-        planes[0][i] = r;
-        planes[1][i] = (y - 0.2126f * r - 0.0722f * b) / 0.7152f;
-        planes[2][i] = b;
+        const auto c = from_bt709(planes[0][i], planes[1][i], planes[2][i]);
+        planes[0][i] = c.r;
+        planes[1][i] = c.g;
+        planes[2][i] = c.b;
     }
     std::vector<std::byte> texels(count * desc.texel_bytes());
     std::byte* to = texels.data();
     for (std::size_t i = 0; i < count; ++i)
-        for (unsigned c = 0; c < desc.channels; ++c) {
-            const long value = std::lround(planes[c][i]);
-            if (desc.type == SampleType::unorm8) {
-                *to++ = std::byte(static_cast<std::uint8_t>(std::clamp(value, 0l, 255l)));
-                continue;
-            }
-            const long code = std::clamp(value, -31743l, 31743l);
-            const auto half = static_cast<std::uint16_t>(code < 0 ? 0x8000 | -code : code);
-            std::memcpy(to, &half, 2);
-            to += 2;
+        for (unsigned c = 0; c < desc.channels; ++c, to += sample_bytes(desc.type)) {
+            const long value = std::clamp(std::lround(planes[c][i]), -65536l, 65536l);
+            store_sample(to, code_sample(static_cast<std::int32_t>(value), desc.type), desc.type);
         }
     return texels;
 }

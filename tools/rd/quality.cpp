@@ -4,6 +4,7 @@
 #include "format/sampler.h"
 #include "tools/camera.h"
 #include "tools/parallel.h"
+#include "tools/rd/bt709.h"
 #include "tools/view_file.h"
 
 #include <array>
@@ -17,17 +18,6 @@ namespace {
 constexpr Lens lens{45, 320, 240}; // of the rendered views
 // Small along s and t, as in render_stage.cpp: an observer sees each place from one direction.
 constexpr Extent4 render_block{8, 8, 4, 4};
-
-// BT.709 luma and colour differences of an error: the transform is linear.
-struct YuvError {
-    double y, cb, cr;
-};
-YuvError yuv_of(const std::int64_t* d) {
-    const double r = static_cast<double>(d[0]), g = static_cast<double>(d[1]),
-                 b = static_cast<double>(d[2]);
-    const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    return {y, (b - y) / 1.8556, (r - y) / 1.5748};
-}
 
 // Squared errors of some rows of v.
 struct Sums {
@@ -83,7 +73,8 @@ void add_angular_image(const RdTexture& original, const std::byte* a, const std:
             view += squared;
             sums.foreground += foreground ? squared : 0;
             if (coloured) {
-                const YuvError e = yuv_of(d);
+                const auto e = to_bt709(static_cast<double>(d[0]), static_cast<double>(d[1]),
+                                        static_cast<double>(d[2])); // of an error: it is linear
                 sums.yuv[0] += e.y * e.y;
                 sums.yuv[1] += e.cb * e.cb;
                 sums.yuv[2] += e.cr * e.cr;

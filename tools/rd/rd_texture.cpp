@@ -39,15 +39,11 @@ Result<std::unique_ptr<TexelSource>> open_scene(const TextureRequest& r, RdTextu
     const auto info = corpus::find_scene(r.name);
     if (!info.ok())
         return info.status();
-    Extent4 size = info->default_size;
-    if (!r.texture_size.empty()) {
-        const auto parsed = parse_extent(r.texture_size);
-        if (!parsed.ok())
-            return parsed.status().with_context("--texture-size");
-        size = *parsed;
-    }
+    const auto size = parse_extent_or(r.texture_size, "--texture-size", info->default_size);
+    if (!size.ok())
+        return size.status();
     texture.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
-    return corpus::make_baked_source(r.name, size, r.samples, 1);
+    return corpus::make_baked_source(r.name, *size, r.samples, 1);
 }
 
 Result<std::unique_ptr<TexelSource>> open_named(const TextureRequest& r, RdTexture& texture) {

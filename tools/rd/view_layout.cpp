@@ -1,5 +1,7 @@
 #include "tools/rd/view_layout.h"
 
+#include "tools/rd/bt709.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,16 +79,16 @@ Colour to_yuv(const Colour& rgb, Chroma chroma) {
     const auto [r, g, b] = rgb;
     if (chroma == Chroma::full)
         return {(r + 2 * g + b) / 4, (2 * g - r - b) / 4 + 128, (r - b) / 2 + 128};
-    const float y = 0.2126f * r + 0.7152f * g + 0.0722f * b;
-    return {y, (b - y) / 1.8556f + 128, (r - y) / 1.5748f + 128};
+    const auto c = to_bt709(r, g, b);
+    return {c.y, c.cb + 128, c.cr + 128};
 }
 
 Colour to_rgb(const Colour& yuv, Chroma chroma) {
     const float y = yuv.a, first = yuv.b - 128, second = yuv.c - 128;
     if (chroma == Chroma::full)
         return {y - first + second, y + first, y - first - second};
-    const float r = y + 1.5748f * second, b = y + 1.8556f * first;
-    return {r, (y - 0.2126f * r - 0.0722f * b) / 0.7152f, b};
+    const auto c = from_bt709(y, first, second);
+    return {c.r, c.g, c.b};
 }
 
 void split(const Picture& picture, Chroma chroma, std::array<Plane, 3>& yuv) {
