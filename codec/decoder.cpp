@@ -1,5 +1,6 @@
 #include "codec/decoder.h"
 
+#include "codec/coarse_fill.h"
 #include "codec/copy_box.h"
 #include "codec/parallel.h"
 #include "codec/slabs.h"
@@ -10,7 +11,8 @@ namespace tessera {
 struct Decoder::State {
     ContainerReader container;
     ColourCoding colour;
-    std::unique_ptr<TileCoding> coding;
+    std::vector<std::unique_ptr<TileCoding>> codings; // of the levels, finest first
+    std::unique_ptr<CoarseFill> fill;
 };
 
 namespace {
@@ -34,22 +36,21 @@ Decoder::Decoder(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Decoder::Decoder(Decoder&&) noexcept = default;
 Decoder::~Decoder() = default;
 
-Result<Decoder> Decoder::open(ByteSource& source) {
-    Result<ContainerReader> container = ContainerReader::open(source);
+Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) {
+    Result<ContainerReader> container = ContainerReader::open(source, {options.allow_partial});
     if (!container)
         return container.status();
-    const Result<CodingParameters> parameters =
-        read_coding_parameters(container->codec_parameters());
-    if (!parameters)
-        return parameters.status().with_context(source.name());
+    auto codings = level_codings(*container);
+    if (!codings)
+        return codings.status().with_context(source.name());
     const FileHeader& header = container->header();
-    if (const Status agree = check_features(*parameters, header.required_features); !agree.ok())
-        return agree.with_context(source.name());
     const ColourCoding colour{header.desc, header.colour, header.background,
                               (header.required_features & feature_corrections) != 0};
-    auto coding = std::make_unique<TileCoding>(*parameters, header.desc.type, header.desc.channels);
-    return Decoder(
-        std::unique_ptr<State>(new State{std::move(*container), colour, std::move(coding)}));
+    std::unique_ptr<State> state(
+        new State{std::move(*container), colour, std::move(*codings), nullptr});
+    state->fill = std::make_unique<CoarseFill>(state->container, state->colour, state->codings,
+                                               options);
+    return Decoder(std::move(state));
 }
 
 const ContainerReader& Decoder::container() const {
@@ -62,19 +63,25 @@ const TextureDesc& Decoder::desc() const {
 
 namespace {
 
-// Decodes one tile into worker.texels.
-Status decode_tile(const ContainerReader& container, std::uint64_t tile, const Box4& box,
-                   Integrity integrity, Worker& worker) {
-    worker.texels.resize(container.desc().box_bytes(box));
-    Status status;
+Status decode_payload(const ContainerReader& container, std::uint64_t tile, const Box4& box,
+                      Integrity integrity, Worker& worker) {
     if (integrity == Integrity::tile) {
         TESSERA_TRY(container.read_tile(tile, worker.payload));
-        status = worker.decoder.decode(worker.payload, tile_shape(box), worker.texels);
-    } else {
-        const Result<TileBytes> bytes = container.load_tile(tile);
-        if (!bytes)
-            return bytes.status();
-        status = worker.decoder.decode(bytes->bytes, tile_shape(box), worker.texels);
+        return worker.decoder.decode(worker.payload, tile_shape(box), worker.texels);
+    }
+    const Result<TileBytes> bytes = container.load_tile(tile);
+    TESSERA_TRY(bytes.status());
+    return worker.decoder.decode(bytes->bytes, tile_shape(box), worker.texels);
+}
+
+// Decodes one tile into worker.texels, or fills it where that is allowed.
+Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
+                   const Box4& box, Integrity integrity, Worker& worker) {
+    worker.texels.resize(container.desc().box_bytes(box));
+    const Status status = decode_payload(container, tile, box, integrity, worker);
+    if (!status.ok() && fill.may_fill(tile, status)) {
+        fill.note(tile);
+        return fill.fill(box, worker.texels);
     }
     return status.with_context(container.name() + ": tile " + std::to_string(tile) + " (texels " +
                                to_string(box) + ")");
@@ -93,12 +100,12 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
     const TileGrid& grid = container.grid();
     std::vector<std::uint64_t> tiles;
     grid.for_each(grid.touched(box), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
-    std::vector<Worker> workers = make_workers(threads, *state_->coding, state_->colour);
+    std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
     return parallel_for(
         workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
             const Box4 tile_box = grid.box(tiles[i]);
-            TESSERA_TRY(decode_tile(container, tiles[i], tile_box, integrity, worker));
+            TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box, integrity, worker));
             copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out,
                      desc().texel_bytes());
             return {};
@@ -113,7 +120,7 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
-    std::vector<Worker> workers = make_workers(threads, *state_->coding, state_->colour);
+    std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
     const auto total = static_cast<double>(grid.touched(box).texels());
     double done = 0;
     for (const Slab& slab : make_slabs(grid, box, sink.locality())) {
@@ -123,7 +130,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
             [&](Worker& worker, std::size_t i) -> Status {
                 const Box4 tile_box = grid.box(slab.tiles[i]);
                 TESSERA_TRY(
-                    decode_tile(container, slab.tiles[i], tile_box, Integrity::page, worker));
+                    decode_tile(container, *state_->fill, slab.tiles[i], tile_box,
+                                        Integrity::page, worker));
                 const Box4 part = intersect(tile_box, box);
                 if (part == tile_box)
                     return sink.write(part, worker.texels);
@@ -139,6 +147,10 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
         done += static_cast<double>(slab.tiles.size());
     }
     return sink.finish();
+}
+
+FillReport Decoder::fill_report() const {
+    return state_->fill->report();
 }
 
 namespace {

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace tessera {
 
@@ -18,11 +19,26 @@ enum class Integrity {
           // misses some flips
 };
 
+// What is shown from coarser levels, or as background where there are none, instead of an error.
+struct DecodeOptions {
+    bool allow_partial = false; // tiles that lie past the end of a file that was cut off
+    bool allow_damaged = false; // tiles whose page, index record or stream is damaged
+};
+
+// The tiles of level 0 that were asked for and filled so far, each counted once.
+struct FillReport {
+    static constexpr std::size_t most_listed = 100;
+    std::uint64_t missing_tiles = 0; // not received
+    std::uint64_t damaged_tiles = 0;
+    std::uint64_t texels = 0;                 // of both
+    std::vector<std::uint64_t> damaged{}; // the first of them, ascending
+};
+
 // An open file. All const members are thread-safe.
 class Decoder {
 public:
     // Reads header, tables and index root: at most 2 reads. `source` must outlive the decoder.
-    static Result<Decoder> open(ByteSource& source);
+    static Result<Decoder> open(ByteSource& source, const DecodeOptions& options = {});
     Decoder(Decoder&&) noexcept;
     ~Decoder();
 
@@ -38,6 +54,8 @@ public:
     // texture; calls sink.finish().
     Status decode(const Box4& box, TexelSink& sink, unsigned threads = 0,
                   const ProgressFunction& progress = {}) const;
+
+    FillReport fill_report() const;
 
 private:
     struct State;

@@ -158,6 +158,22 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     return coding;
 }
 
+Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned step_shift) {
+    const auto shift = [step_shift](StepCode& step) {
+        const unsigned exponent = (step.bits >> 11) + step_shift;
+        step.bits = static_cast<std::uint16_t>((exponent << 11) | (step.bits & 2047u));
+        return exponent <= static_cast<unsigned>(max_step_exponent);
+    };
+    bool fits = shift(coding.rotated_step);
+    for (StepCode& step : coding.step)
+        fits = shift(step) && fits;
+    if (!fits)
+        return Status(ErrorCode::invalid_file,
+                      "a level's step shift of " + std::to_string(step_shift) +
+                          " brings a quantiser step above 2^20");
+    return coding;
+}
+
 Status check_features(const CodingParameters& coding, std::uint64_t required_features) {
     const bool prediction = (required_features & feature_prediction) != 0;
     if (coding.prediction != prediction)

@@ -31,6 +31,10 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding);
 // Errors: invalid_file, with the field.
 Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes);
 
+// Those of a coarse level: every step times 2^step_shift (FORMAT.md 1.4). Errors: invalid_file, where
+// that is more than a step can be.
+Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned step_shift);
+
 // What the header says of the file's tools must be what the section says. Errors: invalid_file.
 Status check_features(const CodingParameters& coding, std::uint64_t required_features);
 

@@ -114,10 +114,10 @@ ContainerReader::~ContainerReader() = default;
 
 // ---------------------------------------------------------------- opening
 
-Result<ContainerReader> ContainerReader::open(ByteSource& source) {
+Result<ContainerReader> ContainerReader::open(ByteSource& source, const OpenOptions& options) {
     ContainerReader reader;
     ContainerRule rule{};
-    TESSERA_TRY(reader.load(source, rule));
+    TESSERA_TRY(reader.load(source, options, rule));
     return reader;
 }
 
@@ -125,8 +125,9 @@ Status ContainerReader::invalid(const std::string& text) const {
     return {ErrorCode::invalid_file, name() + ": " + text};
 }
 
-Status ContainerReader::load(ByteSource& source, ContainerRule& rule) {
+Status ContainerReader::load(ByteSource& source, const OpenOptions& options, ContainerRule& rule) {
     source_ = &source;
+    allow_partial_ = options.allow_partial;
     TESSERA_TRY(load_header(rule));
     TESSERA_TRY(load_sections(rule));
     rule = ContainerRule::metadata;
@@ -139,7 +140,7 @@ Status ContainerReader::load(ByteSource& source, ContainerRule& rule) {
     TESSERA_TRY(load_levels());
     rule = ContainerRule::root;
     TESSERA_TRY(load_root());
-    caches_ = std::make_unique<Caches>(group_count_);
+    caches_ = std::make_unique<Caches>(group_count());
     return {};
 }
 
@@ -186,7 +187,7 @@ Status ContainerReader::load_header(ContainerRule& rule) {
     rule = ContainerRule::header_field;
     TESSERA_TRY(check_fields(header_).with_context(name()));
     rule = ContainerRule::file_size;
-    if (header_.file_size != size)
+    if (header_.file_size < size || (header_.file_size > size && !allow_partial_))
         return invalid("the file has " + std::to_string(size) + " bytes, its header says " +
                        std::to_string(header_.file_size) +
                        (size < header_.file_size ? "; it was cut off" : ""));
@@ -214,10 +215,16 @@ Status ContainerReader::load_sections(ContainerRule& rule) {
             return invalid(problem);
 
     rule = ContainerRule::readable;
-    const std::size_t have = std::min<std::size_t>(head_.size(), header_.head_size);
-    head_.resize(header_.head_size);
-    if (have < head_.size())
+    const std::uint64_t index_end = header_.head_size + entries[entries.size() - 2].length;
+    if (source_->size() < index_end)
+        return invalid("of " + std::to_string(header_.file_size) + " bytes the first " +
+                       std::to_string(source_->size()) +
+                       " are here; the index, which a part of a file needs, ends at " +
+                       std::to_string(index_end));
+    if (const std::size_t have = head_.size(); have < header_.head_size) {
+        head_.resize(header_.head_size);
         TESSERA_TRY(source_->read(have, std::span(head_).subspan(have)));
+    }
     rule = ContainerRule::section_crc;
     for (const SectionEntry& entry : entries) {
         sections_.push_back({entry.name(), entry.offset, entry.length, entry.required(),
@@ -235,34 +242,29 @@ Status ContainerReader::load_levels() {
     if (bytes.size() != header_.level_count * level_entry_bytes)
         return invalid("section LEVL has " + std::to_string(bytes.size()) + " bytes for " +
                        std::to_string(header_.level_count) + " level");
-    LevelInfo level;
-    for (std::size_t axis = 0; axis < 4; ++axis)
-        level.size[axis] = load_le<std::uint32_t>(bytes.data() + 4 * axis);
-    const auto is_zero = [](std::byte b) { return b == std::byte{0}; };
-    if (level.size != header_.desc.size || !std::ranges::all_of(bytes.subspan(16), is_zero))
+    const Result<std::vector<LevelEntry>> entries = read_levels(bytes);
+    TESSERA_TRY(entries.status().with_context(name()));
+    if (entries->front().size != header_.desc.size)
         return invalid("section LEVL does not start with the texture itself");
-    level.grid = TileGrid(level.size, header_.tile_extent);
-    levels_ = {level};
-    tile_count_ = level.grid.tiles();
-    if (tile_count_ > max_tiles)
-        return invalid("the file claims " + std::to_string(tile_count_) +
-                       " tiles, more than 2^32 - 1");
+    Result<LevelTable> table = LevelTable::make(*entries, header_.tile_extent);
+    TESSERA_TRY(table.status().with_context(name()));
+    table_ = std::move(*table);
     return {};
 }
 
 Status ContainerReader::load_root() {
     root_ = section_bytes("ROOT");
-    group_count_ = static_cast<std::uint32_t>((tile_count_ - 1) / tiles_per_group + 1);
-    if (root_.size() != (std::size_t{group_count_} + 1) * root_entry_bytes)
+    const std::uint32_t groups = group_count();
+    if (root_.size() != (std::size_t{groups} + 1) * root_entry_bytes)
         return invalid("section ROOT has " + std::to_string(root_.size()) + " bytes for " +
-                       std::to_string(group_count_) + " groups");
+                       std::to_string(groups) + " groups");
     const SectionInfo& index = section("INDX");
     const SectionInfo& data = section("DATA");
-    const RootEntry first = root(0), last = root(group_count_);
+    const RootEntry first = root(0), last = root(groups);
     if (first.data != data.offset || first.index != index.offset ||
         last.data != data.offset + data.length || last.index != index.offset + index.length)
         return invalid("section ROOT does not span INDX and DATA");
-    for (std::uint32_t group = 0; group < group_count_; ++group)
+    for (std::uint32_t group = 0; group < groups; ++group)
         if (root(group).data > root(group + 1).data || root(group).index >= root(group + 1).index)
             return invalid("entry " + std::to_string(group + 1) +
                            " of section ROOT does not ascend");
@@ -290,11 +292,9 @@ ContainerReader::RootEntry ContainerReader::root(std::uint32_t group) const {
 }
 
 GroupKey ContainerReader::group_key(std::uint32_t group) const {
-    const std::uint64_t first = std::uint64_t{group} * tiles_per_group;
-    const auto tiles = std::min<std::uint64_t>(tiles_per_group, tile_count_ - first);
     return {header_.identity,
             group,
-            static_cast<std::uint32_t>(tiles),
+            table_.tiles_of(group).count,
             root(group).data,
             root(group + 1).data,
             header_.page_bytes()};
@@ -311,7 +311,7 @@ Result<GroupIndex> ContainerReader::read_group(std::uint32_t group, ContainerRul
                       context + ": " + std::to_string(length) + " bytes are too many");
     std::vector<std::byte> bytes(static_cast<std::size_t>(length));
     rule = ContainerRule::readable;
-    TESSERA_TRY(source_->read(begin, bytes));
+    TESSERA_TRY(read_bytes(begin, bytes));
     bool crc_error = false;
     Result<GroupIndex> index = read_index_record(bytes, key, &crc_error);
     rule = crc_error ? ContainerRule::index_crc : ContainerRule::index_record;
@@ -320,10 +320,10 @@ Result<GroupIndex> ContainerReader::read_group(std::uint32_t group, ContainerRul
 }
 
 Result<std::shared_ptr<const GroupIndex>> ContainerReader::group(std::uint32_t group) const {
-    if (group >= group_count_)
+    if (group >= group_count())
         return Status(ErrorCode::bad_argument, name() + ": there is no tile group " +
                                                    std::to_string(group) + ", only " +
-                                                   std::to_string(group_count_));
+                                                   std::to_string(group_count()));
     return caches_->groups.get(group, group, [&] {
         ContainerRule rule{};
         return read_group(group, rule);
@@ -333,17 +333,18 @@ Result<std::shared_ptr<const GroupIndex>> ContainerReader::group(std::uint32_t g
 // ---------------------------------------------------------------- tiles
 
 Result<ContainerReader::Place> ContainerReader::place_of(std::uint64_t tile) const {
-    if (tile >= tile_count_)
+    if (tile >= tile_count())
         return Status(ErrorCode::bad_argument, name() + ": there is no tile " +
                                                    std::to_string(tile) + ", only " +
-                                                   std::to_string(tile_count_));
+                                                   std::to_string(tile_count()));
     Place place;
-    place.group = static_cast<std::uint32_t>(tile / tiles_per_group);
+    place.group = table_.group_of(tile);
     auto index = group(place.group);
     TESSERA_TRY(index.status());
     place.index = *index;
-    place.begin = place.index->starts[tile % tiles_per_group];
-    place.end = place.index->starts[tile % tiles_per_group + 1];
+    const std::uint64_t at = tile - table_.tiles_of(place.group).first;
+    place.begin = place.index->starts[at];
+    place.end = place.index->starts[at + 1];
     return place;
 }
 
@@ -353,11 +354,29 @@ Result<TileLocation> ContainerReader::locate(std::uint64_t tile) const {
     return TileLocation{place->begin, static_cast<std::uint32_t>(place->end - place->begin)};
 }
 
+Result<bool> ContainerReader::is_received(std::uint64_t tile) const {
+    const Result<Place> place = place_of(tile);
+    TESSERA_TRY(place.status());
+    const auto [begin, end] = place->index->pages_of(place->begin, place->end);
+    if (begin == end)
+        return true;
+    const Page& last = place->index->pages[end - 1];
+    return last.offset + last.length <= source_->size();
+}
+
+Status ContainerReader::read_bytes(std::uint64_t offset, std::span<std::byte> out) const {
+    if (offset > head_.size() || out.size() > head_.size() - offset)
+        return source_->read(offset, out);
+    std::ranges::copy(std::span(head_).subspan(static_cast<std::size_t>(offset), out.size()),
+                      out.begin());
+    return {};
+}
+
 Status ContainerReader::read_tile(std::uint64_t tile, std::vector<std::byte>& out) const {
     const Result<TileLocation> location = locate(tile);
     TESSERA_TRY(location.status());
     out.resize(location->length);
-    return out.empty() ? Status() : source_->read(location->offset, out);
+    return out.empty() ? Status() : read_bytes(location->offset, out);
 }
 
 Status ContainerReader::check_page(std::uint32_t group, std::size_t number, const Page& page,
@@ -372,7 +391,7 @@ Status ContainerReader::check_page(std::uint32_t group, std::size_t number, cons
 Result<std::vector<std::byte>> ContainerReader::read_page(std::uint32_t group, std::size_t number,
                                                           const Page& page) const {
     std::vector<std::byte> bytes(page.length);
-    TESSERA_TRY(source_->read(page.offset, bytes));
+    TESSERA_TRY(read_bytes(page.offset, bytes));
     TESSERA_TRY(check_page(group, number, page, bytes));
     return bytes;
 }
@@ -398,7 +417,7 @@ Result<TileBytes> ContainerReader::load_tile(std::uint64_t tile) const {
 Result<TileBytes> ContainerReader::load_large_tile(const Place& place, std::size_t page) const {
     auto bytes =
         std::make_shared<std::vector<std::byte>>(static_cast<std::size_t>(place.end - place.begin));
-    TESSERA_TRY(source_->read(place.begin, *bytes));
+    TESSERA_TRY(read_bytes(place.begin, *bytes));
     std::span<const std::byte> rest = *bytes;
     for (; !rest.empty(); ++page) {
         const Page& where = place.index->pages[page];
@@ -424,13 +443,16 @@ Finding finding(ContainerRule rule, bool fatal, std::string text) {
 }
 
 // "tiles 3..4; tile 3 is texels 0:4,..., tile 4 is texels 4:8,..."
-std::string describe_tiles(const TileGrid& grid, std::uint64_t first, std::uint64_t count) {
+std::string describe_tiles(const LevelTable& table, std::uint64_t first, std::uint64_t count) {
     std::string text = "tiles " + std::to_string(first) + ".." + std::to_string(first + count - 1);
     for (std::uint64_t i = 0; i < std::min(count, max_listed_boxes); ++i)
         text += (i == 0 ? "; tile " : ", tile ") + std::to_string(first + i) + " is texels " +
-                to_string(grid.box(first + i));
+                to_string(table.box(first + i));
     if (count > max_listed_boxes)
         text += ", and so on";
+    const Level& level = table.level_of(first);
+    if (level.first_tile > 0)
+        text += " of the coarse level " + to_string(level.size);
     return text;
 }
 
@@ -471,12 +493,12 @@ void ContainerReader::validate_group(std::uint32_t group, std::vector<Finding>& 
     const auto add = [&](ContainerRule rule, const Status& status, std::uint64_t first,
                          std::uint64_t count) {
         Finding result = finding(
-            rule, true, status.message() + "; lost are " + describe_tiles(grid(), first, count));
+            rule, true, status.message() + "; lost are " + describe_tiles(table_, first, count));
         result.first_tile = first;
         result.tile_count = count;
         out.push_back(std::move(result));
     };
-    const std::uint64_t first_tile = std::uint64_t{group} * tiles_per_group;
+    const std::uint64_t first_tile = table_.tiles_of(group).first;
     ContainerRule rule{};
     const Result<GroupIndex> index = read_group(group, rule);
     if (!index)
@@ -497,7 +519,7 @@ std::vector<Finding> ContainerReader::validate(const Progress& progress) const {
     std::vector<Finding> out;
     note_curiosities(out);
     const SectionInfo& data = section("DATA");
-    for (std::uint32_t group = 0; group < group_count_ && out.size() <= max_findings; ++group) {
+    for (std::uint32_t group = 0; group < group_count() && out.size() <= max_findings; ++group) {
         validate_group(group, out);
         if (progress)
             progress(static_cast<double>(root(group + 1).data - data.offset),
@@ -516,7 +538,7 @@ std::vector<Finding> validate_container(ByteSource& source,
                                         const ContainerReader::Progress& progress) {
     ContainerReader reader;
     ContainerRule rule{};
-    const Status status = reader.load(source, rule);
+    const Status status = reader.load(source, {}, rule);
     return status ? reader.validate(progress) : std::vector{finding(rule, true, status.message())};
 }
 

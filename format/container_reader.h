@@ -3,6 +3,7 @@
 
 #include "format/byte_source.h"
 #include "format/index.h"
+#include "format/level_table.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/syntax.h"
@@ -71,11 +72,9 @@ struct SectionInfo {
     bool required = false, known = false;
 };
 
-struct LevelInfo {
-    Extent4 size{0, 0, 0, 0};
-    std::uint8_t spatial_lod = 0, angular_lod = 0, quality_layer = 0;
-    std::uint64_t first_tile = 0;
-    TileGrid grid;
+struct OpenOptions {
+    // Accept bytes that stop between the end of the index and the end of the file.
+    bool allow_partial = false;
 };
 
 // An open container. All const members are thread-safe; they share small caches (at most about
@@ -83,10 +82,10 @@ struct LevelInfo {
 // is read once.
 class ContainerReader {
 public:
-    // One read of min(16 KiB, size) bytes, and a second of the rest of the head if it is longer.
+    // One read of min(4 KiB, size) bytes, and a second of the rest of the head if it is longer.
     // `source` must outlive the reader. Errors: io; invalid_file (truncated, damaged, fields out of
     // range); unsupported (another version, unknown required feature or section).
-    static Result<ContainerReader> open(ByteSource& source);
+    static Result<ContainerReader> open(ByteSource& source, const OpenOptions& options = {});
     ContainerReader(ContainerReader&&) noexcept;
     ContainerReader& operator=(ContainerReader&&) noexcept;
     ~ContainerReader();
@@ -95,10 +94,13 @@ public:
     const TextureDesc& desc() const { return header_.desc; }
     const Description& description() const { return header_.description; }
     const Metadata& metadata() const { return metadata_; }
-    std::span<const LevelInfo> levels() const { return levels_; }
-    const TileGrid& grid(std::size_t level = 0) const { return levels_[level].grid; }
-    std::uint64_t tile_count() const { return tile_count_; }
-    std::uint32_t group_count() const { return group_count_; }
+    const LevelTable& level_table() const { return table_; }
+    std::span<const Level> levels() const { return table_.levels(); }
+    const TileGrid& grid(std::size_t level = 0) const { return levels()[level].grid; }
+    std::uint64_t tile_count() const { return table_.tile_count(); } // of all levels
+    std::uint32_t group_count() const { return table_.group_count(); }
+    // Whether the source ends before the file does; only with allow_partial.
+    bool is_partial() const { return source_->size() < header_.file_size; }
     std::span<const SectionInfo> sections() const { return sections_; }
     std::string name() const { return source_->name(); }
 
@@ -109,6 +111,10 @@ public:
 
     // Index of group `group` (tiles 256 * group ..), one read when it is not cached.
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
+
+    // Whether all bytes that load_tile needs are there: false only in a partial file. Reads the
+    // index record if it is not cached. Errors: as those of locate.
+    Result<bool> is_received(std::uint64_t tile) const;
 
     // Errors of the four below: bad_argument (no such tile), io, invalid_file.
     Result<TileLocation> locate(std::uint64_t tile) const;
@@ -132,7 +138,7 @@ private:
 
     ContainerReader();
     // Does the work of open(); `rule` is the rule being checked when an error is returned.
-    Status load(ByteSource& source, ContainerRule& rule);
+    Status load(ByteSource& source, const OpenOptions& options, ContainerRule& rule);
     Status load_header(ContainerRule& rule);
     Status load_sections(ContainerRule& rule);
     Status load_levels();
@@ -166,13 +172,14 @@ private:
 
     ByteSource* source_ = nullptr;
     FileHeader header_;
-    std::vector<std::byte> head_; // the file up to INDX
+    // From the stored bytes of the first reads where they are there, else from the source.
+    Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
+    bool allow_partial_ = false;
+    std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
     std::vector<SectionInfo> sections_;
     Metadata metadata_;
-    std::vector<LevelInfo> levels_;
+    LevelTable table_;
     std::span<const std::byte> root_; // into head_
-    std::uint64_t tile_count_ = 0;
-    std::uint32_t group_count_ = 0;
     std::unique_ptr<Caches> caches_;
 };
 

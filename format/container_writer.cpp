@@ -3,7 +3,7 @@
 #include "format/bytes.h"
 #include "format/crc32c.h"
 #include "format/index.h"
-#include "format/tile_grid.h"
+#include "format/level_table.h"
 
 #include <algorithm>
 #include <limits>
@@ -58,16 +58,19 @@ public:
     Status write(ByteSink& sink) const;
 
 private:
+    // Calls visit(tile) -> Status in the order of the tiles' bytes, up to the first error.
+    template <class Visit> Status for_each_tile(Visit visit) const;
     Status check_sections() const;
     std::vector<std::uint32_t> group_page_crcs(std::uint32_t group,
                                                std::span<const std::uint32_t> page_lengths) const;
-    void build_levels();
+    Status make_level_table();
     void build_root(std::uint64_t data_offset);
     std::vector<Section> head_sections() const;
 
     const ContainerContents& contents_;
     FileHeader header_;
-    std::uint64_t tiles_ = 0;
+    std::vector<LevelEntry> entries_; // the texture and its coarse levels
+    LevelTable table_;
     std::uint64_t data_bytes_ = 0;
     struct GroupStart {
         std::uint64_t data;  // bytes from the start of DATA
@@ -77,6 +80,15 @@ private:
     std::vector<std::byte> metadata_, levels_, root_, index_;
 };
 
+template <class Visit> Status Builder::for_each_tile(Visit visit) const {
+    for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
+        const GroupTiles tiles = table_.tiles_of(group);
+        for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t)
+            TESSERA_TRY(visit(t));
+    }
+    return {};
+}
+
 Status Builder::check() {
     const ContainerContents& c = contents_;
     if (c.page_bytes % page_unit != 0 || c.page_bytes > max_page_bytes)
@@ -84,7 +96,10 @@ Status Builder::check() {
                    " bytes; a multiple of 16 up to 65536 is needed");
     header_.page_target = static_cast<std::uint16_t>(c.page_bytes / page_unit);
     header_.section_count = min_sections; // the true number follows in build_head
-    header_.required_features = c.required_features;
+    header_.required_features =
+        c.required_features | (c.coarse_levels.empty() ? 0 : feature_levels);
+    header_.level_count = static_cast<std::uint8_t>(
+        std::min<std::size_t>(c.coarse_levels.size() + 1, 255)); // 255 is refused below
     header_.desc = c.desc;
     header_.tile_extent = c.tile_extent;
     header_.colour = c.colour;
@@ -95,13 +110,12 @@ Status Builder::check() {
         status = check_fields(header_);
     if (!status)
         return bad(status.message());
-    tiles_ = TileGrid(c.desc.size, c.tile_extent).tiles();
-    if (tiles_ > max_tiles)
-        return bad("a texture of " + to_string(c.desc.size) + " in tiles of " +
-                   to_string(c.tile_extent) + " has more than 2^32 - 1 tiles");
-    for (std::uint64_t tile = 0; tile < tiles_; ++tile)
-        if (c.tile(tile).size() > std::numeric_limits<std::uint32_t>::max())
-            return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+    TESSERA_TRY(make_level_table());
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) {
+        return c.tile(tile).size() <= std::numeric_limits<std::uint32_t>::max()
+                   ? Status()
+                   : too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+    }));
     TESSERA_TRY(check_sections());
     if (c.metadata.empty())
         return {};
@@ -109,6 +123,17 @@ Status Builder::check() {
     if (packed)
         metadata_ = std::move(*packed);
     return packed.status();
+}
+
+Status Builder::make_level_table() {
+    entries_ = {LevelEntry{contents_.desc.size, 0, 0, 0}};
+    entries_.insert(entries_.end(), contents_.coarse_levels.begin(), contents_.coarse_levels.end());
+    Result<LevelTable> table = LevelTable::make(entries_, contents_.tile_extent);
+    if (!table)
+        return bad("a texture of " + to_string(contents_.desc.size) + " in tiles of " +
+                   to_string(contents_.tile_extent) + ": " + table.status().message());
+    table_ = std::move(*table);
+    return {};
 }
 
 Status Builder::check_sections() const {
@@ -128,13 +153,14 @@ Status Builder::check_sections() const {
 void Builder::choose_identity() {
     std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
     std::uint32_t bytes = 0;
-    for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
+    (void)for_each_tile([&](std::uint64_t tile) {
         const std::span<const std::byte> data = contents_.tile(tile);
         std::array<std::byte, 4> length;
         store_le(length.data(), static_cast<std::uint32_t>(data.size()));
         lengths = crc32c(length, lengths);
         bytes = crc32c(data, bytes);
-    }
+        return Status();
+    });
     header_.identity = std::uint64_t{bytes} << 32 | lengths;
 }
 
@@ -142,7 +168,7 @@ std::vector<std::uint32_t>
 Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> page_lengths) const {
     std::vector<std::uint32_t> crcs;
     std::span<const std::byte> data; // what is left of the tile at hand
-    std::uint64_t tile = std::uint64_t{group} * tiles_per_group;
+    std::uint64_t tile = table_.tiles_of(group).first;
     for (const std::uint32_t length : page_lengths) {
         std::uint32_t crc =
             page_crc(header_.identity, group, static_cast<std::uint32_t>(crcs.size()), {});
@@ -162,11 +188,11 @@ Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> pag
 }
 
 Status Builder::build_index(bool with_checksums) {
-    for (std::uint64_t first = 0; first < tiles_; first += tiles_per_group) {
-        const auto group = static_cast<std::uint32_t>(first / tiles_per_group);
+    for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
+        const GroupTiles tiles = table_.tiles_of(group);
         groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
         std::vector<std::uint32_t> lengths;
-        for (std::uint64_t t = first; t < std::min(first + tiles_per_group, tiles_); ++t) {
+        for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
             lengths.push_back(static_cast<std::uint32_t>(contents_.tile(t).size()));
             data_bytes_ += lengths.back();
         }
@@ -180,12 +206,6 @@ Status Builder::build_index(bool with_checksums) {
     }
     groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
     return {};
-}
-
-void Builder::build_levels() {
-    for (const std::uint32_t extent : contents_.desc.size)
-        append_le(levels_, extent);
-    levels_.resize(level_entry_bytes);
 }
 
 void Builder::build_root(std::uint64_t data_offset) {
@@ -211,7 +231,7 @@ std::vector<Section> Builder::head_sections() const {
 }
 
 Status Builder::build_head() {
-    build_levels();
+    levels_ = write_levels(entries_);
     root_.resize(groups_.size() * root_entry_bytes);
     const std::vector<Section> sections = head_sections();
     const std::size_t count = sections.size() + 2;
@@ -255,8 +275,7 @@ Status Builder::write(ByteSink& sink) const {
     for (const Section& section : sections)
         TESSERA_TRY(out.append(section.bytes));
     TESSERA_TRY(out.append(index_));
-    for (std::uint64_t tile = 0; tile < tiles_; ++tile)
-        TESSERA_TRY(out.append(contents_.tile(tile)));
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) { return out.append(contents_.tile(tile)); }));
     return out.flush();
 }
 

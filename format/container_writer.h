@@ -1,6 +1,7 @@
 // Writes a .tess file from its parts.
 #pragma once
 
+#include "format/level_table.h"
 #include "format/metadata.h"
 #include "format/output_file.h"
 #include "format/status.h"
@@ -65,8 +66,9 @@ struct ContainerContents {
     std::span<const std::byte> codec_parameters; // section CODE
     std::span<const std::byte> proxy_mesh;       // section prxy, only when the proxy is a mesh
     std::vector<ExtraSection> extra;
-    // Bytes of a tile of TileGrid(desc.size, tile_extent); empty: all background. Called several
-    // times a tile, in ascending order, and must answer the same each time.
+    std::vector<LevelEntry> coarse_levels; // 1, 2, ...; sets the required feature
+    // Bytes of a tile, numbered over all levels; empty: all background. Called several times a tile,
+    // each time in the order of their bytes, and must answer the same each time.
     std::function<std::span<const std::byte>(std::uint64_t tile)> tile;
 };
 

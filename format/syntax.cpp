@@ -152,7 +152,7 @@ Status check_geometry(const Description& d) {
 } // namespace
 
 std::string feature_name(unsigned bit) {
-    constexpr const char* names[] = {"levels", "corrections", "quality layers",
+    constexpr const char* names[] = {"coarse levels", "corrections", "quality layers",
                                      "colour rotation per leaf", "prediction inside tiles"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
@@ -201,7 +201,8 @@ Status check_fields(const FileHeader& h) {
     TESSERA_TRY(check_range("page_target", h.page_target, min_page_target, max_page_target));
     TESSERA_TRY(check_tile_extent(h));
     TESSERA_TRY(check_channel_use(h));
-    TESSERA_TRY(check_range("level_count", h.level_count, 1, 1)); // more need feature 0
+    const bool levels = (h.required_features & feature_levels) != 0;
+    TESSERA_TRY(check_range("level_count", h.level_count, levels ? 2 : 1, levels ? max_levels : 1));
     TESSERA_TRY(check_range("reserved", h.reserved, 0, 0));
     TESSERA_TRY(check_geometry(h.description));
     return check_background(h);

@@ -25,9 +25,10 @@ inline constexpr std::size_t header_crc_offset = 124;
 inline constexpr std::size_t section_entry_bytes = 24;
 inline constexpr std::size_t level_entry_bytes = 24;
 inline constexpr std::size_t root_entry_bytes = 12;
-inline constexpr std::size_t first_read_bytes = 16384;
+inline constexpr std::size_t first_read_bytes = 4096;
 inline constexpr unsigned min_sections = 5, max_sections = 64;
 inline constexpr std::uint32_t max_head_bytes = 1u << 28;
+inline constexpr unsigned max_levels = 64;
 inline constexpr std::uint64_t max_tiles = 0xFFFFFFFFu;
 inline constexpr std::uint32_t tiles_per_group = 256;
 inline constexpr std::uint32_t page_unit = 16;         // page_target counts these
@@ -38,7 +39,8 @@ inline constexpr std::uint32_t min_page_target = 16, max_page_target = 4096; // 
 inline constexpr std::uint64_t feature_levels = 1u << 0;
 inline constexpr std::uint64_t feature_corrections = 1u << 1;
 inline constexpr std::uint64_t feature_prediction = 1u << 4;
-inline constexpr std::uint64_t known_features = feature_corrections | feature_prediction;
+inline constexpr std::uint64_t known_features =
+    feature_levels | feature_corrections | feature_prediction;
 // "corrections", "bit 17": for messages and listings.
 std::string feature_name(unsigned bit);
 

@@ -551,11 +551,12 @@ TEST(Access, OneTexelCostsThreeReadsAndItsTilesBytes) {
         EXPECT_EQ(texel, crop(texture, all, box));
         const auto reads = source.reads();
         ASSERT_LE(reads.size(), 3u);
+        ASSERT_GT(encoded.file.size(), 2 * first_read_bytes);
         const TileGrid& grid = decoder->container().grid();
         const Result<TileLocation> place =
             decoder->container().locate(grid.number(grid.touched(box).begin));
         ASSERT_TRUE(place);
-        if (place->length > 0) {
+        if (place->length > 0 && place->offset + place->length > first_read_bytes) {
             EXPECT_EQ(reads.back().offset, place->offset);
             EXPECT_EQ(reads.back().length, place->length);
         }

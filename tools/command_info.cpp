@@ -78,11 +78,11 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     for (std::size_t c = 0; c < h.desc.channels; ++c)
         json["background"].push_back(h.background[c]);
     json["levels"] = Json::array();
-    for (const LevelInfo& level : file.levels())
+    for (const Level& level : file.levels())
         json["levels"].push_back({{"size", to_string(level.size)},
                                   {"spatial_lod", level.spatial_lod},
                                   {"angular_lod", level.angular_lod},
-                                  {"quality_layer", level.quality_layer},
+                                  {"step_shift", level.step_shift},
                                   {"first_tile", level.first_tile},
                                   {"tiles", level.grid.tiles()}});
     json["sections"] = Json::array();

@@ -90,6 +90,7 @@ struct Header {
     uint64_t identity = 0;
 
     size_t texel_bytes() const { return static_cast<size_t>(channels) * (sample_type ? 2 : 1); }
+    bool has_levels() const { return required_features & 1; }
     bool has_corrections() const { return required_features >> 1 & 1; }
     bool has_predictions() const { return required_features >> 4 & 1; }
 };
@@ -114,7 +115,7 @@ Header read_header(Bytes file) {
 
     h.required_features = u64(file, 16);
     for (int bit = 0; bit < 64; ++bit)
-        if (h.required_features >> bit & 1 && bit != 1 && bit != 4) // 1.5
+        if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4) // 1.5
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
     require(h.section_count >= 5, "header: section_count");
@@ -151,7 +152,8 @@ Header read_header(Bytes file) {
     const int proxy = u8(file, 72);
     // 73..76, like unknown values of proxy: the texels decode without them.
     h.level_count = u8(file, 77);
-    require(h.level_count == 1, "header: level_count"); // more need required feature 0
+    require(h.level_count >= 1 && h.level_count <= 64, "header: level_count");
+    require((h.level_count > 1) == h.has_levels(), "header: level_count and feature 0");
     require(u16(file, 78) == 0 && u32(file, 120) == 0, "header: reserved");
 
     for (size_t at = 80; at < 104; at += 4)
@@ -306,11 +308,55 @@ std::map<std::string, std::string> read_metadata(Bytes section) {
 
 // ------------------------------------------------------------ 1.4 levels, tiles, groups, pages
 
-void check_levels(Bytes section, const Header& header) {
+struct Level {
+    std::array<uint32_t, 4> size{};
+    std::array<uint64_t, 4> n{}; // tiles along the axes (part 2)
+    uint64_t first_tile = 0, tiles = 1;
+    int step_shift = 0;
+};
+
+std::vector<Level> read_levels(Bytes section, const Header& header) {
     require(section.size() == 24 * header.level_count, "LEVL: length");
-    for (size_t a = 0; a < 4; ++a)
-        require(u32(section, 4 * a) == header.size[a], "LEVL: size");
-    require(u64(section, 16) == 0, "LEVL: entry 0 has zeros");
+    std::vector<Level> levels;
+    int spatial = 0, angular = 0;
+    uint64_t tiles = 0;
+    for (size_t i = 0; i < header.level_count; ++i) {
+        const Bytes entry = section.subspan(24 * i, 24);
+        const int spatial_lod = u8(entry, 16), angular_lod = u8(entry, 17);
+        require(u8(entry, 18) == 0 && u32(entry, 20) == 0, "LEVL: quality_layer, reserved");
+        Level level;
+        level.step_shift = u8(entry, 19);
+        if (i == 0)
+            require(u64(entry, 16) == 0, "LEVL: entry 0 has zeros");
+        else
+            require(spatial_lod >= spatial && angular_lod >= angular &&
+                        (spatial_lod > spatial || angular_lod > angular) && spatial_lod <= 20 &&
+                        angular_lod <= 20 && level.step_shift <= 15,
+                    "LEVL: lods and step_shift");
+        spatial = spatial_lod;
+        angular = angular_lod;
+        for (size_t a = 0; a < 4; ++a) {
+            const uint64_t joined = 1ull << (a < 2 ? spatial : angular);
+            level.size[a] = u32(entry, 4 * a);
+            require(level.size[a] == (header.size[a] + joined - 1) / joined, "LEVL: size");
+            level.n[a] = (level.size[a] + header.tile_extent[a] - 1) / header.tile_extent[a];
+            level.tiles *= level.n[a]; // at most 2^48, as the texels
+        }
+        level.first_tile = tiles;
+        tiles += level.tiles;
+        require(tiles <= 0xFFFFFFFF, "too many tiles");
+        levels.push_back(level);
+    }
+    return levels;
+}
+
+// The tiles of every group, in the order of the groups: first tile and number.
+std::vector<std::pair<uint64_t, uint64_t>> make_groups(const std::vector<Level>& levels) {
+    std::vector<std::pair<uint64_t, uint64_t>> groups;
+    for (size_t i = levels.size(); i-- > 0;)
+        for (uint64_t t = 0; t < levels[i].tiles; t += 256)
+            groups.push_back({levels[i].first_tile + t, std::min<uint64_t>(256, levels[i].tiles - t)});
+    return groups;
 }
 
 class BitReader {
@@ -386,19 +432,21 @@ std::vector<uint64_t> page_sizes(const std::vector<uint64_t>& lengths, uint32_t 
     return pages;
 }
 
-// The payload of every tile, in order, all checksums checked.
+// The payload of every tile, by number, all checksums checked.
 std::vector<Bytes> read_tiles(Bytes file, const Header& header,
-                              const std::map<std::string, Section>& sections, uint64_t tile_count) {
+                              const std::map<std::string, Section>& sections,
+                              const std::vector<Level>& levels) {
     const Bytes root = sections.at("ROOT").bytes;
     const Section& index = sections.at("INDX");
     const Section& data = sections.at("DATA");
-    const uint64_t groups = (tile_count + 255) / 256;
+    const auto group_tiles = make_groups(levels);
+    const uint64_t groups = group_tiles.size();
     require(root.size() == 12 * (groups + 1), "ROOT: length");
     require(u64(root, 0) == data.offset && u32(root, 8) == 0, "ROOT: entry 0");
     require(u64(root, 12 * groups) == data.offset + data.bytes.size(), "ROOT: end of DATA");
     require(u32(root, 12 * groups + 8) == index.bytes.size(), "ROOT: end of INDX");
 
-    std::vector<Bytes> tiles;
+    std::vector<Bytes> tiles(levels.back().first_tile + levels.back().tiles);
     for (uint64_t g = 0; g < groups; ++g) {
         const uint64_t begin = u64(root, 12 * g), end = u64(root, 12 * g + 12);
         const uint32_t record_begin = u32(root, 12 * g + 8);
@@ -412,7 +460,7 @@ std::vector<Bytes> read_tiles(Bytes file, const Header& header,
         const Seed seed = Seed().add(header.identity, 8).add(g, 4);
         require(crc32c(body, crc32c(seed.bytes)) == u32(record, body.size()), "record_crc");
 
-        const size_t n = std::min<uint64_t>(256, tile_count - g * 256);
+        const auto [first_tile, n] = group_tiles[g];
         size_t used = 0;
         const std::vector<uint64_t> lengths = read_lengths(body, n, used);
         uint64_t sum = 0;
@@ -430,9 +478,9 @@ std::vector<Bytes> read_tiles(Bytes file, const Header& header,
             at += pages[page];
         }
         at = begin;
-        for (uint64_t length : lengths) {
-            tiles.push_back(file.subspan(at, length));
-            at += length;
+        for (size_t i = 0; i < n; ++i) {
+            tiles[first_tile + i] = file.subspan(at, lengths[i]);
+            at += lengths[i];
         }
     }
     return tiles;
@@ -1394,41 +1442,38 @@ int tile_begin(uint64_t i, uint64_t D, uint64_t n) {
     return static_cast<int>(i * D / n);
 }
 
-Decoded decode_file(Bytes file) {
-    const Header header = read_header(file);
-    const auto sections = read_section_table(file, header);
-    Decoded result;
-    if (sections.contains("meta"))
-        result.metadata = read_metadata(sections.at("meta").bytes);
-    check_levels(sections.at("LEVL").bytes, header);
-    const Code code = read_code(sections.at("CODE").bytes);
-    require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
+// The file's steps for the tiles of a level (1.4).
+Code code_of_level(Code code, const Level& level) {
+    const auto shift = [&level](Step& step) {
+        step.e += level.step_shift;
+        require(step.e <= 20, "LEVL: step_shift brings an exponent above 20");
+    };
+    for (Step& step : code.step)
+        shift(step);
+    shift(code.rotated_step);
+    return code;
+}
 
-    uint64_t n[4], tile_count = 1, texel_count = 1;
-    for (size_t a = 0; a < 4; ++a) {
-        result.size[a] = header.size[a];
-        n[a] = (header.size[a] + header.tile_extent[a] - 1) / header.tile_extent[a];
-        tile_count *= n[a]; // at most 2^48, as the texels
-        texel_count *= header.size[a];
-    }
-    require(tile_count <= 0xFFFFFFFF, "too many tiles");
-    const std::vector<Bytes> tiles = read_tiles(file, header, sections, tile_count);
+// All texels of a level, in the order of part 2.
+std::vector<std::byte> decode_level(const Header& header, const Code& file_code, const Level& level,
+                                    const std::vector<Bytes>& tiles) {
+    const Code code = code_of_level(file_code, level);
+    uint64_t texel_count = 1;
+    for (const uint32_t extent : level.size)
+        texel_count *= extent;
     require(texel_count <= 1ull << 31, "too large for this decoder"); // not a rule of the format
-
-    result.channels = header.channels;
-    result.sample_type = header.sample_type;
-    result.texels.resize(texel_count * header.texel_bytes());
+    std::vector<std::byte> texels(texel_count * header.texel_bytes());
     TileDecoder decoder(header, code);
-    size_t number = 0;
-    for (uint64_t it = 0; it < n[3]; ++it)
-        for (uint64_t is = 0; is < n[2]; ++is)
-            for (uint64_t iv = 0; iv < n[1]; ++iv)
-                for (uint64_t iu = 0; iu < n[0]; ++iu) {
+    size_t number = level.first_tile;
+    for (uint64_t it = 0; it < level.n[3]; ++it)
+        for (uint64_t is = 0; is < level.n[2]; ++is)
+            for (uint64_t iv = 0; iv < level.n[1]; ++iv)
+                for (uint64_t iu = 0; iu < level.n[0]; ++iu) {
                     const uint64_t i[4] = {iu, iv, is, it};
                     Vector4 begin{}, size{};
                     for (size_t a = 0; a < 4; ++a) {
-                        begin[a] = tile_begin(i[a], header.size[a], n[a]);
-                        size[a] = tile_begin(i[a] + 1, header.size[a], n[a]) - begin[a];
+                        begin[a] = tile_begin(i[a], level.size[a], level.n[a]);
+                        size[a] = tile_begin(i[a] + 1, level.size[a], level.n[a]) - begin[a];
                     }
                     const std::vector<uint16_t> samples = decoder.decode(tiles[number++], size);
                     size_t next = 0;
@@ -1437,10 +1482,10 @@ Decoded decode_file(Bytes file) {
                             for (int t = 0; t < size[3]; ++t)
                                 for (int s = 0; s < size[2]; ++s) {
                                     size_t at = static_cast<size_t>(begin[1] + v);
-                                    at = at * header.size[0] + static_cast<size_t>(begin[0] + u);
-                                    at = at * header.size[3] + static_cast<size_t>(begin[3] + t);
-                                    at = at * header.size[2] + static_cast<size_t>(begin[2] + s);
-                                    std::byte* out = &result.texels[at * header.texel_bytes()];
+                                    at = at * level.size[0] + static_cast<size_t>(begin[0] + u);
+                                    at = at * level.size[3] + static_cast<size_t>(begin[3] + t);
+                                    at = at * level.size[2] + static_cast<size_t>(begin[2] + s);
+                                    std::byte* out = &texels[at * header.texel_bytes()];
                                     for (int c = 0; c < header.channels; ++c) {
                                         const uint16_t sample = samples[next++];
                                         *out++ = static_cast<std::byte>(sample & 255);
@@ -1449,6 +1494,30 @@ Decoded decode_file(Bytes file) {
                                     }
                                 }
                 }
+    return texels;
+}
+
+Decoded decode_file(Bytes file) {
+    const Header header = read_header(file);
+    const auto sections = read_section_table(file, header);
+    Decoded result;
+    if (sections.contains("meta"))
+        result.metadata = read_metadata(sections.at("meta").bytes);
+    const std::vector<Level> levels = read_levels(sections.at("LEVL").bytes, header);
+    const Code code = read_code(sections.at("CODE").bytes);
+    require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
+    const std::vector<Bytes> tiles = read_tiles(file, header, sections, levels);
+
+    std::copy(header.size.begin(), header.size.end(), result.size);
+    result.channels = header.channels;
+    result.sample_type = header.sample_type;
+    for (const Level& level : levels) {
+        std::vector<std::byte> texels = decode_level(header, code, level, tiles);
+        if (level.first_tile == 0)
+            result.texels = std::move(texels);
+        else
+            result.coarse.push_back(std::move(texels));
+    }
     return result;
 }
 

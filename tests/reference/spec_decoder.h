@@ -20,10 +20,11 @@ struct Decoded {
     int channels;
     int sample_type; // 0 unorm8, 1 half16
     std::map<std::string, std::string> metadata;
-    std::vector<std::byte> texels; // in the order v, u, t, s with s fastest
+    std::vector<std::byte> texels; // of level 0, in the order v, u, t, s with s fastest
+    std::vector<std::vector<std::byte>> coarse; // of levels 1, 2, ...
 };
 
-// The texels of level 0; nothing, and the reason in `error`, for a file that a reader refuses.
+// The texels of all levels; nothing, and the reason in `error`, for a file that a reader refuses.
 std::optional<Decoded> decode(std::span<const std::byte> file, std::string& error);
 
 // CRC32C as FORMAT.md's notation defines it; `crc` continues the CRC of the bytes before.
