@@ -51,7 +51,7 @@ public:
     explicit Builder(const ContainerContents& contents) : contents_(contents) {}
 
     Status check();
-    void choose_identity();
+    Status choose_identity();
     Status build_index(bool with_checksums);
     Status build_head();
     std::uint64_t file_size() const { return header_.file_size; }
@@ -59,8 +59,9 @@ public:
 
 private:
     Status check_sections() const;
-    std::vector<std::uint32_t> group_page_crcs(std::uint32_t group,
-                                               std::span<const std::uint32_t> page_lengths) const;
+    Result<std::uint64_t> tile_length(std::uint64_t tile) const;
+    // Replaces page lengths by the pages' checksums.
+    Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
     void build_levels();
     void build_root(std::uint64_t data_offset);
     std::vector<Section> head_sections() const;
@@ -99,9 +100,13 @@ Status Builder::check() {
     if (tiles_ > max_tiles)
         return bad("a texture of " + to_string(c.desc.size) + " in tiles of " +
                    to_string(c.tile_extent) + " has more than 2^32 - 1 tiles");
-    for (std::uint64_t tile = 0; tile < tiles_; ++tile)
-        if (c.tile(tile).size() > std::numeric_limits<std::uint32_t>::max())
+    for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
+        const Result<std::uint64_t> length = tile_length(tile);
+        if (!length)
+            return length.status();
+        if (*length > std::numeric_limits<std::uint32_t>::max())
             return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+    }
     TESSERA_TRY(check_sections());
     if (c.metadata.empty())
         return {};
@@ -124,31 +129,41 @@ Status Builder::check_sections() const {
     return {};
 }
 
+Result<std::uint64_t> Builder::tile_length(std::uint64_t tile) const {
+    if (contents_.tile_length)
+        return contents_.tile_length(tile);
+    const Result<std::span<const std::byte>> data = contents_.tile(tile);
+    return data ? Result<std::uint64_t>(data->size()) : Result<std::uint64_t>(data.status());
+}
+
 // Equal contents give equal files, different ones almost surely different identities.
-void Builder::choose_identity() {
+Status Builder::choose_identity() {
     std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
     std::uint32_t bytes = 0;
     for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
-        const std::span<const std::byte> data = contents_.tile(tile);
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        if (!data)
+            return data.status();
         std::array<std::byte, 4> length;
-        store_le(length.data(), static_cast<std::uint32_t>(data.size()));
+        store_le(length.data(), static_cast<std::uint32_t>(data->size()));
         lengths = crc32c(length, lengths);
-        bytes = crc32c(data, bytes);
+        bytes = crc32c(*data, bytes);
     }
     header_.identity = std::uint64_t{bytes} << 32 | lengths;
+    return {};
 }
 
-std::vector<std::uint32_t>
-Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> page_lengths) const {
-    std::vector<std::uint32_t> crcs;
+Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const {
     std::span<const std::byte> data; // what is left of the tile at hand
     std::uint64_t tile = std::uint64_t{group} * tiles_per_group;
-    for (const std::uint32_t length : page_lengths) {
-        std::uint32_t crc =
-            page_crc(header_.identity, group, static_cast<std::uint32_t>(crcs.size()), {});
-        for (std::size_t left = length; left > 0;) {
+    for (std::size_t page = 0; page < pages.size(); ++page) {
+        std::uint32_t crc = page_crc(header_.identity, group, static_cast<std::uint32_t>(page), {});
+        for (std::size_t left = pages[page]; left > 0;) {
             if (data.empty()) {
-                data = contents_.tile(tile++);
+                const Result<std::span<const std::byte>> next = contents_.tile(tile++);
+                if (!next)
+                    return next.status();
+                data = *next;
                 continue;
             }
             const std::size_t part = std::min(left, data.size());
@@ -156,9 +171,9 @@ Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> pag
             data = data.subspan(part);
             left -= part;
         }
-        crcs.push_back(crc);
+        pages[page] = crc;
     }
-    return crcs;
+    return {};
 }
 
 Status Builder::build_index(bool with_checksums) {
@@ -167,14 +182,17 @@ Status Builder::build_index(bool with_checksums) {
         groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
         std::vector<std::uint32_t> lengths;
         for (std::uint64_t t = first; t < std::min(first + tiles_per_group, tiles_); ++t) {
-            lengths.push_back(static_cast<std::uint32_t>(contents_.tile(t).size()));
+            const Result<std::uint64_t> length = tile_length(t);
+            if (!length)
+                return length.status();
+            lengths.push_back(static_cast<std::uint32_t>(*length));
             data_bytes_ += lengths.back();
         }
-        const std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
+        std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
         // For the size of a record any numbers do in place of the checksums.
-        append_bytes(index_,
-                     write_index_record(header_.identity, group, lengths,
-                                        with_checksums ? group_page_crcs(group, pages) : pages));
+        if (with_checksums)
+            TESSERA_TRY(sum_pages(group, pages));
+        append_bytes(index_, write_index_record(header_.identity, group, lengths, pages));
         if (index_.size() > std::numeric_limits<std::uint32_t>::max())
             return too_large("the index has more than 2^32 - 1 bytes");
     }
@@ -255,8 +273,12 @@ Status Builder::write(ByteSink& sink) const {
     for (const Section& section : sections)
         TESSERA_TRY(out.append(section.bytes));
     TESSERA_TRY(out.append(index_));
-    for (std::uint64_t tile = 0; tile < tiles_; ++tile)
-        TESSERA_TRY(out.append(contents_.tile(tile)));
+    for (std::uint64_t tile = 0; tile < tiles_; ++tile) {
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        if (!data)
+            return data.status();
+        TESSERA_TRY(out.append(*data));
+    }
     return out.flush();
 }
 
@@ -273,7 +295,7 @@ Result<std::uint64_t> container_bytes(const ContainerContents& contents) {
 Result<std::uint64_t> write_container(const ContainerContents& contents, ByteSink& sink) {
     Builder builder(contents);
     TESSERA_TRY(builder.check());
-    builder.choose_identity();
+    TESSERA_TRY(builder.choose_identity());
     TESSERA_TRY(builder.build_index(true));
     TESSERA_TRY(builder.build_head());
     TESSERA_TRY(builder.write(sink));
