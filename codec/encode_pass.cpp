@@ -12,13 +12,18 @@
 namespace tessera {
 namespace {
 
+Status check_cancelled(const EncodeOptions& options) {
+    return options.cancelled && options.cancelled() ? Status(ErrorCode::runtime, "interrupted")
+                                                    : Status();
+}
+
 // Everything one thread needs to encode tiles and to see what they decode to.
 struct Worker {
     TileEncoder encoder;
     TileDecoder decoder;
     TileLevels levels;
     CorrectionMap corrections;
-    std::vector<std::byte> texels, decoded;
+    std::vector<std::byte> texels, decoded, payload;
     Statistics statistics;
 };
 
@@ -34,8 +39,10 @@ struct Crew {
                                {},
                                {},
                                {},
+                               {},
                                {}});
     }
+    // Leaves the tile's payload in worker.payload.
     Status encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
                   CodedTile& tile) const;
 
@@ -101,16 +108,17 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
     measure(texels, worker.decoded, desc.type, tile);
     tile.texel_crc = crc32c(worker.decoded);
     count_symbols(worker.levels, coding, worker.statistics);
-    tile.payload.clear();
+    worker.payload.clear();
     encode_levels(worker.levels,
                   worker.corrections.empty()
                       ? std::vector<std::vector<std::byte>>{}
                       : encode_corrections(worker.corrections, shape, coding.planes, coding.tables),
-                  coding, tile.payload);
+                  coding, worker.payload);
+    tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
     if (!verifies || !plan.options.verify)
         return {};
     // These bytes go to the file as they are: they must hold the levels that were measured.
-    TESSERA_TRY(worker.decoder.parse(tile.payload, shape));
+    TESSERA_TRY(worker.decoder.parse(worker.payload, shape));
     return worker.decoder.levels() == worker.levels &&
                    worker.decoder.corrections() == worker.corrections
                ? Status()
@@ -119,15 +127,55 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
                                                 " does not decode to what was encoded");
 }
 
-PassResult finish(Crew& crew, std::vector<CodedTile> tiles) {
-    PassResult result{crew.coding.parameters, std::move(tiles), {}};
+PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
+                  std::shared_ptr<TileStore> payloads) {
+    PassResult result{number, crew.coding.parameters, crew.coding.parameters, std::move(tiles),
+                      std::move(payloads), {}};
+    PassTotals& totals = result.totals;
+    for (const CodedTile& tile : result.tiles) {
+        totals.squared_error += static_cast<double>(tile.squared_error);
+        totals.max_error = std::max(totals.max_error, tile.max_error);
+        totals.nan_count += tile.nan_count;
+        totals.infinity_count += tile.infinity_count;
+    }
     for (const Worker& worker : crew.workers)
-        result.statistics.add(worker.statistics);
+        totals.statistics.add(worker.statistics);
     return result;
+}
+
+// Counts the symbols of the tiles that the journal holds. A tile's counts are many times larger than
+// its payload and entropy decoding is quick, so they are not journaled but counted again, which
+// also shows whether the payload can be decoded; if not, the tile is left to be encoded again.
+Status count_journaled(Crew& crew, JournalTiles& journal) {
+    const EncodePlan& plan = crew.plan;
+    return parallel_for(
+        crew.workers, plan.grid.tiles(),
+        [&](Worker& worker, std::size_t tile) -> Status {
+            if (!journal.has(tile))
+                return {};
+            TESSERA_TRY(check_cancelled(plan.options));
+            TESSERA_TRY(journal.get(tile, worker.payload));
+            const BlockShape shape = tile_shape(plan.grid.box(tile));
+            if (!worker.decoder.parse(worker.payload, shape)) {
+                journal.forget(tile);
+                return {};
+            }
+            count_symbols(worker.decoder.levels(), crew.coding, worker.statistics);
+            if (!worker.decoder.corrections().empty())
+                count_corrections(worker.decoder.corrections(), shape, crew.coding.planes,
+                                  worker.statistics);
+            return {};
+        },
+        [&](std::size_t i) {
+            if (plan.options.progress)
+                plan.options.progress("resume", static_cast<double>(i),
+                                      static_cast<double>(plan.grid.tiles()));
+        });
 }
 
 Status read_tile(const EncodePlan& plan, const Box4& box, std::vector<std::byte>& texels,
                  CodedTile& tile) {
+    TESSERA_TRY(check_cancelled(plan.options));
     texels.resize(plan.colour.desc.box_bytes(box));
     TESSERA_TRY(plan.source.read(box, texels));
     make_finite(texels, plan.colour.desc.type, tile);
@@ -156,27 +204,17 @@ void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts
 }
 
 double PassResult::psnr(const TextureDesc& desc, std::uint64_t texels) const {
-    double sum = 0;
-    for (const CodedTile& tile : tiles)
-        sum += static_cast<double>(tile.squared_error);
-    if (sum == 0)
+    if (totals.squared_error == 0)
         return 999;
     const double peak = desc.type == SampleType::unorm8 ? 255.0 : 31743.0;
     const double samples = static_cast<double>(texels) * desc.channels;
-    return 10.0 * std::log10(peak * peak * samples / sum);
-}
-
-std::uint32_t PassResult::max_error() const {
-    std::uint32_t error = 0;
-    for (const CodedTile& tile : tiles)
-        error = std::max(error, tile.max_error);
-    return error;
+    return 10.0 * std::log10(peak * peak * samples / totals.squared_error);
 }
 
 std::uint64_t PassResult::payload_bytes() const {
     std::uint64_t bytes = 0;
     for (const CodedTile& tile : tiles)
-        bytes += tile.payload.size();
+        bytes += tile.payload_bytes;
     return bytes;
 }
 
@@ -217,29 +255,49 @@ Result<Sample> read_sample(const EncodePlan& plan) {
 }
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
-                            const char* stage) {
+                            unsigned number, const char* stage) {
     Crew crew(plan, parameters);
     std::vector<CodedTile> tiles(plan.grid.tiles());
+    std::shared_ptr<TileStore> payloads;
+    const JournalTiles* journaled = nullptr;
+    if (plan.journal != nullptr) {
+        auto opened = plan.journal->pass(number, parameters, tiles);
+        if (!opened)
+            return opened.status();
+        TESSERA_TRY(count_journaled(crew, **opened));
+        journaled = opened->get();
+        payloads = std::move(*opened);
+    } else {
+        payloads = std::make_shared<MemoryTileStore>(tiles.size());
+    }
     double done = 0;
     for (const Slab& slab :
          make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality())) {
+        std::vector<std::uint64_t> wanted = slab.tiles;
+        if (journaled != nullptr)
+            std::erase_if(wanted, [&](std::uint64_t tile) { return journaled->has(tile); });
+        done += static_cast<double>(slab.tiles.size() - wanted.size());
+        if (wanted.empty())
+            continue;
         TESSERA_TRY(plan.source.begin_slab(slab.box));
         TESSERA_TRY(parallel_for(
-            crew.workers, slab.tiles.size(),
+            crew.workers, wanted.size(),
             [&](Worker& worker, std::size_t i) -> Status {
-                CodedTile& tile = tiles[slab.tiles[i]];
-                const Box4 box = plan.grid.box(slab.tiles[i]);
+                CodedTile& tile = tiles[wanted[i]];
+                tile = {}; // a journal may have filled it before it gave the tile up
+                const Box4 box = plan.grid.box(wanted[i]);
                 TESSERA_TRY(read_tile(plan, box, worker.texels, tile));
-                return crew.encode(worker, box, worker.texels, tile);
+                TESSERA_TRY(crew.encode(worker, box, worker.texels, tile));
+                return payloads->put(wanted[i], tile, worker.payload);
             },
             [&](std::size_t i) {
                 if (plan.options.progress)
                     plan.options.progress(stage, done + static_cast<double>(i),
                                           static_cast<double>(tiles.size()));
             }));
-        done += static_cast<double>(slab.tiles.size());
+        done += static_cast<double>(wanted.size());
     }
-    return finish(crew, std::move(tiles));
+    return finish(crew, number, std::move(tiles), std::move(payloads));
 }
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
@@ -249,15 +307,23 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     TESSERA_TRY(parallel_for(
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(plan.options));
             return crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i], tiles[i]);
         },
         [](std::size_t) {}));
-    return finish(crew, std::move(tiles));
+    return finish(crew, 0, std::move(tiles), nullptr);
 }
 
 Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     CodingParameters fitted = pass.parameters;
-    fitted.parameters = fit_parameters(pass.statistics);
+    fitted.parameters = fit_parameters(pass.totals.statistics);
+    std::shared_ptr<TileStore> payloads = pass.payloads; // memory: each in place of the old one
+    if (plan.journal != nullptr) {
+        auto scratch = plan.journal->scratch(pass.tiles.size());
+        if (!scratch)
+            return scratch.status();
+        payloads = std::move(*scratch);
+    }
     const SampleType type = plan.colour.desc.type;
     const int planes = plan.colour.desc.channels;
     const TileCoding before(pass.parameters, type, planes), after(fitted, type, planes);
@@ -272,10 +338,12 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     TESSERA_TRY(parallel_for(
         workers, pass.tiles.size(),
         [&](Recoder& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(plan.options));
             CodedTile& tile = pass.tiles[i];
             const Box4 box = plan.grid.box(i);
             const BlockShape shape = tile_shape(box);
-            TESSERA_TRY(worker.from.parse(tile.payload, shape));
+            TESSERA_TRY(pass.payloads->get(i, worker.payload));
+            TESSERA_TRY(worker.from.parse(worker.payload, shape));
             worker.payload.clear();
             const CorrectionMap& corrections = worker.from.corrections();
             encode_levels(worker.from.levels(),
@@ -283,11 +351,12 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
                               ? std::vector<std::vector<std::byte>>{}
                               : encode_corrections(corrections, shape, planes, after.tables),
                           after, worker.payload);
-            tile.payload = worker.payload;
+            tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
+            TESSERA_TRY(payloads->put(i, tile, worker.payload));
             if (!plan.options.verify)
                 return {};
             worker.texels.resize(plan.colour.desc.box_bytes(box));
-            const Status decoded = worker.check.decode(tile.payload, shape, worker.texels);
+            const Status decoded = worker.check.decode(worker.payload, shape, worker.texels);
             if (!decoded.ok() || crc32c(worker.texels) != tile.texel_crc)
                 return {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
                                                 " does not decode to what was encoded " +
@@ -300,6 +369,7 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
                                       static_cast<double>(pass.tiles.size()));
         }));
     pass.parameters = fitted;
+    pass.payloads = std::move(payloads);
     return {};
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "codec/encoder.h"
+#include "codec/journal.h"
 #include "codec/tile_encoder.h"
 #include "codec/tile_entropy.h"
+#include "codec/tile_store.h"
 #include "format/coding_parameters.h"
 #include "format/tile_grid.h"
 
@@ -19,23 +21,19 @@ struct EncodePlan {
     TileGrid grid;
     ColourCoding colour;
     EffortSettings effort;
-};
-
-struct CodedTile {
-    std::vector<std::byte> payload;
-    std::uint32_t texel_crc = 0;     // of the texels it decodes to
-    std::uint64_t squared_error = 0; // of sample codes
-    std::uint32_t max_error = 0;     // of sample codes
-    std::uint32_t nan_count = 0, infinity_count = 0;
+    Journal* journal = nullptr; // nullptr: payloads stay in memory
 };
 
 struct PassResult {
+    unsigned number = 0;         // 1 for the first over the whole texture; 0: of a sample
+    CodingParameters walked;     // that the texture was walked with
     CodingParameters parameters; // that the payloads are coded with
     std::vector<CodedTile> tiles;
-    Statistics statistics;
+    std::shared_ptr<TileStore> payloads; // of `tiles`; nullptr for a sample, and for a pass of which
+                                         // a journal kept no more than the totals
+    PassTotals totals;
 
     double psnr(const TextureDesc& desc, std::uint64_t texels) const;
-    std::uint32_t max_error() const;
     std::uint64_t payload_bytes() const;
 };
 
@@ -48,15 +46,16 @@ struct Sample {
 // Reads a spread of about an eighth of the tiles, between 4 and 128.
 Result<Sample> read_sample(const EncodePlan& plan);
 
-// Encodes every tile of the texture. Errors: the source's; invalid_file (strict and non-finite).
+// Encodes every tile of the texture but those that the journal holds of an earlier run. `number`
+// counts passes, from 1. Errors: the source's; the journal's; invalid_file (strict and non-finite).
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
-                            const char* stage);
+                            unsigned number, const char* stage);
 // Encodes the sample's tiles only.
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample);
 
 // Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
-// its texels differ) unless the options say no.
+// its texels differ) unless the options say no. Needs pass.payloads.
 Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass);
 
 // NaN -> 0, infinities -> +-65504. No effect on unorm8.

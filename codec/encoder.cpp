@@ -1,5 +1,6 @@
 #include "codec/encoder.h"
 
+#include "codec/encode_facts.h"
 #include "codec/rate_control.h"
 #include "format/container_writer.h"
 #include "format/version.h"
@@ -78,7 +79,7 @@ std::array<std::uint16_t, 4> find_background(const Sample& sample, const Texture
     return background;
 }
 
-// Assembles a file around coded tiles; spans point into `pass` and `coding`.
+// Assembles a file around coded tiles; refers to `plan`, `pass` and `coding`.
 ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
                               const std::vector<std::byte>& coding) {
     ContainerContents contents;
@@ -92,13 +93,19 @@ ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
     contents.required_features = (plan.colour.corrections ? feature_corrections : 0) |
                                  (pass.parameters.prediction ? feature_prediction : 0);
     contents.codec_parameters = coding;
-    contents.tile = [&pass](std::uint64_t tile) -> std::span<const std::byte> {
-        return pass.tiles[tile].payload;
+    contents.tile_length = [&pass](std::uint64_t tile) { return pass.tiles[tile].payload_bytes; };
+    contents.tile = [&plan, &pass, payload = std::vector<std::byte>()](
+                        std::uint64_t tile) mutable -> Result<std::span<const std::byte>> {
+        if (plan.options.cancelled && plan.options.cancelled())
+            return Status(ErrorCode::runtime, "interrupted");
+        TESSERA_TRY(pass.payloads->get(tile, payload));
+        return std::span<const std::byte>(payload);
     };
     return contents;
 }
 
-Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
+// `journal` may be nullptr.
+Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, Journal* journal,
                             const std::function<Status(const ContainerContents&)>& write) {
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc desc = source.desc();
@@ -119,6 +126,11 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
     if (!sample)
         return sample.status();
     plan.colour.background = find_background(*sample, desc);
+    if (journal != nullptr) {
+        TESSERA_TRY(journal->begin(facts_of(plan, *sample),
+                                   options.journal == JournalUse::resume));
+        plan.journal = journal;
+    }
 
     Result<RateOutcome> outcome = control_rate(plan, *sample, [&plan](const PassResult& pass) {
         const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
@@ -140,15 +152,50 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
     const auto texels = static_cast<double>(texel_count(desc.size));
     report.bits_per_texel = static_cast<double>(*bytes) * 8.0 / texels;
     report.psnr = pass.psnr(desc, texel_count(desc.size));
-    report.max_error = pass.max_error();
-    for (const CodedTile& tile : pass.tiles) {
-        report.nan_count += tile.nan_count;
-        report.infinity_count += tile.infinity_count;
-    }
+    report.max_error = pass.totals.max_error;
+    report.nan_count = pass.totals.nan_count;
+    report.infinity_count = pass.totals.infinity_count;
     report.passes = outcome->passes;
     report.note = outcome->note;
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+}
+
+Result<EncodeReport> encode_in_memory(TexelSource& source, const std::string& path,
+                                      const EncodeOptions& options) {
+    // Created first: a folder that cannot be written to should cost no encoding.
+    Result<OutputFile> file = OutputFile::create(path);
+    if (!file)
+        return file.status();
+    return encode(source, options, nullptr, [&file](const ContainerContents& contents) -> Status {
+        FileSink sink(*file);
+        TESSERA_TRY(write_container(contents, sink).status());
+        return file->commit();
+    });
+}
+
+Result<EncodeReport> encode_with_journal(TexelSource& source, const std::string& path,
+                                         const EncodeOptions& options) {
+    Result<std::unique_ptr<Journal>> journal = Journal::open(path);
+    if (!journal)
+        return journal.status();
+    Result<EncodeReport> report =
+        encode(source, options, journal->get(), [&](const ContainerContents& contents) -> Status {
+            // Inside the journal, so that a kill leaves nothing else.
+            Result<OutputFile> file = OutputFile::create(path, (*journal)->output_path());
+            if (!file)
+                return file.status();
+            FileSink sink(*file);
+            TESSERA_TRY(write_container(contents, sink).status());
+            return file->commit();
+        });
+    if (report)
+        (*journal)->remove();
+    else if ((*journal)->can_resume())
+        return Status(report.status().code(), report.status().message() +
+                                                  "; finished tiles are kept in " +
+                                                  (*journal)->folder());
     return report;
 }
 
@@ -157,11 +204,12 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options,
 Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
                                    const EncodeOptions& options) {
     try {
-        return encode(source, options, [&out](const ContainerContents& contents) -> Status {
-            out.clear();
-            VectorSink sink(out);
-            return write_container(contents, sink).status();
-        });
+        return encode(source, options, nullptr,
+                      [&out](const ContainerContents& contents) -> Status {
+                          out.clear();
+                          VectorSink sink(out);
+                          return write_container(contents, sink).status();
+                      });
     } catch (const std::exception& e) {
         return Status(ErrorCode::runtime, e.what());
     }
@@ -170,15 +218,8 @@ Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& 
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options) {
     try {
-        // Created first: a folder that cannot be written to should cost no encoding.
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file)
-            return file.status();
-        return encode(source, options, [&file](const ContainerContents& contents) -> Status {
-            FileSink sink(*file);
-            TESSERA_TRY(write_container(contents, sink).status());
-            return file->commit();
-        });
+        return options.journal == JournalUse::none ? encode_in_memory(source, path, options)
+                                                   : encode_with_journal(source, path, options);
     } catch (const std::exception& e) {
         return Status(ErrorCode::runtime, e.what());
     }

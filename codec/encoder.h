@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tessera {
@@ -31,6 +32,13 @@ struct RateTarget {
 // Called from one thread at a time; `done` of `total` in arbitrary units, `stage` in a word or two.
 using ProgressFunction = std::function<void(const char* stage, double done, double total)>;
 
+// Whether encode_file keeps finished tiles in a folder "<path>.journal" until the file is there.
+enum class JournalUse {
+    none,   // payloads stay in memory
+    start,  // payloads go to the journal; what a dead process left in it is dropped
+    resume, // the same, but goes on with what was left, if anything; the file comes out the same
+};
+
 struct EncodeOptions {
     RateTarget rate;
     int effort = 5;                    // 0 fastest .. 9 smallest
@@ -42,6 +50,12 @@ struct EncodeOptions {
     Metadata metadata;                 // key/values; "Software" is filled in when absent
     Description description;           // proxy, maps, transfer, primaries
     ProgressFunction progress;
+    // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
+    std::function<bool()> cancelled;
+    JournalUse journal = JournalUse::none; // of encode_file
+    // What the texels come from, as names and values (a scene and its seed, a file's length and
+    // time): a resume under other facts is refused.
+    std::vector<std::pair<std::string, std::string>> source_facts;
 };
 
 struct EncodeReport {
@@ -59,10 +73,14 @@ struct EncodeReport {
 
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).
 //
-// Memory: about the compressed size plus, per thread, some MB; never the texture.
+// Memory: 40 bytes a tile and, per thread, some MB; without a journal the compressed size besides;
+// never the texture. With a journal the disk holds up to four times the compressed size (two passes,
+// each under first and fitted tables).
+// A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
+// and the message of an error says so. Two processes cannot write one output with a journal at once.
 // The bytes depend on the texels, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
 // `description` only.
-// Errors: bad_argument (options out of range), io, runtime (verification failed), invalid_file
+// Errors: bad_argument (options out of range, a resume under other facts), io, runtime (verification failed), invalid_file
 // (strict and a non-finite sample), and whatever `source` reports.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);
@@ -70,5 +88,8 @@ Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
 // The same into memory.
 Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
                                    const EncodeOptions& options);
+
+// The folder of the journal for a file.
+std::string journal_path(const std::string& output);
 
 } // namespace tessera

@@ -76,26 +76,68 @@ public:
 
 private:
     // A whole pass, preceded by one over the sample to learn the tables, and recoded under tables
-    // fitted to all of it.
+    // fitted to all of it. Of one that a journal knows to be finished only the totals come back.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
         if (plan_.effort.fit_tables) {
             const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
             if (!trained)
                 return trained.status();
-            parameters.parameters = fit_parameters(trained->statistics);
+            parameters.parameters = fit_parameters(trained->totals.statistics);
         }
+        if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
+            const Result<PassResult> first = finished_or(
+                parameters, [&] { return run_pass(plan_, parameters, passes_, stage); });
+            if (!first)
+                return first;
+            parameters.parameters = fit_parameters(first->totals.statistics);
+            drop(*first); // only its tables were wanted
+        }
+        return finished_or(parameters,
+                           [&] { return recoded_pass(parameters, passes_, stage); });
+    }
+
+    // The next pass: run, and put on record as finished, unless it is on record already.
+    template <class Run>
+    Result<PassResult> finished_or(const CodingParameters& parameters, const Run& run) {
         ++passes_;
-        Result<PassResult> pass = run_pass(plan_, parameters, stage);
-        if (pass && plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
-            parameters.parameters = fit_parameters(pass->statistics);
-            ++passes_;
-            pass = run_pass(plan_, parameters, stage);
-        }
+        if (plan_.journal != nullptr)
+            if (auto totals = plan_.journal->finished(passes_, parameters))
+                return PassResult{passes_, parameters, parameters, {}, nullptr, *totals};
+        Result<PassResult> pass = run();
         if (!pass)
             return pass;
-        if (plan_.effort.recode)
+        const Result<std::uint64_t> size = file_bytes_(*pass);
+        if (!size)
+            return size.status();
+        pass->totals.file_bytes = *size;
+        if (plan_.journal != nullptr)
+            TESSERA_TRY(plan_.journal->finish(passes_, parameters, pass->totals));
+        return pass;
+    }
+
+    Result<PassResult> recoded_pass(const CodingParameters& parameters, unsigned number,
+                                    const char* stage) {
+        Result<PassResult> pass = run_pass(plan_, parameters, number, stage);
+        if (pass && plan_.effort.recode)
             TESSERA_TRY(recode_with_fitted_tables(plan_, *pass));
         return pass;
+    }
+
+    void drop(const PassResult& pass) {
+        if (plan_.journal != nullptr)
+            plan_.journal->drop(pass.number);
+    }
+
+    // The pass that was chosen, with its payloads: those of one that was finished before a resume
+    // come from the journal now.
+    Result<RateOutcome> outcome_of(PassResult pass, std::string note = {}) {
+        if (pass.payloads == nullptr) {
+            Result<PassResult> again = recoded_pass(pass.walked, pass.number, "encode");
+            if (!again)
+                return again.status();
+            pass = std::move(*again);
+        }
+        return RateOutcome{std::move(pass), passes_, std::move(note)};
     }
 
     CodingParameters for_step(double step) const {
@@ -110,7 +152,7 @@ private:
         Result<PassResult> pass = full_pass(for_step(step), "encode");
         if (!pass)
             return pass.status();
-        return RateOutcome{std::move(*pass), passes_, {}};
+        return outcome_of(std::move(*pass));
     }
 
     // Corrections meet the error whatever the step, so the sample chooses the cheapest one.
@@ -122,7 +164,7 @@ private:
             parameters.correction_error = static_cast<std::uint16_t>(error);
             Result<PassResult> pass = run_pass(plan_, parameters, sample_);
             if (pass && plan_.effort.fit_tables) {
-                parameters.parameters = fit_parameters(pass->statistics);
+                parameters.parameters = fit_parameters(pass->totals.statistics);
                 pass = run_pass(plan_, parameters, sample_);
             }
             if (!pass)
@@ -137,7 +179,7 @@ private:
         Result<PassResult> pass = full_pass(parameters, "encode");
         if (!pass)
             return pass.status();
-        return RateOutcome{std::move(*pass), passes_, {}};
+        return outcome_of(std::move(*pass));
     }
 
     // Sample PSNR or bytes predict a first step; whole passes correct it.
@@ -202,18 +244,18 @@ private:
             if (!pass)
                 return pass.status();
             double reached = -pass->psnr(plan_.colour.desc, texels_) / 6.0206;
-            if (bytes) {
-                const Result<std::uint64_t> size = file_bytes_(*pass);
-                if (!size)
-                    return size.status();
-                reached = -std::log2(static_cast<double>(*size));
-            }
+            if (bytes)
+                reached = -std::log2(static_cast<double>(pass->totals.file_bytes));
             last_reached = reached;
             points.push_back({log_step, reached});
             const double distance = std::fabs(reached - goal) + (admissible(reached) ? 0 : 1e6);
             if (distance < best_distance && (admissible(reached) || !bytes)) {
                 best_distance = distance;
+                if (best)
+                    drop(*best);
                 best = std::move(*pass);
+            } else {
+                drop(*pass);
             }
             if (good(reached) || (log_step >= high && !admissible(reached)))
                 break;
@@ -226,10 +268,10 @@ private:
             return Status(ErrorCode::bad_argument,
                           "the target cannot be met: the smallest file of this texture has about " +
                               std::to_string(std::llround(std::exp2(-last_reached))) + " bytes");
-        RateOutcome outcome{std::move(*best), passes_, {}};
-        if (best_distance >= 1e6)
-            outcome.note = "the target lies above what the finest quantiser reaches";
-        return outcome;
+        return outcome_of(std::move(*best),
+                          best_distance >= 1e6
+                              ? "the target lies above what the finest quantiser reaches"
+                              : "");
     }
 
     const EncodePlan& plan_;

@@ -51,7 +51,7 @@ public:
     explicit Builder(const ContainerContents& contents) : contents_(contents) {}
 
     Status check();
-    void choose_identity();
+    Status choose_identity();
     Status build_index(bool with_checksums);
     Status build_head();
     std::uint64_t file_size() const { return header_.file_size; }
@@ -61,8 +61,9 @@ private:
     // Calls visit(tile) -> Status in the order of the tiles' bytes, up to the first error.
     template <class Visit> Status for_each_tile(Visit visit) const;
     Status check_sections() const;
-    std::vector<std::uint32_t> group_page_crcs(std::uint32_t group,
-                                               std::span<const std::uint32_t> page_lengths) const;
+    Result<std::uint64_t> tile_length(std::uint64_t tile) const;
+    // Replaces page lengths by the pages' checksums.
+    Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
     Status make_level_table();
     void build_root(std::uint64_t data_offset);
     std::vector<Section> head_sections() const;
@@ -111,10 +112,12 @@ Status Builder::check() {
     if (!status)
         return bad(status.message());
     TESSERA_TRY(make_level_table());
-    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) {
-        return c.tile(tile).size() <= std::numeric_limits<std::uint32_t>::max()
-                   ? Status()
-                   : too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::uint64_t> length = tile_length(tile);
+        TESSERA_TRY(length.status());
+        if (*length > std::numeric_limits<std::uint32_t>::max())
+            return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+        return {};
     }));
     TESSERA_TRY(check_sections());
     if (c.metadata.empty())
@@ -149,32 +152,41 @@ Status Builder::check_sections() const {
     return {};
 }
 
-// Equal contents give equal files, different ones almost surely different identities.
-void Builder::choose_identity() {
-    std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
-    std::uint32_t bytes = 0;
-    (void)for_each_tile([&](std::uint64_t tile) {
-        const std::span<const std::byte> data = contents_.tile(tile);
-        std::array<std::byte, 4> length;
-        store_le(length.data(), static_cast<std::uint32_t>(data.size()));
-        lengths = crc32c(length, lengths);
-        bytes = crc32c(data, bytes);
-        return Status();
-    });
-    header_.identity = std::uint64_t{bytes} << 32 | lengths;
+Result<std::uint64_t> Builder::tile_length(std::uint64_t tile) const {
+    if (contents_.tile_length)
+        return contents_.tile_length(tile);
+    const Result<std::span<const std::byte>> data = contents_.tile(tile);
+    return data ? Result<std::uint64_t>(data->size()) : Result<std::uint64_t>(data.status());
 }
 
-std::vector<std::uint32_t>
-Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> page_lengths) const {
-    std::vector<std::uint32_t> crcs;
+// Equal contents give equal files, different ones almost surely different identities.
+Status Builder::choose_identity() {
+    std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
+    std::uint32_t bytes = 0;
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        TESSERA_TRY(data.status());
+        std::array<std::byte, 4> length;
+        store_le(length.data(), static_cast<std::uint32_t>(data->size()));
+        lengths = crc32c(length, lengths);
+        bytes = crc32c(*data, bytes);
+        return {};
+    }));
+    header_.identity = std::uint64_t{bytes} << 32 | lengths;
+    return {};
+}
+
+Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const {
     std::span<const std::byte> data; // what is left of the tile at hand
     std::uint64_t tile = table_.tiles_of(group).first;
-    for (const std::uint32_t length : page_lengths) {
-        std::uint32_t crc =
-            page_crc(header_.identity, group, static_cast<std::uint32_t>(crcs.size()), {});
-        for (std::size_t left = length; left > 0;) {
+    for (std::size_t page = 0; page < pages.size(); ++page) {
+        std::uint32_t crc = page_crc(header_.identity, group, static_cast<std::uint32_t>(page), {});
+        for (std::size_t left = pages[page]; left > 0;) {
             if (data.empty()) {
-                data = contents_.tile(tile++);
+                const Result<std::span<const std::byte>> next = contents_.tile(tile++);
+                if (!next)
+                    return next.status();
+                data = *next;
                 continue;
             }
             const std::size_t part = std::min(left, data.size());
@@ -182,9 +194,9 @@ Builder::group_page_crcs(std::uint32_t group, std::span<const std::uint32_t> pag
             data = data.subspan(part);
             left -= part;
         }
-        crcs.push_back(crc);
+        pages[page] = crc;
     }
-    return crcs;
+    return {};
 }
 
 Status Builder::build_index(bool with_checksums) {
@@ -193,14 +205,16 @@ Status Builder::build_index(bool with_checksums) {
         groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
         std::vector<std::uint32_t> lengths;
         for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
-            lengths.push_back(static_cast<std::uint32_t>(contents_.tile(t).size()));
+            const Result<std::uint64_t> length = tile_length(t);
+            TESSERA_TRY(length.status());
+            lengths.push_back(static_cast<std::uint32_t>(*length));
             data_bytes_ += lengths.back();
         }
-        const std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
+        std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
         // For the size of a record any numbers do in place of the checksums.
-        append_bytes(index_,
-                     write_index_record(header_.identity, group, lengths,
-                                        with_checksums ? group_page_crcs(group, pages) : pages));
+        if (with_checksums)
+            TESSERA_TRY(sum_pages(group, pages));
+        append_bytes(index_, write_index_record(header_.identity, group, lengths, pages));
         if (index_.size() > std::numeric_limits<std::uint32_t>::max())
             return too_large("the index has more than 2^32 - 1 bytes");
     }
@@ -275,7 +289,11 @@ Status Builder::write(ByteSink& sink) const {
     for (const Section& section : sections)
         TESSERA_TRY(out.append(section.bytes));
     TESSERA_TRY(out.append(index_));
-    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) { return out.append(contents_.tile(tile)); }));
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        TESSERA_TRY(data.status());
+        return out.append(*data);
+    }));
     return out.flush();
 }
 
@@ -292,7 +310,7 @@ Result<std::uint64_t> container_bytes(const ContainerContents& contents) {
 Result<std::uint64_t> write_container(const ContainerContents& contents, ByteSink& sink) {
     Builder builder(contents);
     TESSERA_TRY(builder.check());
-    builder.choose_identity();
+    TESSERA_TRY(builder.choose_identity());
     TESSERA_TRY(builder.build_index(true));
     TESSERA_TRY(builder.build_head());
     TESSERA_TRY(builder.write(sink));

@@ -68,8 +68,12 @@ struct ContainerContents {
     std::vector<ExtraSection> extra;
     std::vector<LevelEntry> coarse_levels; // 1, 2, ...; sets the required feature
     // Bytes of a tile, numbered over all levels; empty: all background. Called several times a tile,
-    // each time in the order of their bytes, and must answer the same each time.
-    std::function<std::span<const std::byte>(std::uint64_t tile)> tile;
+    // each time in the order of their bytes, and must answer the same each time. The span is used
+    // until the next call only, so a callback may fill one buffer again and again. Its errors are
+    // those of write_container.
+    std::function<Result<std::span<const std::byte>>(std::uint64_t tile)> tile;
+    // Length of what `tile` gives, for callbacks that read it from somewhere; may be left out.
+    std::function<std::uint64_t(std::uint64_t tile)> tile_length;
 };
 
 // Bytes that write_container will write. Costs a look at every tile's length only. Same errors.
@@ -79,7 +83,7 @@ Result<std::uint64_t> container_bytes(const ContainerContents& contents);
 // only. Memory: the index, about two bytes a tile; tiles are passed through.
 // Errors: bad_argument (a field outside the ranges of FORMAT.md 1.1, too many tiles, metadata
 // beyond its limits, a section type that is taken), unsupported (head or index too large), and what
-// `sink` reports.
+// `sink` and `contents.tile` report.
 Result<std::uint64_t> write_container(const ContainerContents& contents, ByteSink& sink);
 
 } // namespace tessera

@@ -22,6 +22,9 @@ public:
     ~OutputFile();
 
     static Result<OutputFile> create(const std::string& path);
+    // With a temporary name of the caller's choice, on the same file system and the caller's alone;
+    // what a killed run left there is replaced.
+    static Result<OutputFile> create(const std::string& path, const std::string& temporary);
 
     Status append(std::span<const std::byte> bytes);
     // Thread-safe for disjoint ranges. Does not move the append position.

@@ -51,6 +51,9 @@ Status bake_compressed(const Arguments& a, TexelSource& source) {
                                        baked_description(source.desc().type));
     if (!options.ok())
         return options.status();
+    options->source_facts = {{"scene", a.scene},
+                             {"samples per texel", std::to_string(a.samples)},
+                             {"seed", std::to_string(a.seed)}};
     Result<EncodeReport> report = Status();
     {
         Progress progress("tessera bake", a.texture.quiet);
@@ -58,7 +61,7 @@ Status bake_compressed(const Arguments& a, TexelSource& source) {
         report = encode_file(source, a.output, *options);
     }
     if (!report.ok())
-        return report.status();
+        return with_resume_hint(report.status(), a.output);
     if (!a.texture.quiet)
         print_report(a.output, source.desc(), *report);
     return {};
@@ -67,7 +70,7 @@ Status bake_compressed(const Arguments& a, TexelSource& source) {
 Status bake_plain(const Arguments& a, TexelSource& source) {
     if (says_how_to_encode(a.encode))
         return {ErrorCode::bad_argument,
-                a.output + ": rate, tile, tools and metadata options need a .tess output"};
+                a.output + ": rate, tile, tools, metadata and --resume options need a .tess output"};
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
     const auto options =
@@ -129,6 +132,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
     add_verb<Arguments>(app, chosen, "bake", "Ray trace a built-in scene into a texture",
                         "Examples:\n"
                         "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
+                        "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
                         "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
                         "  tessera bake --list",
                         declare, run);

@@ -2,6 +2,7 @@
 #include "tools/encode_arguments.h"
 #include "tools/interrupt.h"
 #include "tools/progress.h"
+#include "tools/source_facts.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
 
@@ -36,6 +37,7 @@ Status run(const Arguments& a) {
                                        input->description);
     if (!options.ok())
         return options.status();
+    options->source_facts = source_facts(a.input);
     const auto source = interruptible(std::move(input->source));
     Result<EncodeReport> report = Status();
     {
@@ -44,7 +46,7 @@ Status run(const Arguments& a) {
         report = encode_file(*source, a.output, *options);
     }
     if (!report.ok())
-        return about_file(report.status(), a.input, a.output);
+        return about_file(with_resume_hint(report.status(), a.output), a.input, a.output);
     if (!a.texture.quiet)
         print_report(a.output, source->desc(), *report);
     return {};

@@ -1,6 +1,7 @@
 #include "tools/encode_arguments.h"
 
 #include "tools/description_text.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 #include "tools/tool_switches_text.h"
 
@@ -54,6 +55,9 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     app.add_option("--tile", a.tile, "Largest tile UxVxSxT, sides 1..32 (default 32x32x8x8)");
     app.add_flag("--no-verify", a.no_verify, "Do not decode every tile again before it is written");
     app.add_flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
+    app.add_flag("--resume", a.resume,
+                 "Go on with what an interrupted run left in OUTPUT.journal; same options needed, "
+                 "same bytes come out");
     app.add_option("--meta", a.metadata, "key=value to store; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
@@ -77,6 +81,8 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     options.threads = threads;
     options.verify = !a.no_verify;
     options.strict = a.strict;
+    options.journal = a.resume ? JournalUse::resume : JournalUse::start;
+    options.cancelled = [] { return interrupted_by() != 0; };
     if (!a.tile.empty()) {
         const auto tile = parse_tile(a.tile);
         if (!tile.ok())
@@ -98,7 +104,13 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
 
 bool says_how_to_encode(const EncodeArguments& a) {
     return a.quality || a.target_psnr || a.target_bpt || a.target_bytes || a.max_error ||
-           !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
+           a.resume || !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
+}
+
+Status with_resume_hint(const Status& status, const std::string& output) {
+    const bool kept = status.message().find("kept in " + journal_path(output)) != std::string::npos;
+    return kept ? Status(status.code(), status.message() + "; the same command with --resume goes on")
+                : status;
 }
 
 void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& r) {

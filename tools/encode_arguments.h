@@ -15,7 +15,7 @@ struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
     int effort = 5;
-    bool no_verify = false, strict = false;
+    bool no_verify = false, strict = false, resume = false;
     std::string tile, tools;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
@@ -29,6 +29,9 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsi
 
 // Whether an option was given that only a compressed file understands.
 bool says_how_to_encode(const EncodeArguments& arguments);
+
+// An error of encode_file that left a journal, with how to go on.
+Status with_resume_hint(const Status& status, const std::string& output);
 
 void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& report);
 

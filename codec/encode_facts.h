@@ -1,0 +1,13 @@
+// Everything that decides the bytes of an encode, as names and values for its journal.
+#pragma once
+
+#include "codec/encode_pass.h"
+#include "codec/journal.h"
+
+namespace tessera {
+
+// Values are short; of long ones a checksum. The texels are known by plan.options.source_facts and
+// by those of the sample: reading all of them again would cost what a resume is to save.
+JournalFacts facts_of(const EncodePlan& plan, const Sample& sample);
+
+} // namespace tessera
