@@ -72,23 +72,6 @@ void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, C
     tile.max_error = static_cast<std::uint32_t>(largest);
 }
 
-void measure(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
-             CodedTile& tile) {
-    const std::size_t bytes = sample_bytes(type);
-    const auto code = [&](std::span<const std::byte> texels, std::size_t i) {
-        return sample_code(load_sample(texels.data() + i, type), type);
-    };
-    tile.squared_error = 0;
-    tile.max_error = 0;
-    if (type == SampleType::unorm8)
-        return measure_bytes(a, b, tile);
-    for (std::size_t i = 0; i < a.size(); i += bytes) {
-        const auto error = static_cast<std::uint32_t>(std::abs(code(a, i) - code(b, i)));
-        tile.squared_error += std::uint64_t{error} * error;
-        tile.max_error = std::max(tile.max_error, error);
-    }
-}
-
 Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
                     CodedTile& tile) const {
     const BlockShape shape = tile_shape(box);
@@ -105,7 +88,7 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
     } else {
         worker.corrections.clear();
     }
-    measure(texels, worker.decoded, desc.type, tile);
+    measure_error(texels, worker.decoded, desc.type, tile);
     tile.texel_crc = crc32c(worker.decoded);
     count_symbols(worker.levels, coding, worker.statistics);
     worker.payload.clear();
@@ -203,6 +186,23 @@ void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts
     }
 }
 
+void measure_error(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
+                   CodedTile& tile) {
+    const std::size_t bytes = sample_bytes(type);
+    const auto code = [&](std::span<const std::byte> texels, std::size_t i) {
+        return sample_code(load_sample(texels.data() + i, type), type);
+    };
+    tile.squared_error = 0;
+    tile.max_error = 0;
+    if (type == SampleType::unorm8)
+        return measure_bytes(a, b, tile);
+    for (std::size_t i = 0; i < a.size(); i += bytes) {
+        const auto error = static_cast<std::uint32_t>(std::abs(code(a, i) - code(b, i)));
+        tile.squared_error += std::uint64_t{error} * error;
+        tile.max_error = std::max(tile.max_error, error);
+    }
+}
+
 double PassResult::psnr(const TextureDesc& desc, std::uint64_t texels) const {
     if (totals.squared_error == 0)
         return 999;
@@ -229,11 +229,7 @@ Result<Sample> read_sample(const EncodePlan& plan) {
     TESSERA_TRY(plan.source.begin_slab(anywhere ? Box4::whole(plan.grid.size()) : middle.box));
     Sample sample;
     for (std::uint64_t i = 0; i < wanted; ++i) {
-        // The golden ratio spreads any number of picks over all tiles.
-        const double place = 0.6180339887498949 * static_cast<double>(i) + 0.5;
-        const auto pick =
-            std::min(available - 1, static_cast<std::uint64_t>((place - std::floor(place)) *
-                                                               static_cast<double>(available)));
+        const std::uint64_t pick = golden_pick(i, available);
         sample.tiles.push_back(anywhere ? pick : middle.tiles[pick]);
     }
     std::sort(sample.tiles.begin(), sample.tiles.end());

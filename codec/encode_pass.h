@@ -9,6 +9,8 @@
 #include "format/coding_parameters.h"
 #include "format/tile_grid.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -43,6 +45,13 @@ struct Sample {
     std::vector<std::vector<std::byte>> texels; // finite
 };
 
+// The i-th of picks that the golden ratio spreads over 0..count-1, however many they are.
+inline std::uint64_t golden_pick(std::uint64_t i, std::uint64_t count) {
+    const double place = 0.6180339887498949 * static_cast<double>(i) + 0.5;
+    return std::min(count - 1, static_cast<std::uint64_t>((place - std::floor(place)) *
+                                                          static_cast<double>(count)));
+}
+
 // Reads a spread of about an eighth of the tiles, between 4 and 128.
 Result<Sample> read_sample(const EncodePlan& plan);
 
@@ -57,6 +66,10 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 // Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
 // its texels differ) unless the options say no. Needs pass.payloads.
 Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass);
+
+// Squared and largest error of sample codes between texels of one size, into `tile`.
+void measure_error(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
+                   CodedTile& tile);
 
 // NaN -> 0, infinities -> +-65504. No effect on unorm8.
 void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts);

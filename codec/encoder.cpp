@@ -1,6 +1,7 @@
 #include "codec/encoder.h"
 
 #include "codec/encode_facts.h"
+#include "codec/coarse_levels.h"
 #include "codec/rate_control.h"
 #include "format/container_writer.h"
 #include "format/version.h"
@@ -79,9 +80,51 @@ std::array<std::uint16_t, 4> find_background(const Sample& sample, const Texture
     return background;
 }
 
-// Assembles a file around coded tiles; refers to `plan`, `pass` and `coding`.
-ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
-                              const std::vector<std::byte>& coding) {
+constexpr std::uint32_t layered_page_bytes = 2048; // a view touches a fifth fewer bytes than with 4096
+
+// What a pass makes a file of.
+struct FileParts {
+    const EncodePlan& plan;
+    const PassResult& pass;
+    std::vector<std::byte> coding; // section CODE
+    std::vector<CoarseLevel> levels;
+
+    // The level of a tile, and its number there.
+    struct Place {
+        const std::vector<CodedTile>& tiles;
+        const TileStore& payloads;
+        std::uint64_t number;
+    };
+    Place place_of(std::uint64_t tile) const {
+        if (tile < pass.tiles.size())
+            return {pass.tiles, *pass.payloads, tile};
+        tile -= pass.tiles.size();
+        std::size_t level = 0;
+        for (; tile >= levels[level].tiles.size(); ++level)
+            tile -= levels[level].tiles.size();
+        return {levels[level].tiles, *levels[level].payloads, tile};
+    }
+};
+
+// The coarse levels of the pass that was looked at last: rate control asks for the size of the file
+// before it is written.
+struct LatestLevels {
+    unsigned pass = 0;
+    std::vector<CoarseLevel> levels;
+};
+
+Result<FileParts> parts_of(const EncodePlan& plan, const PassResult& pass, LatestLevels& latest) {
+    if (plan.options.layers && latest.pass != pass.number) {
+        Result<std::vector<CoarseLevel>> levels = make_coarse_levels(plan, pass);
+        TESSERA_TRY(levels.status());
+        latest = {pass.number, std::move(*levels)};
+    }
+    return FileParts{plan, pass, write_coding_parameters(pass.parameters), latest.levels};
+}
+
+// Assembles a file; refers to `parts`.
+ContainerContents contents_of(const FileParts& parts) {
+    const EncodePlan& plan = parts.plan;
     ContainerContents contents;
     contents.desc = plan.colour.desc;
     contents.tile_extent = plan.options.tile_extent;
@@ -91,14 +134,23 @@ ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
     contents.colour = plan.colour.transform;
     contents.background = plan.colour.background;
     contents.required_features = (plan.colour.corrections ? feature_corrections : 0) |
-                                 (pass.parameters.prediction ? feature_prediction : 0);
-    contents.codec_parameters = coding;
-    contents.tile_length = [&pass](std::uint64_t tile) { return pass.tiles[tile].payload_bytes; };
-    contents.tile = [&plan, &pass, payload = std::vector<std::byte>()](
+                                 (parts.pass.parameters.prediction ? feature_prediction : 0);
+    if (plan.options.layers)
+        contents.page_bytes = layered_page_bytes;
+    contents.codec_parameters = parts.coding;
+    for (const CoarseLevel& level : parts.levels)
+        contents.coarse_levels.push_back(level.entry);
+    contents.tile_length = [&parts](std::uint64_t tile) -> std::uint64_t {
+        const FileParts::Place place = parts.place_of(tile);
+        return place.tiles[place.number].payload_bytes;
+    };
+    contents.tile = [&parts, payload = std::vector<std::byte>()](
                         std::uint64_t tile) mutable -> Result<std::span<const std::byte>> {
-        if (plan.options.cancelled && plan.options.cancelled())
+        const EncodeOptions& options = parts.plan.options;
+        if (options.cancelled && options.cancelled())
             return Status(ErrorCode::runtime, "interrupted");
-        TESSERA_TRY(pass.payloads->get(tile, payload));
+        const FileParts::Place place = parts.place_of(tile);
+        TESSERA_TRY(place.payloads.get(place.number, payload));
         return std::span<const std::byte>(payload);
     };
     return contents;
@@ -132,15 +184,19 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         plan.journal = journal;
     }
 
-    Result<RateOutcome> outcome = control_rate(plan, *sample, [&plan](const PassResult& pass) {
-        const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
-        return container_bytes(contents_of(plan, pass, coding));
-    });
+    LatestLevels latest;
+    Result<RateOutcome> outcome =
+        control_rate(plan, *sample, [&](const PassResult& pass) -> Result<std::uint64_t> {
+            const Result<FileParts> parts = parts_of(plan, pass, latest);
+            TESSERA_TRY(parts.status());
+            return container_bytes(contents_of(*parts));
+        });
     if (!outcome)
         return outcome.status();
     const PassResult& pass = outcome->pass;
-    const std::vector<std::byte> coding = write_coding_parameters(pass.parameters);
-    const ContainerContents contents = contents_of(plan, pass, coding);
+    const Result<FileParts> parts = parts_of(plan, pass, latest);
+    TESSERA_TRY(parts.status());
+    const ContainerContents contents = contents_of(*parts);
     const Result<std::uint64_t> bytes = container_bytes(contents);
     if (!bytes)
         return bytes.status();
@@ -157,6 +213,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     report.infinity_count = pass.totals.infinity_count;
     report.passes = outcome->passes;
     report.note = outcome->note;
+    for (const CoarseLevel& level : parts->levels)
+        report.coarse_levels.push_back(
+            {level.entry.size, level.entry.step_shift, level.payload_bytes()});
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;

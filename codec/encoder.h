@@ -47,6 +47,7 @@ struct EncodeOptions {
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent{32, 32, 8, 8}; // largest tile, 1..32 a side
+    bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent
     Description description;           // proxy, maps, transfer, primaries
     ProgressFunction progress;
@@ -56,6 +57,13 @@ struct EncodeOptions {
     // What the texels come from, as names and values (a scene and its seed, a file's length and
     // time): a resume under other facts is refused.
     std::vector<std::pair<std::string, std::string>> source_facts;
+};
+
+// A coarse level that was stored in front of the texture.
+struct CodedLevel {
+    Extent4 size{0, 0, 0, 0}; // texels
+    unsigned step_shift = 0;  // its steps are 2^step_shift those of the texture
+    std::uint64_t bytes = 0;  // of its tiles
 };
 
 struct EncodeReport {
@@ -69,6 +77,7 @@ struct EncodeReport {
     std::uint64_t nan_count = 0;      // replaced by 0
     std::uint64_t infinity_count = 0; // replaced by +-65504
     std::string note;                 // why a target was missed, if it was
+    std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
 };
 
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).

@@ -53,6 +53,9 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->capture_default_str();
     app.add_option("--tools", a.tools, tool_switches_help())->type_name("LIST");
     app.add_option("--tile", a.tile, "Largest tile UxVxSxT, sides 1..32 (default 32x32x8x8)");
+    app.add_flag("--layers", a.layers,
+                 "Put coarse levels first (at most 3 % more bytes): any beginning of the file then "
+                 "shows the whole texture, see decode --allow-partial");
     app.add_flag("--no-verify", a.no_verify, "Do not decode every tile again before it is written");
     app.add_flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
     app.add_flag("--resume", a.resume,
@@ -80,6 +83,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     options.tools = *tools;
     options.threads = threads;
     options.verify = !a.no_verify;
+    options.layers = a.layers;
     options.strict = a.strict;
     options.journal = a.resume ? JournalUse::resume : JournalUse::start;
     options.cancelled = [] { return interrupted_by() != 0; };
@@ -104,7 +108,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
 
 bool says_how_to_encode(const EncodeArguments& a) {
     return a.quality || a.target_psnr || a.target_bpt || a.target_bytes || a.max_error ||
-           a.resume || !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
+           a.resume || a.layers || !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
 }
 
 Status with_resume_hint(const Status& status, const std::string& output) {
@@ -128,6 +132,11 @@ void print_report(const std::string& path, const TextureDesc& desc, const Encode
                 r.max_error);
     std::printf("  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
                 r.passes == 1 ? "" : "es");
+    for (const CodedLevel& level : r.coarse_levels)
+        std::printf("  level  %s in %llu bytes (%.2f %%), steps x%u\n",
+                    to_string(level.size).c_str(), static_cast<unsigned long long>(level.bytes),
+                    100.0 * static_cast<double>(level.bytes) / static_cast<double>(r.file_bytes),
+                    1u << level.step_shift);
     if (r.nan_count + r.infinity_count > 0)
         std::printf("  note   %llu NaN replaced by 0, %llu infinities by +-65504\n",
                     static_cast<unsigned long long>(r.nan_count),

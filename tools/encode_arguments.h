@@ -15,7 +15,7 @@ struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
     int effort = 5;
-    bool no_verify = false, strict = false, resume = false;
+    bool no_verify = false, layers = false, strict = false, resume = false;
     std::string tile, tools;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
