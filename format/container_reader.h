@@ -121,6 +121,18 @@ public:
     // The same, copied.
     Status read_tile_checked(std::uint64_t tile, std::vector<std::byte>& out) const;
 
+    // Brings what load_tile() needs for the first of `tiles` into the caches: one read_many() of
+    // index records, one of pages. Returns how many tiles from the front that is, at least one unless
+    // there is none; the caches hold two such windows (8 MiB of pages, 256 groups each). What another
+    // thread is loading already is left to it; what is damaged is left to load_tile(), which then
+    // says so. Errors: bad_argument (no such tile), io.
+    Result<std::size_t> prefetch(std::span<const std::uint64_t> tiles) const;
+    // The same for index records alone. Precondition: groups that exist, each once, at most 1024.
+    // Errors: io.
+    Status prefetch_groups(std::span<const std::uint32_t> groups) const;
+    // Whether prefetch() pays, see ByteSource.
+    bool wants_prefetch() const { return source_->wants_prefetch(); }
+
     using Progress = std::function<void(double done, double total)>; // bytes of DATA
     // Checks everything that open() could not: all index records and pages. Reads DATA once, holds
     // one page. At most 1000 findings are listed. Empty: the container is sound.
@@ -146,7 +158,15 @@ private:
     };
     RootEntry root(std::uint32_t group) const;
     GroupKey group_key(std::uint32_t group) const;
+    struct IndexRange {
+        std::uint64_t offset, length; // bytes
+    };
+    IndexRange index_range(std::uint32_t group) const;
     Result<GroupIndex> read_group(std::uint32_t group, ContainerRule& rule) const;
+    Result<GroupIndex> parse_group(std::uint32_t group, std::span<const std::byte> bytes,
+                                   ContainerRule& rule) const;
+    std::uint32_t group_of(std::uint64_t tile) const;
+    Status no_such_tile(std::uint64_t tile) const;
 
     // A tile's bytes [begin, end) and the index that says so.
     struct Place {
@@ -159,7 +179,9 @@ private:
                       std::span<const std::byte> bytes) const;
     Result<std::vector<std::byte>> read_page(std::uint32_t group, std::size_t number,
                                              const Page& page) const;
-    Result<TileBytes> load_large_tile(const Place& place, std::size_t page) const;
+    Status check_pages(const Place& place, const GroupIndex::PageRange& pages,
+                       std::span<const std::byte> bytes) const;
+    Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
 
     void note_curiosities(std::vector<Finding>& out) const;
     void validate_group(std::uint32_t group, std::vector<Finding>& out) const;
