@@ -169,24 +169,4 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     return sink.finish();
 }
 
-namespace {
-
-class DecodedSource : public TexelSource {
-public:
-    explicit DecodedSource(const Decoder& decoder) : decoder_(decoder) {}
-    const TextureDesc& desc() const override { return decoder_.desc(); }
-    Status read(const Box4& box, std::span<std::byte> out) override {
-        return decoder_.decode_box(box, out);
-    }
-
-private:
-    const Decoder& decoder_;
-};
-
-} // namespace
-
-std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
-    return std::make_unique<DecodedSource>(decoder);
-}
-
 } // namespace tessera

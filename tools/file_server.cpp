@@ -2,6 +2,7 @@
 
 #include "format/byte_source.h"
 #include "tools/file_server_paths.h"
+#include "tools/file_server_ranges.h"
 #include "tools/http_response.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <httplib.h>
 #include <thread>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -22,33 +24,12 @@ constexpr std::size_t threads = 64;
 constexpr std::size_t requests_per_connection = 1'000'000;
 constexpr std::time_t idle_seconds = 2; // then a connection is closed; stopping waits for it
 constexpr std::size_t max_ranges = 64;
-constexpr std::size_t piece_bytes = 256 << 10; // streamed at a time
 
 std::string printable(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 32 || c == 127)
             c = '?';
     return text;
-}
-
-// The ranges as bytes of a file of `size`, cut to it (RFC 9110, 14.1.2); those that lie outside are
-// left out.
-httplib::Ranges satisfiable(const httplib::Ranges& ranges, std::uint64_t size) {
-    httplib::Ranges kept;
-    const auto length = static_cast<ssize_t>(size);
-    for (auto [first, last] : ranges) {
-        if (first < 0 && last <= 0) // "-" or "-0"
-            continue;
-        if (first < 0) { // the last so many bytes
-            first = std::max<ssize_t>(0, length - last);
-            last = length - 1;
-        }
-        if (last < 0 || last >= length)
-            last = length - 1;
-        if (first <= last)
-            kept.emplace_back(first, last);
-    }
-    return kept;
 }
 
 // The status that the request's conditions ask for instead of the file; 0: none.
@@ -72,28 +53,42 @@ bool is_of_version(const std::string& if_range, const FileVersion& version) {
     return if_range.empty() || if_range == version.etag || if_range == version.last_modified;
 }
 
-// Answers with the file. A file that shrinks meanwhile breaks the connection off.
-void send_file(const std::shared_ptr<ByteSource>& file, httplib::Response& response) {
-    if (file->size() == 0) {
-        response.set_content("", "application/octet-stream");
-        return;
+// Sends the parts, or the whole file where there are none. A file that shrinks meanwhile breaks the
+// connection off. The library (0.11) neither cuts ranges to the file nor states its length right when
+// there are several, so it is told nothing of ranges.
+void send_file(std::shared_ptr<ByteSource> file, const std::vector<FilePart>& parts,
+               httplib::Response& response) {
+    const std::uint64_t size = file->size();
+    const auto body = std::make_shared<PartsBody>(std::move(file));
+    std::string type = "application/octet-stream";
+    if (parts.size() > 1) {
+        const std::string boundary = "tessera-part-7c1d5b9e-53a2-4f0e-9d6b-8a1f0c3e2b47";
+        body->add_multipart(parts, boundary);
+        type = "multipart/byteranges; boundary=" + boundary;
+    } else if (parts.size() == 1) {
+        body->add_part(parts.front());
+        response.set_header("Content-Range", "bytes " + std::to_string(parts.front().first) + "-" +
+                                                 std::to_string(parts.front().last) + "/" +
+                                                 std::to_string(size));
+    } else if (size > 0) {
+        body->add_part({0, size - 1});
     }
-    response.set_content_provider(
-        static_cast<std::size_t>(file->size()), "application/octet-stream",
-        [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-            std::vector<std::byte> piece(std::min(length, piece_bytes));
-            return file->read(offset, piece).ok() &&
-                   sink.write(reinterpret_cast<const char*>(piece.data()), piece.size());
-        });
+    response.status = parts.empty() ? 200 : 206;
+    response.set_header("Content-Length", std::to_string(body->size()));
+    response.set_content_provider(type, [body](std::size_t, httplib::DataSink& sink) {
+        if (!body->at_end() && !body->send_some(sink.write))
+            return false;
+        if (body->at_end())
+            sink.done();
+        return true;
+    });
 }
 
-// `request` is the library's own, and not const there: this version of it (0.11) applies the ranges
-// without cutting them to the file, so it is given better ones.
-void answer_file(const fs::path& path, httplib::Request& request, httplib::Response& response) {
+void answer_file(const fs::path& path, const httplib::Request& request,
+                 const httplib::Ranges& ranges, httplib::Response& response) {
     const auto version = version_of(path);
     auto opened = open_file(path.string());
     if (!version || !opened.ok() || (*opened)->size() != version->size) {
-        request.ranges.clear();
         response.status = version && opened.ok() ? 503 : 404; // 503: it is being written
         return;
     }
@@ -101,29 +96,28 @@ void answer_file(const fs::path& path, httplib::Request& request, httplib::Respo
     response.set_header("ETag", version->etag);
     response.set_header("Last-Modified", version->last_modified);
     if (const int status = refused_by_conditions(request, *version); status != 0) {
-        request.ranges.clear();
         response.status = status;
         return;
     }
-    if (request.method != "GET" || !is_of_version(request.get_header_value("If-Range"), *version))
-        request.ranges.clear();
-    if (!request.ranges.empty()) {
-        request.ranges = satisfiable(request.ranges, version->size);
-        if (request.ranges.empty() || request.ranges.size() > max_ranges) {
-            request.ranges.clear();
+    std::vector<FilePart> parts;
+    const bool in_parts = request.method == "GET" && !ranges.empty() &&
+                          is_of_version(request.get_header_value("If-Range"), *version);
+    if (in_parts) {
+        parts = parts_of({ranges.begin(), ranges.end()}, version->size);
+        if (parts.empty() || parts.size() > max_ranges) {
             response.set_header("Content-Range", "bytes */" + std::to_string(version->size));
             response.status = 416;
             return;
         }
     }
-    send_file(std::move(*opened), response);
+    send_file(std::move(*opened), parts, response);
 }
 
-void answer(const fs::path& root, httplib::Request& request, httplib::Response& response) {
+void answer(const fs::path& root, const httplib::Request& request, const httplib::Ranges& ranges,
+            httplib::Response& response) {
     const auto path = find_served(root, request.path);
     if (path && !fs::is_directory(*path))
-        return answer_file(*path, request, response);
-    request.ranges.clear();
+        return answer_file(*path, request, ranges, response);
     if (!path) {
         response.status = 404;
         response.set_content("There is no such file.\n", "text/plain");
@@ -148,13 +142,15 @@ public:
             const int yes = 1;
             setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         });
-        server_.set_pre_routing_handler(
-            [this](const httplib::Request& request, httplib::Response& response) {
-                if (request.method != "GET" && request.method != "HEAD")
-                    return httplib::Server::HandlerResponse::Unhandled;
-                answer(root_, const_cast<httplib::Request&>(request), response);
-                return httplib::Server::HandlerResponse::Handled;
-            });
+        server_.set_pre_routing_handler([this](const httplib::Request& request,
+                                               httplib::Response& response) {
+            if (request.method != "GET" && request.method != "HEAD")
+                return httplib::Server::HandlerResponse::Unhandled;
+            // Not const where the library made it; see send_file().
+            const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
+            answer(root_, request, ranges, response);
+            return httplib::Server::HandlerResponse::Handled;
+        });
         if (options.log)
             server_.set_logger([log = options.log](const httplib::Request& request,
                                                    const httplib::Response& response) {
