@@ -9,8 +9,9 @@ namespace tessera {
 
 namespace {
 
-// Two windows of tiles fit the cache: one that is decoded and the next one, which is on its way.
-constexpr std::uint64_t window_bytes = cached_page_bytes / 2;
+// Three windows of tiles fit the cache: one that is decoded, the next one, which is on its way, and the
+// one before, which was used later than the next one came and so outlives it.
+constexpr std::uint64_t window_bytes = cached_page_bytes / 3;
 constexpr std::size_t window_groups = cached_groups / 4;
 
 } // namespace

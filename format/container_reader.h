@@ -123,7 +123,7 @@ public:
 
     // Brings what load_tile() needs for the first of `tiles` into the caches: one read_many() of
     // index records, one of pages. Returns how many tiles from the front that is, at least one unless
-    // there is none; the caches hold two such windows (8 MiB of pages, 256 groups each). What another
+    // there is none; the caches hold three such windows (5 MiB of pages, 256 groups each). What another
     // thread is loading already is left to it; what is damaged is left to load_tile(), which then
     // says so. Errors: bad_argument (no such tile), io.
     Result<std::size_t> prefetch(std::span<const std::uint64_t> tiles) const;

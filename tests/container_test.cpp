@@ -355,8 +355,8 @@ TEST(Container, PrefetchIsBounded) {
             ASSERT_TRUE(std::ranges::equal(reader->load_tile(done)->bytes, sample.tiles[done]));
         EXPECT_EQ(source.reads().size(), reads);
     }
-    EXPECT_LE(longest, 8u << 20);
-    EXPECT_EQ(windows, 5u);
+    EXPECT_LE(longest, (16u << 20) / 3);
+    EXPECT_EQ(windows, 7u);
     std::uint64_t bytes = 0;
     for (const auto& read : source.reads())
         bytes += read.length;
