@@ -5,6 +5,9 @@
 #include "codec/parallel.h"
 #include "codec/slabs.h"
 #include "codec/tile_decoder.h"
+#include "codec/tiles_ahead.h"
+
+#include <algorithm>
 
 namespace tessera {
 
@@ -101,16 +104,29 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
     std::vector<std::uint64_t> tiles;
     grid.for_each(grid.touched(box), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
     std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
-    return parallel_for(
-        workers, tiles.size(),
-        [&](Worker& worker, std::size_t i) -> Status {
-            const Box4 tile_box = grid.box(tiles[i]);
-            TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box, integrity, worker));
-            copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out,
-                     desc().texel_bytes());
-            return {};
-        },
-        [](std::size_t) {});
+    const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
+        const Box4 tile_box = grid.box(tile);
+        TESSERA_TRY(decode_tile(container, *state_->fill, tile, tile_box, integrity, worker));
+        copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out, desc().texel_bytes());
+        return {};
+    };
+    const auto no_progress = [](std::size_t) {};
+    if (integrity == Integrity::tile) // reads past the pages, so none are brought
+        return parallel_for(
+            workers, tiles.size(),
+            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); },
+            no_progress);
+    TilesAhead ahead(container, tiles);
+    for (std::size_t done = 0; done < tiles.size();) {
+        const Result<std::size_t> window = ahead.ready(done);
+        TESSERA_TRY(window.status());
+        TESSERA_TRY(parallel_for(
+            workers, *window,
+            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[done + i]); },
+            no_progress));
+        done += *window;
+    }
+    return {};
 }
 
 Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
@@ -121,56 +137,47 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
     std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
-    const auto total = static_cast<double>(grid.touched(box).texels());
-    double done = 0;
-    for (const Slab& slab : make_slabs(grid, box, sink.locality())) {
+    const std::vector<Slab> slabs = make_slabs(grid, box, sink.locality());
+    std::vector<std::uint64_t> order;
+    for (const Slab& slab : slabs)
+        order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
+    const std::size_t total = order.size();
+    TilesAhead ahead(container, std::move(order));
+    std::size_t done = 0;
+    for (const Slab& slab : slabs) {
         TESSERA_TRY(sink.begin_slab(slab.box));
-        TESSERA_TRY(parallel_for(
-            workers, slab.tiles.size(),
-            [&](Worker& worker, std::size_t i) -> Status {
-                const Box4 tile_box = grid.box(slab.tiles[i]);
-                TESSERA_TRY(
-                    decode_tile(container, *state_->fill, slab.tiles[i], tile_box,
-                                        Integrity::page, worker));
-                const Box4 part = intersect(tile_box, box);
-                if (part == tile_box)
-                    return sink.write(part, worker.texels);
-                std::vector<std::byte> texels(desc().box_bytes(part));
-                copy_box(part, tile_box, worker.texels, part, texels, desc().texel_bytes());
-                return sink.write(part, texels);
-            },
-            [&](std::size_t i) {
-                if (progress)
-                    progress("decode", done + static_cast<double>(i), total);
-            }));
+        for (std::span<const std::uint64_t> left = slab.tiles; !left.empty();) {
+            const Result<std::size_t> window = ahead.ready(done);
+            TESSERA_TRY(window.status());
+            const auto tiles = left.first(std::min(*window, left.size()));
+            TESSERA_TRY(parallel_for(
+                workers, tiles.size(),
+                [&](Worker& worker, std::size_t i) -> Status {
+                    const Box4 tile_box = grid.box(tiles[i]);
+                    TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
+                                            Integrity::page, worker));
+                    const Box4 part = intersect(tile_box, box);
+                    if (part == tile_box)
+                        return sink.write(part, worker.texels);
+                    std::vector<std::byte> texels(desc().box_bytes(part));
+                    copy_box(part, tile_box, worker.texels, part, texels, desc().texel_bytes());
+                    return sink.write(part, texels);
+                },
+                [&](std::size_t i) {
+                    if (progress)
+                        progress("decode", static_cast<double>(done + i),
+                                 static_cast<double>(total));
+                }));
+            done += tiles.size();
+            left = left.subspan(tiles.size());
+        }
         TESSERA_TRY(sink.end_slab());
-        done += static_cast<double>(slab.tiles.size());
     }
     return sink.finish();
 }
 
 FillReport Decoder::fill_report() const {
     return state_->fill->report();
-}
-
-namespace {
-
-class DecodedSource : public TexelSource {
-public:
-    explicit DecodedSource(const Decoder& decoder) : decoder_(decoder) {}
-    const TextureDesc& desc() const override { return decoder_.desc(); }
-    Status read(const Box4& box, std::span<std::byte> out) override {
-        return decoder_.decode_box(box, out);
-    }
-
-private:
-    const Decoder& decoder_;
-};
-
-} // namespace
-
-std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
-    return std::make_unique<DecodedSource>(decoder);
 }
 
 } // namespace tessera

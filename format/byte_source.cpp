@@ -1,5 +1,7 @@
 #include "format/byte_source.h"
 
+#include "format/read_plan.h"
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,14 +18,6 @@ namespace {
 
 Status system_error(const std::string& path, const std::string& what, int error) {
     return {ErrorCode::io, path + ": " + what + ": " + std::generic_category().message(error)};
-}
-
-Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length) {
-    if (offset <= source.size() && length <= source.size() - offset)
-        return {};
-    return {ErrorCode::io, source.name() + ": cannot read " + std::to_string(length) +
-                               " bytes at offset " + std::to_string(offset) + " of " +
-                               std::to_string(source.size())};
 }
 
 class FileSource : public ByteSource {
@@ -80,6 +74,12 @@ private:
 
 } // namespace
 
+Status ByteSource::read_many(std::span<const ReadRequest> requests) {
+    for (const ReadRequest& request : requests)
+        TESSERA_TRY(read(request.offset, request.out));
+    return {};
+}
+
 Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
     // O_NONBLOCK: opening a pipe must not wait for its writer before it is refused.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -102,14 +102,26 @@ std::unique_ptr<ByteSource> wrap_memory(std::span<const std::byte> bytes) {
     return std::make_unique<MemorySource>(bytes);
 }
 
+// One lock for all counters: they serve tests and reports, and the class stays movable.
+static std::mutex counting_mutex;
+
 Status CountingByteSource::read(std::uint64_t offset, std::span<std::byte> out) {
-    // One lock for all counters: they serve tests and reports, and the class stays movable.
-    static std::mutex mutex;
     {
-        const std::lock_guard lock(mutex);
+        const std::lock_guard lock(counting_mutex);
         reads_.push_back({offset, out.size()});
     }
     return inner_.read(offset, out);
+}
+
+Status CountingByteSource::read_many(std::span<const ReadRequest> requests) {
+    for (const ReadRequest& request : requests)
+        TESSERA_TRY(check_range(*this, request.offset, request.out.size()));
+    {
+        const std::lock_guard lock(counting_mutex);
+        for (const MergedRead& read : merge_reads(requests))
+            reads_.push_back({read.offset, read.length});
+    }
+    return inner_.read_many(requests);
 }
 
 } // namespace tessera

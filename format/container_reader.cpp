@@ -1,56 +1,20 @@
 #include "format/container_reader.h"
 
 #include "format/bytes.h"
+#include "format/container_caches.h"
 #include "format/crc32c.h"
 
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <mutex>
 
 namespace tessera {
 
 namespace {
 
-constexpr std::size_t group_slots = 1024;
-constexpr std::size_t page_slots = 256; // of at most 64 KiB
 constexpr std::size_t max_findings = 1000;
 constexpr std::uint64_t max_listed_boxes = 8; // in one finding
 constexpr std::size_t identifier_name_bytes = 8;
-
-// Keeps one value a slot. A slot is locked while its value is loaded, so that threads that want the
-// same value at once wait for one read instead of repeating it.
-template <class T> class SlotCache {
-public:
-    explicit SlotCache(std::size_t slots) : slots_(slots) {}
-
-    // `load` yields a Result<T>. Values of `key` always live in slot `slot` modulo the slots.
-    template <class Load>
-    Result<std::shared_ptr<const T>> get(std::uint64_t slot, std::uint64_t key, const Load& load) {
-        Slot& place = slots_[slot % slots_.size()];
-        const std::lock_guard lock(place.mutex);
-        if (place.value == nullptr || place.key != key) {
-            Result<T> loaded = load();
-            TESSERA_TRY(loaded.status());
-            place.value = std::make_shared<const T>(std::move(*loaded));
-            place.key = key;
-        }
-        return place.value;
-    }
-
-private:
-    struct Slot {
-        std::mutex mutex;
-        std::uint64_t key = 0;
-        std::shared_ptr<const T> value;
-    };
-    std::vector<Slot> slots_;
-};
-
-// Spreads page offsets over the slots.
-std::uint64_t mix(std::uint64_t value) {
-    return (value * 0x9E3779B97F4A7C15u) >> 32;
-}
 
 std::string at_offset(std::uint64_t offset) {
     return " at offset " + std::to_string(offset);
@@ -101,12 +65,6 @@ std::string needed_section_problem(std::span<const SectionEntry> entries,
 
 } // namespace
 
-struct ContainerReader::Caches {
-    SlotCache<GroupIndex> groups;
-    SlotCache<std::vector<std::byte>> pages{page_slots};
-    explicit Caches(std::size_t group_count) : groups(std::min(group_count, group_slots)) {}
-};
-
 ContainerReader::ContainerReader() = default;
 ContainerReader::ContainerReader(ContainerReader&&) noexcept = default;
 ContainerReader& ContainerReader::operator=(ContainerReader&&) noexcept = default;
@@ -140,7 +98,7 @@ Status ContainerReader::load(ByteSource& source, const OpenOptions& options, Con
     TESSERA_TRY(load_levels());
     rule = ContainerRule::root;
     TESSERA_TRY(load_root());
-    caches_ = std::make_unique<Caches>(group_count());
+    caches_ = std::make_unique<Caches>();
     return {};
 }
 
@@ -300,22 +258,32 @@ GroupKey ContainerReader::group_key(std::uint32_t group) const {
             header_.page_bytes()};
 }
 
+ContainerReader::IndexRange ContainerReader::index_range(std::uint32_t group) const {
+    const std::uint64_t begin = root(group).index;
+    return {begin, root(group + 1).index - begin};
+}
+
 Result<GroupIndex> ContainerReader::read_group(std::uint32_t group, ContainerRule& rule) const {
-    const GroupKey key = group_key(group);
-    const std::uint64_t begin = root(group).index, length = root(group + 1).index - begin;
-    const std::string context =
-        name() + ": index record of group " + std::to_string(group) + at_offset(begin);
+    const IndexRange range = index_range(group);
     rule = ContainerRule::index_record;
-    if (length > max_index_record_bytes(key))
-        return Status(ErrorCode::invalid_file,
-                      context + ": " + std::to_string(length) + " bytes are too many");
-    std::vector<std::byte> bytes(static_cast<std::size_t>(length));
+    if (range.length > max_index_record_bytes(group_key(group)))
+        return invalid("index record of group " + std::to_string(group) + at_offset(range.offset) +
+                       ": " + std::to_string(range.length) + " bytes are too many");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(range.length));
     rule = ContainerRule::readable;
-    TESSERA_TRY(read_bytes(begin, bytes));
+    TESSERA_TRY(read_bytes(range.offset, bytes));
+    return parse_group(group, bytes, rule);
+}
+
+Result<GroupIndex> ContainerReader::parse_group(std::uint32_t group,
+                                                std::span<const std::byte> bytes,
+                                                ContainerRule& rule) const {
     bool crc_error = false;
-    Result<GroupIndex> index = read_index_record(bytes, key, &crc_error);
+    Result<GroupIndex> index = read_index_record(bytes, group_key(group), &crc_error);
     rule = crc_error ? ContainerRule::index_crc : ContainerRule::index_record;
-    TESSERA_TRY(index.status().with_context(context));
+    TESSERA_TRY(index.status().with_context(name() + ": index record of group " +
+                                            std::to_string(group) +
+                                            at_offset(index_range(group).offset)));
     return index;
 }
 
@@ -324,7 +292,7 @@ Result<std::shared_ptr<const GroupIndex>> ContainerReader::group(std::uint32_t g
         return Status(ErrorCode::bad_argument, name() + ": there is no tile group " +
                                                    std::to_string(group) + ", only " +
                                                    std::to_string(group_count()));
-    return caches_->groups.get(group, group, [&] {
+    return caches_->groups.get(group, [&] {
         ContainerRule rule{};
         return read_group(group, rule);
     });
@@ -332,11 +300,14 @@ Result<std::shared_ptr<const GroupIndex>> ContainerReader::group(std::uint32_t g
 
 // ---------------------------------------------------------------- tiles
 
+Status ContainerReader::no_such_tile(std::uint64_t tile) const {
+    return {ErrorCode::bad_argument, name() + ": there is no tile " + std::to_string(tile) +
+                                         ", only " + std::to_string(tile_count())};
+}
+
 Result<ContainerReader::Place> ContainerReader::place_of(std::uint64_t tile) const {
     if (tile >= tile_count())
-        return Status(ErrorCode::bad_argument, name() + ": there is no tile " +
-                                                   std::to_string(tile) + ", only " +
-                                                   std::to_string(tile_count()));
+        return no_such_tile(tile);
     Place place;
     place.group = table_.group_of(tile);
     auto index = group(place.group);
@@ -365,7 +336,7 @@ Result<bool> ContainerReader::is_received(std::uint64_t tile) const {
 }
 
 Status ContainerReader::read_bytes(std::uint64_t offset, std::span<std::byte> out) const {
-    if (offset > head_.size() || out.size() > head_.size() - offset)
+    if (!is_at_hand(offset, out.size()))
         return source_->read(offset, out);
     std::ranges::copy(std::span(head_).subspan(static_cast<std::size_t>(offset), out.size()),
                       out.begin());
@@ -403,28 +374,38 @@ Result<TileBytes> ContainerReader::load_tile(std::uint64_t tile) const {
     if (range.begin == range.end)
         return TileBytes{};
     if (range.end - range.begin > 1)
-        return load_large_tile(*place, range.begin);
+        return load_large_tile(*place, range);
     const Page& page = place->index->pages[range.begin];
-    auto bytes = caches_->pages.get(mix(page.offset), page.offset,
-                                    [&] { return read_page(place->group, range.begin, page); });
+    auto bytes =
+        caches_->pages.get(page.offset, [&] { return read_page(place->group, range.begin, page); });
     TESSERA_TRY(bytes.status());
     const std::span<const std::byte> whole = **bytes;
     return TileBytes{*bytes, whole.subspan(static_cast<std::size_t>(place->begin - page.offset),
                                            static_cast<std::size_t>(place->end - place->begin))};
 }
 
-// A tile of several pages shares none of them: one read brings all, and nothing is worth caching.
-Result<TileBytes> ContainerReader::load_large_tile(const Place& place, std::size_t page) const {
-    auto bytes =
-        std::make_shared<std::vector<std::byte>>(static_cast<std::size_t>(place.end - place.begin));
-    TESSERA_TRY(read_bytes(place.begin, *bytes));
-    std::span<const std::byte> rest = *bytes;
-    for (; !rest.empty(); ++page) {
-        const Page& where = place.index->pages[page];
-        TESSERA_TRY(check_page(place.group, page, where, rest.first(where.length)));
-        rest = rest.subspan(where.length);
+// The bytes of `pages`, which follow each other.
+Status ContainerReader::check_pages(const Place& place, const GroupIndex::PageRange& pages,
+                                    std::span<const std::byte> bytes) const {
+    for (std::size_t number = pages.begin; number < pages.end; ++number) {
+        const Page& page = place.index->pages[number];
+        TESSERA_TRY(check_page(place.group, number, page, bytes.first(page.length)));
+        bytes = bytes.subspan(page.length);
     }
-    return TileBytes{bytes, *bytes};
+    return {};
+}
+
+// A tile of several pages shares none of them: one read brings all, and they are kept as one.
+Result<TileBytes> ContainerReader::load_large_tile(const Place& place,
+                                                   const GroupIndex::PageRange& pages) const {
+    auto bytes = caches_->pages.get(place.begin, [&]() -> Result<std::vector<std::byte>> {
+        std::vector<std::byte> read(static_cast<std::size_t>(place.end - place.begin));
+        TESSERA_TRY(source_->read(place.begin, read));
+        TESSERA_TRY(check_pages(place, pages, read));
+        return read;
+    });
+    TESSERA_TRY(bytes.status());
+    return TileBytes{*bytes, **bytes};
 }
 
 Status ContainerReader::read_tile_checked(std::uint64_t tile, std::vector<std::byte>& out) const {

@@ -127,6 +127,18 @@ public:
     // The same, copied.
     Status read_tile_checked(std::uint64_t tile, std::vector<std::byte>& out) const;
 
+    // Brings what load_tile() needs for the first of `tiles` into the caches: one read_many() of
+    // index records, one of pages. Returns how many tiles from the front that is, at least one unless
+    // there is none; the caches hold three such windows (5 MiB of pages, 256 groups each). What another
+    // thread is loading already is left to it; what is damaged is left to load_tile(), which then
+    // says so. Errors: bad_argument (no such tile), io.
+    Result<std::size_t> prefetch(std::span<const std::uint64_t> tiles) const;
+    // The same for index records alone. Precondition: groups that exist, each once, at most 1024.
+    // Errors: io.
+    Status prefetch_groups(std::span<const std::uint32_t> groups) const;
+    // Whether prefetch() pays, see ByteSource.
+    bool wants_prefetch() const { return source_->wants_prefetch(); }
+
     using Progress = std::function<void(double done, double total)>; // bytes of DATA
     // Checks everything that open() could not: all index records and pages. Reads DATA once, holds
     // one page. At most 1000 findings are listed. Empty: the container is sound.
@@ -152,7 +164,14 @@ private:
     };
     RootEntry root(std::uint32_t group) const;
     GroupKey group_key(std::uint32_t group) const;
+    struct IndexRange {
+        std::uint64_t offset, length; // bytes
+    };
+    IndexRange index_range(std::uint32_t group) const;
     Result<GroupIndex> read_group(std::uint32_t group, ContainerRule& rule) const;
+    Result<GroupIndex> parse_group(std::uint32_t group, std::span<const std::byte> bytes,
+                                   ContainerRule& rule) const;
+    Status no_such_tile(std::uint64_t tile) const;
 
     // A tile's bytes [begin, end) and the index that says so.
     struct Place {
@@ -165,7 +184,9 @@ private:
                       std::span<const std::byte> bytes) const;
     Result<std::vector<std::byte>> read_page(std::uint32_t group, std::size_t number,
                                              const Page& page) const;
-    Result<TileBytes> load_large_tile(const Place& place, std::size_t page) const;
+    Status check_pages(const Place& place, const GroupIndex::PageRange& pages,
+                       std::span<const std::byte> bytes) const;
+    Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
 
     void note_curiosities(std::vector<Finding>& out) const;
     void validate_group(std::uint32_t group, std::vector<Finding>& out) const;
@@ -174,6 +195,9 @@ private:
     FileHeader header_;
     // From the stored bytes of the first reads where they are there, else from the source.
     Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
+    bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
+        return offset <= head_.size() && length <= head_.size() - offset;
+    }
     bool allow_partial_ = false;
     std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
     std::vector<SectionInfo> sections_;

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <thread>
 
@@ -317,6 +318,134 @@ TEST(Container, PagesAreReadOnce) {
     for (std::uint32_t g = 0; g < reader->group_count(); ++g)
         pages += (*reader->group(g))->pages.size();
     EXPECT_EQ(source.reads().size(), 1 + reader->group_count() + pages);
+}
+
+// Two requests bring any neighbourhood that fits the window; loading its tiles then needs none.
+TEST(Container, PrefetchTakesTwoReads) {
+    for (const bool large : {false, true}) {
+        const Sample sample(random_tiles(1000, 15, large));
+        const Bytes file = sample.write();
+        const auto memory = wrap_memory(file);
+        CountingByteSource source(*memory, true);
+        const auto reader = ContainerReader::open(source);
+        ASSERT_TRUE(reader);
+        EXPECT_TRUE(reader->wants_prefetch());
+        source.reset();
+        std::vector<std::uint64_t> tiles(40);
+        std::iota(tiles.begin(), tiles.end(), 500); // two groups
+        const Result<std::size_t> brought = reader->prefetch(tiles);
+        ASSERT_TRUE(brought) << brought.status().message();
+        EXPECT_EQ(*brought, tiles.size());
+        EXPECT_EQ(source.reads().size(), 2u);
+        for (const std::uint64_t tile : tiles) {
+            const Result<TileBytes> bytes = reader->load_tile(tile);
+            ASSERT_TRUE(bytes) << bytes.status().message();
+            EXPECT_TRUE(std::ranges::equal(bytes->bytes, sample.tiles[tile]));
+        }
+        EXPECT_EQ(source.reads().size(), 2u);
+        EXPECT_EQ(*reader->prefetch(tiles), tiles.size());
+        EXPECT_EQ(source.reads().size(), 2u) << "nothing is missing";
+        EXPECT_EQ(*reader->prefetch({}), 0u);
+        const std::uint64_t none[] = {1, 1000};
+        EXPECT_EQ(reader->prefetch(none).status().code(), ErrorCode::bad_argument);
+    }
+}
+
+// What is prefetched stays below what the cache holds, so that a walk reads every page once.
+TEST(Container, PrefetchIsBounded) {
+    std::vector<Bytes> tiles(600);
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+        tiles[i] = Bytes(60'000, static_cast<std::byte>(i)); // 36 MB
+    const Sample sample(std::move(tiles));
+    const Bytes file = sample.write();
+    const auto memory = wrap_memory(file);
+    CountingByteSource source(*memory, true);
+    const auto reader = ContainerReader::open(source);
+    ASSERT_TRUE(reader);
+    source.reset();
+    std::vector<std::uint64_t> all(sample.tiles.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::uint64_t longest = 0, windows = 0;
+    for (std::size_t done = 0; done < all.size(); ++windows) {
+        const auto brought = reader->prefetch(std::span(all).subspan(done));
+        ASSERT_TRUE(brought);
+        ASSERT_GT(*brought, 0u);
+        longest = std::max<std::uint64_t>(longest, *brought * 60'000);
+        const std::size_t reads = source.reads().size();
+        for (const std::size_t end = done + *brought; done < end; ++done)
+            ASSERT_TRUE(std::ranges::equal(reader->load_tile(done)->bytes, sample.tiles[done]));
+        EXPECT_EQ(source.reads().size(), reads);
+    }
+    EXPECT_LE(longest, (16u << 20) / 3);
+    EXPECT_EQ(windows, 7u);
+    std::uint64_t bytes = 0;
+    for (const auto& read : source.reads())
+        bytes += read.length;
+    EXPECT_LE(bytes, file.size());
+}
+
+TEST(Container, ThreadsPrefetchEachPageOnce) {
+    const Sample sample(random_tiles(1000, 16));
+    const Bytes file = sample.write();
+    const auto memory = wrap_memory(file);
+    CountingByteSource source(*memory, true);
+    const auto reader = ContainerReader::open(source);
+    ASSERT_TRUE(reader);
+    source.reset();
+    std::vector<std::uint64_t> all(sample.tiles.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::atomic<int> wrong{0};
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < 4; ++i)
+        threads.emplace_back([&, i] {
+            wrong += !reader->prefetch(std::span(all).subspan(i * 100));
+            for (std::uint64_t tile = i * 100; tile < all.size(); ++tile) {
+                const Result<TileBytes> bytes = reader->load_tile(tile);
+                wrong += !bytes || !std::ranges::equal(bytes->bytes, sample.tiles[tile]);
+            }
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(wrong, 0);
+    std::uint64_t bytes = 0, wanted = 0;
+    for (const auto& read : source.reads())
+        bytes += read.length;
+    for (const SectionInfo& section : reader->sections())
+        if (section.type == "INDX" || section.type == "DATA")
+            wanted += section.length;
+    EXPECT_EQ(bytes, wanted);
+}
+
+TEST(Container, PrefetchLeavesDamageToReading) {
+    const Sample sample(random_tiles(600, 17));
+    const Bytes good = sample.write();
+    const auto intact = wrap_memory(good);
+    const auto before = ContainerReader::open(*intact);
+    ASSERT_TRUE(before);
+    std::uint64_t tile = 300;
+    while (sample.tiles[tile].empty())
+        ++tile;
+    const std::uint64_t at_page = before->locate(tile)->offset;
+    const auto index = std::ranges::find(before->sections(), "INDX", &SectionInfo::type);
+    for (const std::uint64_t at : {at_page, index->offset + index->length - 1}) {
+        Bytes bad = good;
+        bad[at] ^= std::byte{1};
+        const auto source = wrap_memory(bad);
+        const auto reader = ContainerReader::open(*source);
+        ASSERT_TRUE(reader);
+        std::vector<std::uint64_t> all(sample.tiles.size());
+        std::iota(all.begin(), all.end(), 0);
+        EXPECT_EQ(*reader->prefetch(all), all.size());
+        std::size_t damaged = 0;
+        for (const std::uint64_t t : all) {
+            const Result<TileBytes> bytes = reader->load_tile(t);
+            damaged += !bytes;
+            EXPECT_TRUE(bytes ? std::ranges::equal(bytes->bytes, sample.tiles[t])
+                              : bytes.status().code() == ErrorCode::invalid_file);
+        }
+        EXPECT_GT(damaged, 0u);
+        EXPECT_LT(damaged, all.size());
+    }
 }
 
 TEST(Container, SurvivesBeingMoved) {

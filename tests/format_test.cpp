@@ -5,6 +5,7 @@
 #include "format/crc32c.h"
 #include "format/index.h"
 #include "format/output_file.h"
+#include "format/read_plan.h"
 #include "format/syntax.h"
 #include "format/tile_grid.h"
 #include "tests/test_folder.h"
@@ -511,9 +512,7 @@ TEST(Names, UnknownValuesHaveAName) {
 
 class Files : public ::testing::Test {
 protected:
-    void SetUp() override {
-        folder_ = test::make_test_folder("format");
-    }
+    void SetUp() override { folder_ = test::make_test_folder("format"); }
     void TearDown() override {
         std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);
         std::filesystem::remove_all(folder_);
@@ -645,6 +644,60 @@ TEST_F(Files, Sources) {
     std::filesystem::resize_file(path("a"), 5);
     std::array<std::byte, 4> four;
     expect_io_error((*file)->read(4, four), path("a"), "shorter");
+}
+
+TEST_F(Files, ReadMany) {
+    std::ofstream(path("a")) << "0123456789";
+    Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
+    ASSERT_TRUE(file) << file.status().message();
+    const std::string digits = "0123456789";
+    std::unique_ptr<ByteSource> memory = wrap_memory(bytes_of(digits));
+    for (ByteSource* source : {file->get(), memory.get()}) {
+        CountingByteSource counting(*source);
+        std::array<std::byte, 2> a, b, c;
+        const ReadRequest three[] = {{6, a}, {0, b}, {5, c}};
+        ASSERT_TRUE(counting.read_many(three));
+        EXPECT_EQ(a[1], std::byte{'7'});
+        EXPECT_EQ(b[0], std::byte{'0'});
+        EXPECT_EQ(c[0], std::byte{'5'});
+        ASSERT_EQ(counting.reads().size(), 1u) << "near ranges count as one request";
+        EXPECT_EQ(counting.reads()[0].offset, 0u);
+        EXPECT_EQ(counting.reads()[0].length, 8u);
+        const ReadRequest outside[] = {{0, a}, {9, b}};
+        EXPECT_EQ(counting.read_many(outside).code(), ErrorCode::io);
+        EXPECT_EQ(source->read_many(outside).code(), ErrorCode::io);
+        EXPECT_TRUE(counting.read_many({}));
+        EXPECT_FALSE(counting.wants_prefetch());
+    }
+}
+
+TEST(ReadPlan, MergesWhatIsNear) {
+    std::vector<std::byte> buffer(100);
+    const auto plan = [&](std::vector<std::pair<std::uint64_t, std::size_t>> ranges,
+                          std::uint64_t near, std::uint64_t longest) {
+        std::vector<ReadRequest> requests;
+        for (const auto& [offset, length] : ranges)
+            requests.push_back({offset, std::span(buffer).first(length)});
+        std::string text;
+        for (const MergedRead& read : merge_reads(requests, near, longest)) {
+            text += std::to_string(read.offset) + "+" + std::to_string(read.length) + ":";
+            for (const std::size_t i : read.requests)
+                text += std::to_string(i);
+            text += " ";
+        }
+        return text;
+    };
+    EXPECT_EQ(plan({}, 10, 100), "");
+    EXPECT_EQ(plan({{5, 0}}, 10, 100), "");
+    EXPECT_EQ(plan({{5, 5}, {10, 5}}, 0, 100), "5+10:01 ");
+    EXPECT_EQ(plan({{5, 5}, {11, 5}}, 0, 100), "5+5:0 11+5:1 ");
+    EXPECT_EQ(plan({{11, 5}, {5, 5}}, 1, 100), "5+11:10 ");
+    EXPECT_EQ(plan({{0, 60}, {60, 60}}, 10, 100), "0+60:0 60+60:1 ");
+    EXPECT_EQ(plan({{0, 60}, {10, 20}, {50, 20}}, 10, 60), "0+60:01 50+20:2 ");
+    EXPECT_EQ(plan({{0, 100}, {0, 100}, {5, 0}}, 0, 10), "0+100:01 ");
+    const std::uint64_t end = ~std::uint64_t{0};
+    EXPECT_EQ(plan({{end - 20, 20}, {0, 10}}, end, end), "0+18446744073709551615:10 ");
+    EXPECT_EQ(plan({{end - 20, 20}, {0, 10}}, 32768, end), "0+10:1 18446744073709551595+20:0 ");
 }
 
 TEST_F(Files, SourcesThatCannotBe) {

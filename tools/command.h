@@ -28,6 +28,7 @@ void add_shaders_command(CLI::App& app, Invocation& chosen);
 void add_render_command(CLI::App& app, Invocation& chosen);
 void add_bench_command(CLI::App& app, Invocation& chosen);
 void add_rd_command(CLI::App& app, Invocation& chosen);
+void add_serve_command(CLI::App& app, Invocation& chosen);
 
 // Declares a verb whose options live in `Arguments` and whose work is run(const Arguments&).
 template <class Arguments, class Declare>

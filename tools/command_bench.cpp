@@ -53,7 +53,9 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
         GpuBenchOptions& o = a.options;
         c.add_option("target", a.target, "What to measure: gpu")->required();
-        c.add_option("file", a.file, "A .tess with a texture on a sphere")->required();
+        c.add_option("file", a.file,
+                     "A .tess with a texture on a sphere, or the URL of one (http, https)")
+            ->required();
         declare_path(c, o.view);
         c.add_option("--frames", o.frames, "Frames measured in each way (100; software 10)")
             ->check(CLI::Range(1u, 100000u));

@@ -181,7 +181,8 @@ Status run(const Arguments& a) {
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "The reference: .tess, .exr, raw, folder/")->required();
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")
+            ->required();
         c.add_option("b", a.b, "What is measured against it")->required();
         c.add_option("--min-psnr", a.min_psnr, "Exit 7 when PSNR over all samples (dB) is lower");
         c.add_option("--max-error", a.max_error,

@@ -1,6 +1,7 @@
 #include "codec/decoder.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
+#include "tools/open_bytes.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
@@ -56,7 +57,7 @@ Status run(const Arguments& a) {
     if (kind_of(a.input) != TextureKind::tess)
         return {ErrorCode::bad_argument, a.input + ": decode reads .tess files"};
     const auto start = std::chrono::steady_clock::now();
-    const auto file = open_file(a.input);
+    const auto file = open_bytes(a.input);
     if (!file.ok())
         return file.status();
     const auto decoder = Decoder::open(**file);
@@ -74,10 +75,11 @@ Status run(const Arguments& a) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const std::uint64_t bytes = desc.box_bytes(box);
     if (!a.texture.quiet)
-        std::printf("%s: %s, %d x %s, %s in %.2f s, %.1f MB/s\n", a.output.c_str(),
+        std::printf("%s: %s, %d x %s, %s in %.2f s, %.1f MB/s%s\n", a.output.c_str(),
                     to_string(box.extent()).c_str(), desc.channels, name_of(desc.type),
                     human_bytes(bytes).c_str(), seconds.count(),
-                    static_cast<double>(bytes) / 1e6 / std::max(seconds.count(), 1e-9));
+                    static_cast<double>(bytes) / 1e6 / std::max(seconds.count(), 1e-9),
+                    transfer_text(**file).c_str());
     return {};
 }
 
@@ -85,7 +87,8 @@ Status run(const Arguments& a) {
 
 void add_decode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("input", a.input, "The .tess file")->required();
+        c.add_option("input", a.input, "The .tess file, or the URL of one (http, https)")
+            ->required();
         c.add_option("-o,--output", a.output, "What to write: .exr, raw (.rgb ...), folder/")
             ->required();
         c.add_option("--box", a.box,
@@ -96,7 +99,9 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
                         "Examples:\n"
                         "  tessera decode scene.tess -o scene.exr\n"
                         "  tessera decode scene.tess -o views/\n"
-                        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:",
+                        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
+                        "  tessera decode https://example.org/scene.tess -o part.exr --box "
+                        "0:64,0:64,:,:",
                         declare, run);
 }
 

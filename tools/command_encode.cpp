@@ -56,7 +56,9 @@ Status run(const Arguments& a) {
 
 void add_encode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("input", a.input, "Texture: .exr, raw (.rgb ...), folder of PNG views, .tess")
+        c.add_option("input", a.input,
+                     "Texture: .exr, raw (.rgb ...), folder of PNG views, .tess or the URL of "
+                     "one")
             ->required();
         c.add_option("-o,--output", a.output, "The .tess file to write")->required();
         add_texture_options(c, a.texture);

@@ -2,10 +2,12 @@
 #include "tools/command.h"
 #include "tools/description_text.h"
 #include "tools/json_text.h"
+#include "tools/open_bytes.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace tessera {
 namespace {
@@ -21,9 +23,16 @@ struct TileSummary {
     std::uint64_t tiles = 0, empty = 0, bytes = 0, largest = 0;
 };
 
+constexpr std::uint32_t groups_at_once = 512; // index records of one request
+
 Result<TileSummary> summarise_tiles(const ContainerReader& file) {
     TileSummary sum;
     for (std::uint32_t g = 0; g < file.group_count(); ++g) {
+        if (file.wants_prefetch() && g % groups_at_once == 0) {
+            std::vector<std::uint32_t> groups(std::min(groups_at_once, file.group_count() - g));
+            std::iota(groups.begin(), groups.end(), g);
+            TESSERA_TRY(file.prefetch_groups(groups));
+        }
         const auto index = file.group(g);
         if (!index.ok())
             return index.status();
@@ -138,7 +147,7 @@ void print_for_people(const Json& json, const std::string& indent) {
 }
 
 Result<Json> describe_tess(const std::string& path) {
-    const auto bytes = open_file(path);
+    const auto bytes = open_bytes(path);
     if (!bytes.ok())
         return bytes.status();
     const auto file = ContainerReader::open(**bytes);
@@ -180,14 +189,16 @@ Status run(const Arguments& a) {
 
 void add_info_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("file", a.input, "Any texture; a .tess file says most")->required();
+        c.add_option("file", a.input, "Any texture; a .tess file, or the URL of one, says most")
+            ->required();
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
     };
     add_verb<Arguments>(app, chosen, "info", "Say everything about a file but its texels",
                         "Examples:\n"
                         "  tessera info scene.tess\n"
-                        "  tessera info scene.exr --json",
+                        "  tessera info scene.exr --json\n"
+                        "  tessera info https://example.org/scene.tess",
                         declare, run);
 }
 

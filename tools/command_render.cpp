@@ -235,7 +235,8 @@ void declare_camera(CLI::App& c, ViewRequest& r) {
 void add_render_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
         StageRequest& r = a.stage;
-        c.add_option("file", r.file, "A .tess with a texture on a sphere");
+        c.add_option("file", r.file,
+                     "A .tess with a texture on a sphere, or the URL of one (http, https)");
         c.add_option(
             "--scene", r.scene,
             "In place of a file: the uncompressed texture of a built-in scene, baked where "

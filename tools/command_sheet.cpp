@@ -51,7 +51,7 @@ Status run(const Arguments& a) {
 
 void add_sheet_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "A texture")->required();
+        c.add_option("a", a.a, "A texture; .tess also as a URL")->required();
         c.add_option("b", a.b, "A second one to show beside it, with the difference");
         c.add_option("-o,--output", a.output, "The .png to write")->required();
         c.add_option("--views", a.sheet.views, "How many views")

@@ -2,8 +2,10 @@
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
+#include "tools/open_bytes.h"
 #include "tools/parallel.h"
 #include "tools/progress.h"
+#include "tools/read_ahead.h"
 #include "tools/texture_arguments.h"
 
 namespace tessera {
@@ -46,6 +48,8 @@ Status check_tiles(ByteSource& bytes, unsigned threads, const ProgressFunction& 
             std::vector<std::byte> texels(decoder->desc().box_bytes(box));
             status = decoder->decode_box(box, texels);
         }
+        if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
+            return status; // says nothing about the file
         const std::lock_guard lock(mutex);
         ++done;
         if (progress)
@@ -78,20 +82,24 @@ void print_findings(const Arguments& a, const std::vector<Finding>& findings, bo
 }
 
 Status run(const Arguments& a) {
-    const auto bytes = open_file(a.input);
-    if (!bytes.ok())
-        return bytes.status();
+    const auto opened = open_bytes(a.input);
+    if (!opened.ok())
+        return opened.status();
+    // Every byte will be wanted, twice.
+    const std::unique_ptr<ByteSource> ahead =
+        (*opened)->wants_prefetch() ? read_ahead(**opened) : nullptr;
+    ByteSource& bytes = ahead ? *ahead : **opened;
     std::vector<Finding> findings;
     {
         Progress progress("tessera validate", a.texture.quiet || a.json);
         const ProgressFunction show = progress.function();
-        findings = validate_container(**bytes, [&](double done, double total) {
+        findings = validate_container(bytes, [&](double done, double total) {
             if (show)
                 show("checking pages", done, total);
         });
         // A file that does not open has no tiles to look at; its finding says why.
-        if (ContainerReader::open(**bytes).ok())
-            TESSERA_TRY(check_tiles(**bytes, a.texture.threads, show, findings));
+        if (ContainerReader::open(bytes).ok())
+            TESSERA_TRY(check_tiles(bytes, a.texture.threads, show, findings));
     }
     std::stable_sort(findings.begin(), findings.end(), [](const Finding& x, const Finding& y) {
         return std::pair(x.number, x.first_tile) < std::pair(y.number, y.first_tile);
@@ -101,6 +109,9 @@ Status run(const Arguments& a) {
     print_findings(a, findings, fatal == 0);
     if (fatal == 0)
         return {};
+    for (const Finding& f : findings)
+        if (f.number == static_cast<int>(ContainerRule::readable))
+            return {interrupted_by() != 0 ? ErrorCode::runtime : ErrorCode::io, f.text};
     return {ErrorCode::invalid_file, a.input + ": not valid, " + std::to_string(fatal) +
                                          (fatal == 1 ? " error" : " errors")};
 }
@@ -109,13 +120,14 @@ Status run(const Arguments& a) {
 
 void add_validate_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("file", a.input, "The .tess file")->required();
+        c.add_option("file", a.input, "The .tess file, or the URL of one (http, https)")
+            ->required();
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };
     add_verb<Arguments>(app, chosen, "validate", "Check everything a reader relies on",
                         "Findings are numbered as in FORMAT.md, part 6. Exit code 3 when one is an "
-                        "error.\n\n"
+                        "error, 2 when the bytes cannot be read.\n\n"
                         "Examples:\n"
                         "  tessera validate scene.tess\n"
                         "  tessera validate scene.tess --json",

@@ -7,6 +7,7 @@
 #include "tools/gpu_stage_times.h"
 #include "tools/gpu_times.h"
 #include "tools/interrupt.h"
+#include "tools/open_bytes.h"
 #include "tools/texture_io.h"
 #include "tools/view_file.h"
 #include "tools/view_report.h"
@@ -480,7 +481,7 @@ private:
 Result<BenchReport> bench_gpu(const std::string& file, const GpuBenchOptions& options) {
     if (kind_of(file) != TextureKind::tess)
         return Status(ErrorCode::bad_argument, file + ": bench measures .tess files");
-    const auto bytes = open_file(file);
+    const auto bytes = open_bytes(file);
     if (!bytes.ok())
         return bytes.status();
     const auto decoder = Decoder::open(**bytes);

@@ -4,6 +4,7 @@
 #include "format/sample_code.h"
 #include "format/sampler.h"
 #include "tools/gpu_renderer.h"
+#include "tools/open_bytes.h"
 #include "tools/parse.h"
 #include "tools/texture_io.h"
 
@@ -90,7 +91,7 @@ Status add_truth(const StageRequest& r, const std::string& subject, const std::s
 Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
     if (kind_of(r.file) != TextureKind::tess)
         return {ErrorCode::bad_argument, r.file + ": render draws .tess files"};
-    auto bytes = open_file(r.file);
+    auto bytes = open_bytes(r.file);
     if (!bytes.ok())
         return bytes.status();
     stage.bytes = std::move(*bytes);

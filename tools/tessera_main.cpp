@@ -15,7 +15,7 @@ namespace {
 
 const char* const verbs[] = {"bake",    "encode", "decode",  "info",    "validate",
                              "compare", "sheet",  "montage", "shaders", "render",
-                             "bench",   "rd",     "help",    "version"};
+                             "bench",   "rd",     "serve",   "help",    "version"};
 
 std::string version_text() {
     return std::string("tessera ") + library_version + ", file format " +
@@ -61,6 +61,7 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
     add_render_command(app, chosen);
     add_bench_command(app, chosen);
     add_rd_command(app, chosen);
+    add_serve_command(app, chosen);
     CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
     auto topic = std::make_shared<std::string>();
     help->add_option("verb", *topic, "The verb to explain");

@@ -2,6 +2,7 @@
 
 #include "codec/decoder.h"
 #include "tools/exr_io.h"
+#include "tools/open_bytes.h"
 #include "tools/parse.h"
 #include "tools/png_views_io.h"
 #include "tools/raw_io.h"
@@ -43,6 +44,9 @@ std::string without_trailing_slashes(std::string path) {
 }
 
 Status unknown_kind(const std::string& path) {
+    if (is_url(path))
+        return {ErrorCode::bad_argument,
+                path + ": over a network only .tess files are read, and none is written"};
     return {ErrorCode::bad_argument,
             path + ": this name says no kind of texture; known are .tess, .exr, .rgb .rgba .gray "
                    ".ya (and with 16f appended), .raw, and folder/ for PNG views"};
@@ -52,7 +56,7 @@ Status unknown_kind(const std::string& path) {
 class TessSource : public TexelSource {
 public:
     static Result<std::unique_ptr<TessSource>> open(const std::string& path) {
-        auto bytes = open_file(path);
+        auto bytes = open_bytes(path);
         if (!bytes.ok())
             return bytes.status();
         auto decoder = Decoder::open(**bytes);
@@ -125,6 +129,8 @@ TextureKind kind_of(const std::string& path) {
     std::error_code ignored;
     if (path.empty())
         return TextureKind::unknown;
+    if (is_url(path))
+        return without_query(path).ends_with(".tess") ? TextureKind::tess : TextureKind::unknown;
     if (path.back() == '/' || fs::is_directory(path, ignored))
         return TextureKind::png_views;
     const std::string ending = fs::path(path).extension().string();
@@ -166,6 +172,8 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 }
 
 Status check_output_path(const std::string& path) {
+    if (is_url(path))
+        return {ErrorCode::bad_argument, path + ": cannot write to a URL"};
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
     const fs::path folder = fs::path(path).parent_path();

@@ -1,6 +1,7 @@
 // Textures by name: what kind of file a name means, and how to open or create it.
 //
-//   x.tess      compressed                       (reading only; encode writes it)
+//   x.tess      compressed                       (reading only; encode writes it); also the URL of
+//               one, http(s)://host/x.tess, whatever ?query or #fragment follows
 //   x.exr       mosaic, see exr_io.h
 //   x.rgb       raw, see raw_io.h; also .rgba .gray .ya, with 16f appended for half floats
 //               (.rgb16f), and .raw, for which type and channels must be said
@@ -35,7 +36,7 @@ Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const
                                                   const Description& description, unsigned threads);
 
 // Whether a file may be written there: a plain file or nothing, in a folder that exists. Renaming over
-// a device or a folder would destroy it or fail after all the work. Errors: io.
+// a device or a folder would destroy it or fail after all the work. Errors: io; bad_argument (a URL).
 Status check_output_path(const std::string& path);
 
 } // namespace tessera

@@ -1,0 +1,90 @@
+// A decoded file as a source of texels.
+#include "codec/decoder.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+// Where requests are dear: brings the tiles of a slab ahead of those who read it more or less in
+// order, twice as many each time. A reader that jumps about gets what it asks for and no more.
+class SlabAhead {
+public:
+    explicit SlabAhead(const ContainerReader& container) : container_(container) {}
+
+    void begin(const Box4& box) {
+        const std::lock_guard lock(mutex_);
+        tiles_ = tiles_of(box);
+        ready_end_ = ahead_ = 0;
+    }
+
+    // Returns when the tiles of `box` have been brought. Errors: those of prefetch().
+    Status want(const Box4& box) {
+        const std::lock_guard lock(mutex_);
+        const std::vector<std::uint64_t> wanted = tiles_of(box);
+        const std::size_t first = place_of(wanted.front()), end = place_of(wanted.back()) + 1;
+        if (end <= ready_end_ || end > tiles_.size())
+            return {};
+        const bool in_order = first <= ready_end_ + ahead_;
+        ahead_ = in_order ? std::max<std::size_t>(1, 2 * ahead_) : 0;
+        std::size_t begin = in_order ? ready_end_ : first;
+        const std::size_t last = std::min(tiles_.size(), std::max(end, begin + ahead_));
+        while (begin < end) {
+            const auto brought =
+                container_.prefetch(std::span(tiles_).subspan(begin, last - begin));
+            TESSERA_TRY(brought.status());
+            begin += *brought;
+        }
+        ready_end_ = begin;
+        return {};
+    }
+
+private:
+    std::vector<std::uint64_t> tiles_of(const Box4& box) const {
+        const TileGrid& grid = container_.grid();
+        std::vector<std::uint64_t> tiles;
+        grid.for_each(grid.touched(box), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
+        return tiles; // ascending
+    }
+
+    std::size_t place_of(std::uint64_t tile) const {
+        return static_cast<std::size_t>(std::ranges::lower_bound(tiles_, tile) - tiles_.begin());
+    }
+
+    const ContainerReader& container_;
+    std::mutex mutex_;
+    std::vector<std::uint64_t> tiles_; // of the slab
+    std::size_t ready_end_ = 0;        // of them: those before have been brought, or passed over
+    std::size_t ahead_ = 0;            // tiles
+};
+
+class DecodedSource : public TexelSource {
+public:
+    explicit DecodedSource(const Decoder& decoder)
+        : decoder_(decoder), ahead_(decoder.container()) {}
+    const TextureDesc& desc() const override { return decoder_.desc(); }
+    Status begin_slab(const Box4& box) override {
+        if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
+            ahead_.begin(box);
+        return {};
+    }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
+            TESSERA_TRY(ahead_.want(box));
+        return decoder_.decode_box(box, out);
+    }
+
+private:
+    const Decoder& decoder_;
+    SlabAhead ahead_;
+};
+
+} // namespace
+
+std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
+    return std::make_unique<DecodedSource>(decoder);
+}
+
+} // namespace tessera

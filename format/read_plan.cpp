@@ -1,0 +1,41 @@
+#include "format/read_plan.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests, std::uint64_t near,
+                                    std::uint64_t longest) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < requests.size(); ++i)
+        if (!requests[i].out.empty())
+            order.push_back(i);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return requests[i].offset; });
+    std::vector<MergedRead> merged;
+    for (const std::size_t i : order) {
+        const std::uint64_t begin = requests[i].offset, end = begin + requests[i].out.size();
+        if (!merged.empty()) {
+            MergedRead& last = merged.back();
+            const std::uint64_t last_end = last.offset + last.length;
+            const bool is_near = begin <= last_end || begin - last_end <= near;
+            const std::uint64_t joined = std::max(end, last_end) - last.offset;
+            if (end <= last_end || (is_near && joined <= longest)) {
+                last.length = joined;
+                last.requests.push_back(i);
+                continue;
+            }
+        }
+        merged.push_back({begin, end - begin, {i}});
+    }
+    return merged;
+}
+
+Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length) {
+    if (offset <= source.size() && length <= source.size() - offset)
+        return {};
+    return {ErrorCode::io, source.name() + ": cannot read " + std::to_string(length) +
+                               " bytes at offset " + std::to_string(offset) + " of " +
+                               std::to_string(source.size())};
+}
+
+} // namespace tessera

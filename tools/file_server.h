@@ -1,0 +1,52 @@
+// Serves the files of a folder over HTTP, in parts: what `tessera serve` is.
+#pragma once
+
+#include "format/status.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace tessera {
+
+// One answered request. Text that came from outside holds no control characters.
+struct ServedRequest {
+    std::string client;              // address
+    std::string method, path, range; // range: as asked for, "" without
+    int status = 0;
+    std::uint64_t bytes = 0; // of the body
+};
+
+struct FileServerOptions {
+    std::string folder;
+    std::string host = "127.0.0.1";
+    int port = 0; // 0: one that is free
+    // Called from several threads, after each answer.
+    std::function<void(const ServedRequest&)> log;
+};
+
+// GET and HEAD of regular files below the folder, with one or several byte ranges (at most 64), strong
+// ETags made of size and time of change, Last-Modified, If-Match, If-None-Match, If-Range and
+// If-Unmodified-Since; a folder shows its .tess files and folders. Names that begin with a point, and
+// links that lead out of the folder, are not there. Files are streamed, whatever their size.
+//
+// Plain HTTP without passwords: for one's own machine or a network that one trusts.
+class FileServer {
+public:
+    // Listens, and answers on threads of its own. Errors: io (no such folder, or the address cannot
+    // be had).
+    static Result<std::unique_ptr<FileServer>> start(const FileServerOptions& options);
+    // Ends within about 2 seconds: open connections are waited for.
+    ~FileServer();
+
+    int port() const;
+    std::string url() const; // of the folder, with a slash at its end
+
+private:
+    class Impl;
+    explicit FileServer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace tessera
