@@ -107,16 +107,21 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
 }
 
 Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
-                       const ProgressFunction& progress) const {
+                       const ProgressFunction& progress, std::uint64_t slab_bytes) const {
     const ContainerReader& container = state_->container;
     if (!is_inside(box, desc().size))
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
     std::vector<Worker> workers = make_workers(threads, *state_->coding, state_->colour);
-    const auto total = static_cast<double>(grid.touched(box).texels());
-    double done = 0;
-    for (const Slab& slab : make_slabs(grid, box, sink.locality())) {
+    const auto slabs =
+        make_slabs(grid, box, sink.locality(), {slab_bytes / desc().texel_bytes(), false});
+    if (!slabs)
+        return slabs.status();
+    double total = 0, done = 0;
+    for (const Slab& slab : *slabs)
+        total += static_cast<double>(slab.tiles.size());
+    for (const Slab& slab : *slabs) {
         TESSERA_TRY(sink.begin_slab(slab.box));
         TESSERA_TRY(parallel_for(
             workers, slab.tiles.size(),

@@ -3,6 +3,7 @@
 
 #include "codec/encoder.h"
 #include "codec/journal.h"
+#include "codec/slabs.h"
 #include "codec/tile_encoder.h"
 #include "codec/tile_entropy.h"
 #include "codec/tile_store.h"
@@ -42,6 +43,9 @@ struct Sample {
     std::vector<std::uint64_t> tiles;
     std::vector<std::vector<std::byte>> texels; // finite
 };
+
+// Slabs of the whole texture that plan.options.slab_bytes allows.
+Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 
 // Reads a spread of about an eighth of the tiles, between 4 and 128.
 Result<Sample> read_sample(const EncodePlan& plan);
