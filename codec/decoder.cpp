@@ -129,7 +129,7 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                 const Box4 tile_box = grid.box(slab.tiles[i]);
                 TESSERA_TRY(
                     decode_tile(container, slab.tiles[i], tile_box, Integrity::page, worker));
-                const Box4 part = intersect(tile_box, box);
+                const Box4 part = intersect(tile_box, slab.box);
                 if (part == tile_box)
                     return sink.write(part, worker.texels);
                 std::vector<std::byte> texels(desc().box_bytes(part));

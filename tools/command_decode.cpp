@@ -53,9 +53,11 @@ Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, 
         return sink.status();
     PartSink part(interruptible(std::move(*sink)), box.begin);
     Progress progress("tessera decode", a.texture.quiet);
-    return with_memory_hint(
-        decoder.decode(box, part, a.texture.threads, progress.function(), *slab_bytes)
-            .with_context(a.output));
+    const Status status = with_memory_hint(
+        decoder.decode(box, part, a.texture.threads, progress.function(), *slab_bytes));
+    const bool named = status.message().find(a.output) != std::string::npos ||
+                       status.message().find(a.input) != std::string::npos;
+    return named ? status : status.with_context(a.output);
 }
 
 Status run(const Arguments& a) {
