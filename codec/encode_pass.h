@@ -44,6 +44,12 @@ struct Sample {
     std::vector<std::vector<std::byte>> texels; // finite
 };
 
+// The error that ends an encode whose caller does not want it any more.
+inline Status check_cancelled(const EncodeOptions& options) {
+    return options.cancelled && options.cancelled() ? Status(ErrorCode::runtime, "interrupted")
+                                                    : Status();
+}
+
 // Slabs of the whole texture that plan.options.slab_bytes allows.
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 

@@ -96,8 +96,7 @@ ContainerContents contents_of(const EncodePlan& plan, const PassResult& pass,
     contents.tile_length = [&pass](std::uint64_t tile) { return pass.tiles[tile].payload_bytes; };
     contents.tile = [&plan, &pass, payload = std::vector<std::byte>()](
                         std::uint64_t tile) mutable -> Result<std::span<const std::byte>> {
-        if (plan.options.cancelled && plan.options.cancelled())
-            return Status(ErrorCode::runtime, "interrupted");
+        TESSERA_TRY(check_cancelled(plan.options));
         TESSERA_TRY(pass.payloads->get(tile, payload));
         return std::span<const std::byte>(payload);
     };

@@ -22,8 +22,7 @@ public:
           sums_(tiles.size(), ErrorSums(a.desc())) {}
 
     Result<Comparison> run() {
-        const bool anywhere =
-            a_.locality() == Locality::any && b_.locality() == Locality::any;
+        const bool anywhere = a_.locality() == Locality::any && b_.locality() == Locality::any;
         TESSERA_TRY(anywhere ? add_all() : add_in_turn());
         Comparison result(a_.desc());
         for (const ErrorSums& part : sums_) // in order, whoever computed them
@@ -40,8 +39,7 @@ private:
         TESSERA_TRY(b_.begin_slab(whole));
         std::vector<int> workers(thread_count(options_.threads));
         return parallel_for(
-            workers, tiles_.size(), [&](int, std::size_t i) { return add(i); },
-            [](std::size_t) {});
+            workers, tiles_.size(), [&](int, std::size_t i) { return add(i); }, [](std::size_t) {});
     }
 
     // Sources that are walked in slabs are given a slab a tile: slow, but it holds no more.

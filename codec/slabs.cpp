@@ -68,8 +68,8 @@ Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality loc
         side[axis] = (grid.size()[axis] - 1) / grid.count()[axis] + 1;
     }
     const auto fits = [&] { // a product of eight extents can exceed 64 bits
-        const auto texels = static_cast<double>(texel_count(tiles)) *
-                            static_cast<double>(texel_count(side));
+        const auto texels =
+            static_cast<double>(texel_count(tiles)) * static_cast<double>(texel_count(side));
         return texels <= static_cast<double>(limit.texels);
     };
     for (const Cut& cut : cuts_of(locality, limit.whole_tiles))
@@ -113,10 +113,10 @@ Status append_parts(const TileGrid& grid, const Box4& whole, Locality locality,
         for (std::size_t axis = 0; axis < 4; ++axis)
             part.end[axis] = std::min(whole.end[axis], at[axis] + step[axis]);
         if (locality != Locality::any && part.texels() > limit.texels)
-            return {ErrorCode::unsupported,
-                    "a part of " + std::to_string(part.texels()) + " texels (" + to_string(part) +
-                        ") has to be held in memory, only " + std::to_string(limit.texels) +
-                        " are allowed"};
+            return {ErrorCode::unsupported, "a part of " + std::to_string(part.texels()) +
+                                                " texels (" + to_string(part) +
+                                                ") has to be held in memory, only " +
+                                                std::to_string(limit.texels) + " are allowed"};
         slabs.push_back(make_slab(grid, part));
     } while (advance(at, whole, step));
     return {};
@@ -134,8 +134,8 @@ Result<std::vector<Slab>> make_slabs(const TileGrid& grid, const Box4& box, Loca
         Box4 tiles{at, at};
         for (std::size_t axis = 0; axis < 4; ++axis)
             tiles.end[axis] = std::min(touched.end[axis], at[axis] + step[axis]);
-        TESSERA_TRY(append_parts(grid, intersect(texels_of(grid, tiles), box), locality, limit,
-                                 slabs));
+        TESSERA_TRY(
+            append_parts(grid, intersect(texels_of(grid, tiles), box), locality, limit, slabs));
     } while (advance(at, touched, step));
     return slabs;
 }

@@ -88,9 +88,8 @@ protected:
                     }
                 }
                 ++faults;
-                const std::string what = name + ", call " +
-                                         std::to_string(static_cast<int>(call)) + " number " +
-                                         std::to_string(n) + ": " + status.message();
+                const std::string what = name + ", call " + std::to_string(static_cast<int>(call)) +
+                                         " number " + std::to_string(n) + ": " + status.message();
                 EXPECT_EQ(status.code(), ErrorCode::io) << what;
                 EXPECT_NE(status.message().find(name), std::string::npos) << what;
                 EXPECT_NE(status.message().find("No space left"), std::string::npos) << what;

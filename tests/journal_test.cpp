@@ -90,10 +90,10 @@ TEST_F(Journals, LeaveNothingAfterSuccess) {
 }
 
 TEST_F(Journals, GoOnFromEveryQuestion) {
-    for (const auto& [kind, value] : {std::pair(RateTarget::Kind::quality, 60.0),
-                                      std::pair(RateTarget::Kind::psnr, 39.0),
-                                      std::pair(RateTarget::Kind::bytes, 9000.0),
-                                      std::pair(RateTarget::Kind::max_error, 3.0)}) {
+    for (const auto& [kind, value] :
+         {std::pair(RateTarget::Kind::quality, 60.0), std::pair(RateTarget::Kind::psnr, 39.0),
+          std::pair(RateTarget::Kind::bytes, 9000.0),
+          std::pair(RateTarget::Kind::max_error, 3.0)}) {
         options_.rate = {kind, value};
         options_.effort = kind == RateTarget::Kind::psnr ? 8 : 2; // 8: two walks a pass
         const std::string bytes = expected(options_);
@@ -156,7 +156,7 @@ TEST_F(DamagedJournals, TornAnywhere) {
         resume_and_compare(options_, bytes_);
     }
     for (const std::string& tail : {std::string("TILE"), std::string(1000, '\0'), std::string("x"),
-                                   whole.substr(0, 60), whole}) {
+                                    whole.substr(0, 60), whole}) {
         restore();
         spit(inside("pass-1"), whole + tail);
         resume_and_compare(options_, bytes_);

@@ -66,7 +66,8 @@ struct Kind {
     const char* name;
     std::uint64_t least; // bytes of the smallest slab a sink can live with
 };
-const Kind kinds[] = {{"x.rgb", 3 * 20 * 18}, {"x.exr", 3 * 40 * 20 * 18}, {"x_views/", 3 * 40 * 36}};
+const Kind kinds[] = {
+    {"x.rgb", 3 * 20 * 18}, {"x.exr", 3 * 40 * 20 * 18}, {"x_views/", 3 * 40 * 36}};
 
 TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsDecoded) {
     for (const Kind& kind : kinds) {
@@ -114,17 +115,21 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
 }
 
 TEST(MemoryBudget, ReadsSizes) {
-    const std::pair<const char*, std::uint64_t> good[] = {
-        {"0", 0},           {"12345", 12345},     {"7b", 7},
-        {"512M", 512 << 20}, {"1GiB", 1ull << 30}, {"3t", 3ull << 40},
-        {"2kb", 2048},      {"1Gib", 1ull << 30}};
+    const std::pair<const char*, std::uint64_t> good[] = {{"0", 0},
+                                                          {"12345", 12345},
+                                                          {"7b", 7},
+                                                          {"512M", 512 << 20},
+                                                          {"1GiB", 1ull << 30},
+                                                          {"3t", 3ull << 40},
+                                                          {"2kb", 2048},
+                                                          {"1Gib", 1ull << 30}};
     for (const auto& [text, bytes] : good) {
         const auto parsed = parse_memory(text);
         ASSERT_TRUE(parsed) << text;
         EXPECT_EQ(*parsed, bytes) << text;
     }
-    for (const char* text : {"", "M", "1.5G", "-1", "1X", "1GG", " 1G", "1 G", "18446744073709551616",
-                             "9999999999T", "8388608T"})
+    for (const char* text : {"", "M", "1.5G", "-1", "1X", "1GG", " 1G", "1 G",
+                             "18446744073709551616", "9999999999T", "8388608T"})
         EXPECT_EQ(parse_memory(text).status().code(), ErrorCode::bad_argument) << text;
 }
 

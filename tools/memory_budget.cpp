@@ -44,7 +44,8 @@ Result<std::uint64_t> parse_memory(const std::string& text) {
 
 void add_memory_option(CLI::App& app, std::string& text) {
     text = usual_memory;
-    app.add_option("--memory", text, "Most memory to use, such as 512M or 2G; K, M, G are powers of 1024")
+    app.add_option("--memory", text,
+                   "Most memory to use, such as 512M or 2G; K, M, G are powers of 1024")
         ->type_name("SIZE")
         ->capture_default_str();
 }
