@@ -130,21 +130,24 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
 }
 
 Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
-                       const ProgressFunction& progress) const {
+                       const ProgressFunction& progress, std::uint64_t slab_bytes) const {
     const ContainerReader& container = state_->container;
     if (!is_inside(box, desc().size))
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
     std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
-    const std::vector<Slab> slabs = make_slabs(grid, box, sink.locality());
+    const auto slabs =
+        make_slabs(grid, box, sink.locality(), {slab_bytes / desc().texel_bytes(), false});
+    if (!slabs)
+        return slabs.status();
     std::vector<std::uint64_t> order;
-    for (const Slab& slab : slabs)
+    for (const Slab& slab : *slabs)
         order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
     const std::size_t total = order.size();
     TilesAhead ahead(container, std::move(order));
     std::size_t done = 0;
-    for (const Slab& slab : slabs) {
+    for (const Slab& slab : *slabs) {
         TESSERA_TRY(sink.begin_slab(slab.box));
         for (std::span<const std::uint64_t> left = slab.tiles; !left.empty();) {
             const Result<std::size_t> window = ahead.ready(done);
@@ -156,7 +159,7 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                     const Box4 tile_box = grid.box(tiles[i]);
                     TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
                                             Integrity::page, worker));
-                    const Box4 part = intersect(tile_box, box);
+                    const Box4 part = intersect(tile_box, slab.box);
                     if (part == tile_box)
                         return sink.write(part, worker.texels);
                     std::vector<std::byte> texels(desc().box_bytes(part));

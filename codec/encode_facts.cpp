@@ -26,10 +26,9 @@ std::string checksum(std::span<const std::byte> bytes, std::uint32_t previous = 
 }
 
 std::string shortened(const std::string& value) {
-    return value.size() <= longest_value
-               ? value
-               : std::to_string(value.size()) +
-                     " bytes of checksum " + checksum(std::as_bytes(std::span(value)));
+    return value.size() <= longest_value ? value
+                                         : std::to_string(value.size()) + " bytes of checksum " +
+                                               checksum(std::as_bytes(std::span(value)));
 }
 
 const char* name_of(RateTarget::Kind kind) {

@@ -1,8 +1,6 @@
 #include "codec/encode_pass.h"
 
 #include "codec/parallel.h"
-#include "codec/slabs.h"
-#include "codec/table_fit.h"
 #include "codec/tile_decoder.h"
 #include "format/crc32c.h"
 
@@ -11,11 +9,6 @@
 
 namespace tessera {
 namespace {
-
-Status check_cancelled(const EncodeOptions& options) {
-    return options.cancelled && options.cancelled() ? Status(ErrorCode::runtime, "interrupted")
-                                                    : Status();
-}
 
 // Everything one thread needs to encode tiles and to see what they decode to.
 struct Worker {
@@ -218,35 +211,69 @@ std::uint64_t PassResult::payload_bytes() const {
     return bytes;
 }
 
-Result<Sample> read_sample(const EncodePlan& plan) {
+Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
+    const TextureDesc& desc = plan.colour.desc;
+    return make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),
+                      {plan.options.slab_bytes / desc.texel_bytes(), true});
+}
+
+namespace {
+
+// The tiles that a sample holds, ascending. They must not depend on how slabs are cut.
+Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan) {
     // Sources that are walked in slabs give the tiles of the middle one.
-    const auto slabs = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    const auto uncut =
+        make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    if (!uncut)
+        return uncut.status();
     const bool anywhere = plan.source.locality() == Locality::any;
-    const Slab& middle = slabs[slabs.size() / 2];
+    const Slab& middle = (*uncut)[uncut->size() / 2];
     const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
     const auto wanted = std::min<std::uint64_t>(
         available, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
-    TESSERA_TRY(plan.source.begin_slab(anywhere ? Box4::whole(plan.grid.size()) : middle.box));
-    Sample sample;
+    std::vector<std::uint64_t> tiles;
     for (std::uint64_t i = 0; i < wanted; ++i) {
         const std::uint64_t pick = golden_pick(i, available);
-        sample.tiles.push_back(anywhere ? pick : middle.tiles[pick]);
+        tiles.push_back(anywhere ? pick : middle.tiles[pick]);
     }
-    std::sort(sample.tiles.begin(), sample.tiles.end());
-    sample.tiles.erase(std::unique(sample.tiles.begin(), sample.tiles.end()), sample.tiles.end());
+    std::sort(tiles.begin(), tiles.end());
+    tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+    return tiles;
+}
+
+} // namespace
+
+Result<Sample> read_sample(const EncodePlan& plan) {
+    auto chosen = choose_sample(plan);
+    if (!chosen)
+        return chosen.status();
+    const auto slabs = slabs_of(plan);
+    if (!slabs)
+        return slabs.status();
+    Sample sample{std::move(*chosen), {}};
     sample.texels.resize(sample.tiles.size());
     std::vector<int> workers(thread_count(plan.options.threads));
-    TESSERA_TRY(parallel_for(
-        workers, sample.tiles.size(),
-        [&](int, std::size_t i) {
-            CodedTile ignored;
-            return read_tile(plan, plan.grid.box(sample.tiles[i]), sample.texels[i], ignored);
-        },
-        [&](std::size_t i) {
-            if (plan.options.progress)
-                plan.options.progress("sample", static_cast<double>(i),
-                                      static_cast<double>(sample.tiles.size()));
-        }));
+    for (const Slab& slab : *slabs) {
+        std::vector<std::size_t> inside; // of sample.tiles
+        for (std::size_t i = 0; i < sample.tiles.size(); ++i)
+            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), sample.tiles[i]))
+                inside.push_back(i);
+        if (inside.empty())
+            continue;
+        TESSERA_TRY(plan.source.begin_slab(slab.box));
+        TESSERA_TRY(parallel_for(
+            workers, inside.size(),
+            [&](int, std::size_t i) {
+                CodedTile ignored;
+                return read_tile(plan, plan.grid.box(sample.tiles[inside[i]]),
+                                 sample.texels[inside[i]], ignored);
+            },
+            [&](std::size_t i) {
+                if (plan.options.progress)
+                    plan.options.progress("sample", static_cast<double>(i),
+                                          static_cast<double>(inside.size()));
+            }));
+    }
     return sample;
 }
 
@@ -266,9 +293,11 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     } else {
         payloads = std::make_shared<MemoryTileStore>(tiles.size());
     }
+    const auto slabs = slabs_of(plan);
+    if (!slabs)
+        return slabs.status();
     double done = 0;
-    for (const Slab& slab :
-         make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality())) {
+    for (const Slab& slab : *slabs) {
         std::vector<std::uint64_t> wanted = slab.tiles;
         if (journaled != nullptr)
             std::erase_if(wanted, [&](std::uint64_t tile) { return journaled->has(tile); });
@@ -308,65 +337,6 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
         },
         [](std::size_t) {}));
     return finish(crew, 0, std::move(tiles), nullptr);
-}
-
-Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
-    CodingParameters fitted = pass.parameters;
-    fitted.parameters = fit_parameters(pass.totals.statistics);
-    std::shared_ptr<TileStore> payloads = pass.payloads; // memory: each in place of the old one
-    if (plan.journal != nullptr) {
-        auto scratch = plan.journal->scratch(pass.tiles.size());
-        if (!scratch)
-            return scratch.status();
-        payloads = std::move(*scratch);
-    }
-    const SampleType type = plan.colour.desc.type;
-    const int planes = plan.colour.desc.channels;
-    const TileCoding before(pass.parameters, type, planes), after(fitted, type, planes);
-    struct Recoder {
-        TileDecoder from, check;
-        std::vector<std::byte> payload, texels;
-    };
-    std::vector<Recoder> workers;
-    for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
-        workers.push_back(
-            {TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}, {}});
-    TESSERA_TRY(parallel_for(
-        workers, pass.tiles.size(),
-        [&](Recoder& worker, std::size_t i) -> Status {
-            TESSERA_TRY(check_cancelled(plan.options));
-            CodedTile& tile = pass.tiles[i];
-            const Box4 box = plan.grid.box(i);
-            const BlockShape shape = tile_shape(box);
-            TESSERA_TRY(pass.payloads->get(i, worker.payload));
-            TESSERA_TRY(worker.from.parse(worker.payload, shape));
-            worker.payload.clear();
-            const CorrectionMap& corrections = worker.from.corrections();
-            encode_levels(worker.from.levels(),
-                          corrections.empty()
-                              ? std::vector<std::vector<std::byte>>{}
-                              : encode_corrections(corrections, shape, planes, after.tables),
-                          after, worker.payload);
-            tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
-            TESSERA_TRY(payloads->put(i, tile, worker.payload));
-            if (!plan.options.verify)
-                return {};
-            worker.texels.resize(plan.colour.desc.box_bytes(box));
-            const Status decoded = worker.check.decode(worker.payload, shape, worker.texels);
-            if (!decoded.ok() || crc32c(worker.texels) != tile.texel_crc)
-                return {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
-                                                " does not decode to what was encoded " +
-                                                decoded.message()};
-            return {};
-        },
-        [&](std::size_t i) {
-            if (plan.options.progress)
-                plan.options.progress("write", static_cast<double>(i),
-                                      static_cast<double>(pass.tiles.size()));
-        }));
-    pass.parameters = fitted;
-    pass.payloads = std::move(payloads);
-    return {};
 }
 
 } // namespace tessera

@@ -3,6 +3,7 @@
 
 #include "codec/encoder.h"
 #include "codec/journal.h"
+#include "codec/slabs.h"
 #include "codec/tile_encoder.h"
 #include "codec/tile_entropy.h"
 #include "codec/tile_store.h"
@@ -51,6 +52,15 @@ inline std::uint64_t golden_pick(std::uint64_t i, std::uint64_t count) {
     return std::min(count - 1, static_cast<std::uint64_t>((place - std::floor(place)) *
                                                           static_cast<double>(count)));
 }
+
+// The error that ends an encode whose caller does not want it any more.
+inline Status check_cancelled(const EncodeOptions& options) {
+    return options.cancelled && options.cancelled() ? Status(ErrorCode::runtime, "interrupted")
+                                                    : Status();
+}
+
+// Slabs of the whole texture that plan.options.slab_bytes allows.
+Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 
 // Reads a spread of about an eighth of the tiles, between 4 and 128.
 Result<Sample> read_sample(const EncodePlan& plan);

@@ -146,9 +146,7 @@ ContainerContents contents_of(const FileParts& parts) {
     };
     contents.tile = [&parts, payload = std::vector<std::byte>()](
                         std::uint64_t tile) mutable -> Result<std::span<const std::byte>> {
-        const EncodeOptions& options = parts.plan.options;
-        if (options.cancelled && options.cancelled())
-            return Status(ErrorCode::runtime, "interrupted");
+        TESSERA_TRY(check_cancelled(parts.plan.options));
         const FileParts::Place place = parts.place_of(tile);
         TESSERA_TRY(place.payloads.get(place.number, payload));
         return std::span<const std::byte>(payload);

@@ -44,6 +44,9 @@ struct EncodeOptions {
     int effort = 5;                    // 0 fastest .. 9 smallest
     ToolSwitches tools;                // on top of the effort; for experiments
     unsigned threads = 0;              // 0: all cores. Never changes the bytes.
+    std::uint64_t slab_bytes = 512u << 20; // most texels of `source` that a slab holds at a time
+                                           // (pictures; sources of Locality::any hold none). Never
+                                           // changes the bytes.
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent{32, 32, 8, 8}; // largest tile, 1..32 a side
@@ -82,7 +85,7 @@ struct EncodeReport {
 
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).
 //
-// Memory: 40 bytes a tile and, per thread, some MB; without a journal the compressed size besides;
+// Memory: 40 bytes a tile, a slab (slab_bytes) and, per thread, some MB; without a journal the compressed size besides;
 // never the texture. With a journal the disk holds up to four times the compressed size (two passes,
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
@@ -90,7 +93,8 @@ struct EncodeReport {
 // The bytes depend on the texels, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
 // `description` only.
 // Errors: bad_argument (options out of range, a resume under other facts), io, runtime (verification failed), invalid_file
-// (strict and a non-finite sample), and whatever `source` reports.
+// (strict and a non-finite sample), and whatever `source` reports; unsupported where the smallest slab is above
+// slab_bytes.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);
 

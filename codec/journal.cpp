@@ -199,8 +199,11 @@ Status Journal::lock() {
         lock_ = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (lock_ < 0 && errno == ENOENT)
             continue;
-        if (lock_ < 0)
-            return sys::system_error(path, "cannot create", errno);
+        if (lock_ < 0) {
+            const Status status = sys::system_error(path, "cannot create", errno);
+            ::rmdir(folder_.c_str()); // if it is empty, which is how we made it
+            return status;
+        }
         if (::flock(lock_, LOCK_EX | LOCK_NB) < 0) {
             const int error = errno;
             ::close(std::exchange(lock_, -1));

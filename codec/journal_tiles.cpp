@@ -94,8 +94,8 @@ public:
             begin_ = offset;
         }
         const std::size_t skip = offset - begin_;
-        return std::span<const std::byte>(bytes_).subspan(
-            skip, std::min(length, bytes_.size() - skip));
+        return std::span<const std::byte>(bytes_).subspan(skip,
+                                                          std::min(length, bytes_.size() - skip));
     }
 
 private:

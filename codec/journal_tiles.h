@@ -22,9 +22,8 @@ public:
     JournalTiles& operator=(const JournalTiles&) = delete;
 
     // A new file, in place of one that is there. `pass`: what is in it, at most 1 MiB.
-    static Result<std::unique_ptr<JournalTiles>> create(const std::string& path,
-                                                        std::uint64_t tiles,
-                                                        std::span<const std::byte> pass);
+    static Result<std::unique_ptr<JournalTiles>>
+    create(const std::string& path, std::uint64_t tiles, std::span<const std::byte> pass);
     // The same, without a name: gone with this object or with the process.
     static Result<std::unique_ptr<JournalTiles>> create_nameless(const std::string& path,
                                                                  std::uint64_t tiles);

@@ -500,15 +500,19 @@ double ssim(std::span<const float> a, std::span<const float> b, std::uint32_t wi
     return total / (static_cast<double>(columns) * static_cast<double>(rows));
 }
 
-Result<Comparison> compare_textures(TexelSource& a, TexelSource& b, const CompareOptions& options) {
-    const TextureDesc &x = a.desc(), &y = b.desc();
+Status check_comparable(const TextureDesc& a, const TextureDesc& b) {
     const auto words = [](const TextureDesc& d) {
         return to_string(d.size) + ", " + std::to_string(d.channels) + " channels of " +
                (d.type == SampleType::unorm8 ? "unorm8" : "half16");
     };
-    if (x != y)
-        return Status(ErrorCode::difference,
-                      "the textures are of different kinds: " + words(x) + " and " + words(y));
+    if (a == b)
+        return {};
+    return {ErrorCode::difference,
+            "the textures are of different kinds: " + words(a) + " and " + words(b)};
+}
+
+Result<Comparison> compare_textures(TexelSource& a, TexelSource& b, const CompareOptions& options) {
+    TESSERA_TRY(check_comparable(a.desc(), b.desc()));
     return Comparer(a, b, options).run();
 }
 

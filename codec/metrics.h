@@ -105,11 +105,20 @@ struct Comparison {
     double ssim_mean = 1, ssim_worst = 1; // over views: luma (unorm8), PU21 luminance (half16)
     std::uint32_t worst_s = 0, worst_t = 0;
     std::uint64_t views = 0;
+    std::uint64_t compared_tiles = 0, tiles = 0; // of compare_sample
 };
+
+// Errors: difference where size, type or channels differ.
+Status check_comparable(const TextureDesc& a, const TextureDesc& b);
 
 // Walks both textures in slabs of whole views. SSIM is left out for views of more than 2^26 texels.
 // Errors: difference where size, type or channels differ; whatever the sources report.
 Result<Comparison> compare_textures(TexelSource& a, TexelSource& b,
                                     const CompareOptions& options = {});
+
+// The same without SSIM over a random `fraction` (above 0 to 1; rounded up to a whole number) of the
+// tiles of 32x32x8x8, which `seed` chooses the same way on any machine. Memory: a tile a thread.
+Result<Comparison> compare_sample(TexelSource& a, TexelSource& b, double fraction,
+                                  std::uint64_t seed, const CompareOptions& options = {});
 
 } // namespace tessera

@@ -19,9 +19,8 @@ using sys::system_error;
 Status check_target(const std::string& path) {
     struct stat info = {};
     if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
-        return {ErrorCode::io,
-                path + ": cannot write: it is " +
-                    (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file")};
+        return {ErrorCode::io, path + ": cannot write: it is " +
+                                   (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file")};
     return {};
 }
 

@@ -38,8 +38,7 @@ void set_fault_hook(FaultHook hook) {
 }
 
 int open(const char* path, int flags, unsigned mode) {
-    return fails(Call::open) ? -1
-                             : repeat_interrupted([&] { return ::open(path, flags, mode); });
+    return fails(Call::open) ? -1 : repeat_interrupted([&] { return ::open(path, flags, mode); });
 }
 
 ssize_t pwrite(int descriptor, const void* bytes, std::size_t count, off_t offset) {

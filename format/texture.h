@@ -80,7 +80,9 @@ enum class Locality {
     any,           // every box costs the same (raw files, memory, a baker)
     spatial_rows,  // slabs that span all of u, s, t over a few v (scanline mosaics)
     angular_cells, // slabs that span all of u, v over a few s, t (one picture per view)
+    places,        // slabs that span all of s, t over some u, v (raw files; sinks only)
 };
+// A driver short of memory cuts slabs further (codec/slabs.h): sources get parts of them.
 
 // Somewhere texels come from.
 //

@@ -182,6 +182,52 @@ TEST_F(Cli, ComparesAgainstThresholds) {
     fail(7, "compare a.rgb c.gray --size 2x2x2x2", {"channels"});
 }
 
+TEST_F(Cli, ComparesASampleAndAgainstASceneBakedAgain) {
+    const std::string scene = "bake composed --size 96x64x16x16 --spp 2 --seed 5 -q ";
+    succeed(scene + "-o a.tess --effort 1 --quality 40");
+    succeed(scene + "-o a.rgb");
+    const Json whole = json("compare a.rgb a.tess --no-ssim --json");
+    // Samples and seed are those that the file names.
+    const Json baked = json("compare a.tess --bake composed --sample 1 --json");
+    for (const char* figure : {"psnr", "max_error", "differing_samples"})
+        EXPECT_EQ(baked[figure], whole[figure]) << figure;
+    EXPECT_EQ(baked["sample"]["tiles"], 24);
+    EXPECT_EQ(baked["sample"]["of_tiles"], 24);
+    EXPECT_FALSE(whole.contains("sample"));
+    const std::string part = "compare a.rgb a.tess --json --sample 0.21 --sample-seed ";
+    const Json one = json(part + "1"), again = json(part + "1 --threads 1");
+    EXPECT_EQ(one["sample"]["tiles"], 6); // rounded up
+    EXPECT_EQ(one["sample"]["texels"], 6 * 32 * 32 * 8 * 8);
+    EXPECT_EQ(one["psnr"], again["psnr"]);
+    EXPECT_NE(one["psnr"], json(part + "2")["psnr"]);
+    EXPECT_EQ(json("compare a.tess --bake composed --json --sample 0.21")["psnr"], one["psnr"]);
+    EXPECT_NE(json("compare a.tess --bake composed --json --sample 0.21 --seed 6")["psnr"],
+              one["psnr"]);
+    succeed(scene + "-o v/");
+    EXPECT_EQ(json("compare v a.tess --json --sample 0.21")["psnr"], one["psnr"]);
+    const Outcome text = run("compare a.tess --bake composed --sample 0.21");
+    EXPECT_NE(text.out.find("6 of 24 tiles"), std::string::npos) << text.out;
+    fail(7, "compare a.tess --bake composed --sample 0.21 --min-psnr 90", {"a.tess", "PSNR"});
+    fail(1, "compare a.tess", {"--bake"});
+    fail(1, "compare a.tess a.rgb --bake composed", {"--bake"});
+    fail(1, "compare a.tess --bake nowhere", {"nowhere"});
+    fail(1, "compare a.tess a.rgb --sample-seed 3", {"--sample"});
+    fail(1, "compare a.tess a.rgb --sample 0", {"sample"});
+    fail(7, "compare a.tess --bake lamps --sample 0.1", {"half16"});
+}
+
+TEST_F(Cli, KeepsWithinItsMemoryOrSaysWhatItNeeds) {
+    succeed(small_scene + "-q -o a.tess");
+    for (const char* size : {"1G", "512MiB", "300000k", "999999999"})
+        succeed(std::string("decode a.tess -q -o a.rgb --threads 1 --memory ") + size);
+    for (const char* size : {"", "1.5G", "G", "-1", "1GX", "99999999999T"})
+        fail(1, "decode a.tess -o b.rgb --memory '" + std::string(size) + "'", {"--memory"});
+    for (const char* verb : {"decode a.tess -o b.rgb", "encode a.rgb --size 32x16x9x5 -o b.tess",
+                             "bake composed -o b.tess", "compare a.tess a.tess"})
+        fail(1, verb + std::string(" --threads 2 --memory 64M"), {"--memory", "at least"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "a.tess"}));
+}
+
 TEST_F(Cli, TakesOddSizes) {
     for (const std::string size : {"1x1x1x1", "7x5x3x2", "33x1x9x1"}) {
         succeed("bake gallery --spp 1 -q -o a.exr --size " + size);
@@ -278,8 +324,15 @@ TEST_F(Cli, LeavesNoPartialFile) {
     const auto before = names();
     fail(2, small_scene + "-o none/x.tess", {"none/x.tess"});
     fail(2, "decode a.tess -o none/x.rgb", {"none/x.rgb"});
-    for (const char* output : {"x.tess --max-error 0", "x.rgb", "x.exr"})
+    for (const char* output : {"x.rgb", "x.exr"})
         fail(2, small_scene + "-o " + output, {"x."}, "ulimit -f 4;"); // 2 or 4 kB: a full disk
+    const Outcome full = run(small_scene + "-o x.tess --max-error 0", "ulimit -f 4;");
+    EXPECT_EQ(full.code, 2);
+    EXPECT_FALSE(fs::exists(at("x.tess")));
+    EXPECT_EQ(fs::exists(at("x.tess.journal")),
+              full.err.find("kept in x.tess.journal") != std::string::npos)
+        << full.err;
+    fs::remove_all(at("x.tess.journal"));
     fail(2, "decode a.tess -o x.exr", {"x.exr"}, "ulimit -f 4;");
     fs::create_directories(at("folder.tess"));
     fail(1, small_scene + "-o folder.tess/ --quality 5", {".tess"});
@@ -305,7 +358,10 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
                 "timeout --signal=INT --preserve-status 0.5");
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
-        EXPECT_TRUE(names().empty()) << output;
+        const bool kept = o.err.find("--resume goes on") != std::string::npos; // resume_test.cpp
+        EXPECT_EQ(names(), kept ? std::vector<std::string>{"x.tess.journal"}
+                                : std::vector<std::string>{});
+        fs::remove_all(at("x.tess.journal"));
     }
 }
 

@@ -30,7 +30,9 @@ protected:
     void TearDown() override { fs::remove_all(folder_); }
 
     fs::path at(const std::string& name) const { return folder_ / name; }
-    bool has_journal(const std::string& output) const { return fs::exists(at(output + ".journal")); }
+    bool has_journal(const std::string& output) const {
+        return fs::exists(at(output + ".journal"));
+    }
 
     // Starts `tessera <arguments>` without a shell, so that a kill hits the tool itself.
     pid_t start(const std::string& arguments) const {
@@ -134,8 +136,7 @@ TEST_F(Resume, PassesOfRateControlSurviveKills) {
 TEST_F(Resume, SecondPassAndCorrectionsSurviveKills) {
     ASSERT_EQ(run("bake lamps --size 12x10x8x8 --spp 1 -q -o in.rgb16f"), 0);
     fs::rename(at("in.rgb16f"), at("in.rgb")); // torture counts one input of this name
-    const std::string encode =
-        "encode in.rgb --size 12x10x8x8 --type half --tile 4x8x8x4 -q ";
+    const std::string encode = "encode in.rgb --size 12x10x8x8 --type half --tile 4x8x8x4 -q ";
     // .rgb says unorm8; --type overrules it
     EXPECT_GE(torture(encode + "--effort 8 --quality 40", 10, 4), 3);
     EXPECT_GE(torture(encode + "--effort 3 --max-error 40", 10, 5), 3);

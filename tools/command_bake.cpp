@@ -3,6 +3,7 @@
 #include "tools/copy_texture.h"
 #include "tools/encode_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/memory_budget.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
@@ -83,7 +84,7 @@ Status bake_plain(const Arguments& a, TexelSource& source) {
     {
         Progress progress("tessera bake", a.texture.quiet);
         TESSERA_TRY(copy_texture(source, *interruptible(std::move(*sink)), a.texture.threads,
-                                 progress.function(), "baking"));
+                                 progress.function(), "baking", options->slab_bytes));
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     if (!a.texture.quiet)
@@ -109,8 +110,8 @@ Status run(const Arguments& a) {
     if (!baked.ok())
         return baked.status();
     const auto source = interruptible(std::move(*baked));
-    return kind_of(a.output) == TextureKind::tess ? bake_compressed(a, *source)
-                                                  : bake_plain(a, *source);
+    return with_memory_hint(kind_of(a.output) == TextureKind::tess ? bake_compressed(a, *source)
+                                                                   : bake_plain(a, *source));
 }
 
 } // namespace

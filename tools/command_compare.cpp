@@ -1,11 +1,14 @@
 #include "codec/metrics.h"
+#include "corpus/bake.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
+#include "tools/memory_budget.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -17,13 +20,44 @@ namespace {
 struct Arguments {
     std::string a, b;
     TextureArguments texture;
-    std::optional<double> min_psnr, max_error, min_ssim;
+    std::optional<double> min_psnr, max_error, min_ssim, sample;
+    std::uint64_t sample_seed = 1;
+    std::string scene, memory; // scene: baked again as the reference
+    std::optional<unsigned> samples;
+    std::optional<std::uint64_t> seed;
     bool no_ssim = false, json = false;
 };
 
 struct Inputs {
     std::unique_ptr<TexelSource> a, b;
 };
+
+// How a file was baked, if it says so and nobody says otherwise.
+std::uint64_t said_by(const Metadata& metadata, const std::string& key, std::uint64_t otherwise) {
+    const auto found = metadata.find(key);
+    std::uint64_t value = otherwise;
+    return found != metadata.end() && parse_number(found->second, value) ? value : otherwise;
+}
+
+// The scene, baked box by box as it is read, beside the only file.
+Result<Inputs> open_baked(const Arguments& arguments) {
+    const auto hints = make_hints(arguments.texture);
+    if (!hints.ok())
+        return hints.status();
+    auto file = open_texture(arguments.a, *hints);
+    if (!file.ok())
+        return file.status();
+    const auto samples = arguments.samples ? std::uint64_t{*arguments.samples}
+                                           : said_by(file->metadata, "Samples per texel", 16);
+    const std::uint64_t seed =
+        arguments.seed ? *arguments.seed : said_by(file->metadata, "Seed", 1);
+    auto baked = corpus::make_baked_source(
+        arguments.scene, file->source->desc().size,
+        static_cast<unsigned>(std::min<std::uint64_t>(samples, UINT32_MAX)), seed);
+    if (!baked.ok())
+        return baked.status();
+    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source))};
+}
 
 // A raw file beside one that knows its geometry needs no --size.
 Result<Inputs> open_both(const Arguments& arguments) {
@@ -72,11 +106,18 @@ Json decibels(double db) {
     return std::isfinite(db) ? Json(db) : Json(nullptr);
 }
 
+std::string first_name(const Arguments& a) {
+    return a.scene.empty() ? a.a : a.scene + " (baked)";
+}
+std::string second_name(const Arguments& a) {
+    return a.scene.empty() ? a.b : a.a;
+}
+
 Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
              const std::vector<std::string>& missed, double seconds) {
     const ErrorSums& e = c.errors;
-    Json json = {{"a", a.a},
-                 {"b", a.b},
+    Json json = {{"a", first_name(a)},
+                 {"b", second_name(a)},
                  {"size", to_string(desc.size)},
                  {"type", name_of(desc.type)},
                  {"channels", desc.channels},
@@ -101,6 +142,11 @@ Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
                         {"worst", c.ssim_worst},
                         {"worst_view", {{"s", c.worst_s}, {"t", c.worst_t}}},
                         {"views", c.views}};
+    if (c.tiles > 0)
+        json["sample"] = {{"tiles", c.compared_tiles},
+                          {"of_tiles", c.tiles},
+                          {"texels", e.texels()},
+                          {"seed", a.sample_seed}};
     json["seconds"] = seconds;
     json["passed"] = missed.empty();
     json["missed"] = missed;
@@ -132,6 +178,11 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
     } else {
         std::printf("  luma PSNR   %s\n", decibel_text(e.psnr_luma()).c_str());
     }
+    if (c.tiles > 0)
+        std::printf("  sample      %llu of %llu tiles, %llu texels\n",
+                    static_cast<unsigned long long>(c.compared_tiles),
+                    static_cast<unsigned long long>(c.tiles),
+                    static_cast<unsigned long long>(e.texels()));
     const SamplePlace& p = e.max_error_place();
     std::printf("  max error   %u %s", e.max_error(), hdr ? "ulps" : "steps");
     if (e.max_error() > 0)
@@ -146,7 +197,12 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
 
 Status run(const Arguments& a) {
     const auto start = std::chrono::steady_clock::now();
-    const auto inputs = open_both(a);
+    if (a.scene.empty() == a.b.empty())
+        return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
+    const auto memory = slab_budget(a.memory, a.texture.threads);
+    if (!memory.ok())
+        return memory.status();
+    const auto inputs = a.scene.empty() ? open_both(a) : open_baked(a);
     if (!inputs.ok())
         return inputs.status();
     Result<Comparison> comparison = Status();
@@ -156,12 +212,18 @@ Status run(const Arguments& a) {
         options.with_ssim = !a.no_ssim;
         options.threads = a.texture.threads;
         options.progress = progress.function();
-        comparison = compare_textures(*inputs->a, *inputs->b, options);
+        // Of a slab both sources and, for SSIM, two planes of floats may be held.
+        const std::uint64_t held = 2 + 8 / inputs->a->desc().texel_bytes() + 1;
+        options.slab_bytes = std::min(options.slab_bytes, *memory / held);
+        comparison = a.sample ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed,
+                                               options)
+                              : compare_textures(*inputs->a, *inputs->b, options);
     }
     if (!comparison.ok())
         return comparison.status();
     if (a.min_ssim && !comparison->has_ssim)
-        return {ErrorCode::unsupported, "the views are too large for SSIM"};
+        return {ErrorCode::unsupported, a.sample ? "a sample has no SSIM"
+                                                 : "the views are too large for SSIM"};
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs->a->desc();
     const auto missed = missed_thresholds(a, *comparison);
@@ -171,7 +233,7 @@ Status run(const Arguments& a) {
         print_text(desc, *comparison, seconds.count());
     if (missed.empty())
         return {};
-    std::string text = a.b + ": ";
+    std::string text = second_name(a) + ": ";
     for (std::size_t i = 0; i < missed.size(); ++i)
         text += (i > 0 ? "; " : "") + missed[i];
     return {ErrorCode::difference, text};
@@ -181,22 +243,36 @@ Status run(const Arguments& a) {
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")
-            ->required();
-        c.add_option("b", a.b, "What is measured against it")->required();
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")->required();
+        c.add_option("b", a.b, "What is measured against it");
+        c.add_option("--bake", a.scene,
+                     "Bake this scene as the reference, as it is read; then there is one file only")
+            ->type_name("SCENE");
+        c.add_option("--spp", a.samples, "Rays per texel of --bake (default: as the file says)")
+            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
+        c.add_option("--seed", a.seed, "Sample pattern of --bake (default: as the file says)");
+        auto* sample = c.add_option("--sample", a.sample,
+                                    "Compare this part of all tiles only, chosen at random (0.01: "
+                                    "1 %); no SSIM")
+                           ->check(CLI::Range(0.0, 1.0));
+        c.add_option("--sample-seed", a.sample_seed, "Which tiles --sample chooses")
+            ->needs(sample)
+            ->capture_default_str();
         c.add_option("--min-psnr", a.min_psnr, "Exit 7 when PSNR over all samples (dB) is lower");
         c.add_option("--max-error", a.max_error,
                      "Exit 7 when a sample is off by more: 8-bit steps, or ulps of half");
         auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
         c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
         c.add_flag("--json", a.json, "Print JSON");
+        add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
     add_verb<Arguments>(app, chosen, "compare", "Measure how far two textures are apart",
                         "Exit code 7: a threshold was missed, or size or type differ.\n\n"
                         "Examples:\n"
                         "  tessera compare scene.exr scene.tess --min-psnr 40\n"
-                        "  tessera compare scene.rgb scene.tess --json",
+                        "  tessera compare scene.rgb scene.tess --json\n"
+                        "  tessera compare composed.tess --bake composed --sample 0.01",
                         declare, run);
 }
 

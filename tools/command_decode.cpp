@@ -1,6 +1,7 @@
 #include "codec/decoder.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
+#include "tools/memory_budget.h"
 #include "tools/open_bytes.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
@@ -13,7 +14,7 @@ namespace tessera {
 namespace {
 
 struct Arguments {
-    std::string input, output, box;
+    std::string input, output, box, memory;
     TextureArguments texture; // threads and quiet
 };
 
@@ -43,6 +44,9 @@ private:
 };
 
 Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, TextureDesc desc) {
+    const auto slab_bytes = slab_budget(a.memory, a.texture.threads);
+    if (!slab_bytes.ok())
+        return slab_bytes.status();
     desc.size = box.extent();
     auto sink =
         create_texture(a.output, desc, decoder.container().description(), a.texture.threads);
@@ -50,7 +54,11 @@ Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, 
         return sink.status();
     PartSink part(interruptible(std::move(*sink)), box.begin);
     Progress progress("tessera decode", a.texture.quiet);
-    return decoder.decode(box, part, a.texture.threads, progress.function());
+    const Status status = with_memory_hint(
+        decoder.decode(box, part, a.texture.threads, progress.function(), *slab_bytes));
+    const bool named = status.message().find(a.output) != std::string::npos ||
+                       status.message().find(a.input) != std::string::npos;
+    return named ? status : status.with_context(a.output);
 }
 
 Status run(const Arguments& a) {
@@ -93,6 +101,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
             ->required();
         c.add_option("--box", a.box,
                      "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
+        add_memory_option(c, a.memory);
         add_threads_options(c, a.texture);
     };
     add_verb<Arguments>(app, chosen, "decode", "Write the texels of a .tess file, whole or in part",

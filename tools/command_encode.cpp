@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/encode_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/memory_budget.h"
 #include "tools/progress.h"
 #include "tools/source_facts.h"
 #include "tools/texture_arguments.h"
@@ -46,7 +47,8 @@ Status run(const Arguments& a) {
         report = encode_file(*source, a.output, *options);
     }
     if (!report.ok())
-        return about_file(with_resume_hint(report.status(), a.output), a.input, a.output);
+        return about_file(with_memory_hint(with_resume_hint(report.status(), a.output)), a.input,
+                          a.output);
     if (!a.texture.quiet)
         print_report(a.output, source->desc(), *report);
     return {};

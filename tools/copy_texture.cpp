@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t slab_budget = 64ull << 20; // bytes
+constexpr std::uint64_t usual_slab_bytes = 64ull << 20;
 constexpr std::uint64_t box_texels = 1 << 14;      // of one piece of work
 
 // Halves the longest of `axes` until the box fits, but none below 1.
@@ -22,11 +22,13 @@ Extent4 shrink(Extent4 e, std::initializer_list<Axis> axes, std::uint64_t max_co
     return e;
 }
 
-Extent4 slab_extent(const TextureDesc& desc, Locality locality) {
-    const std::uint64_t texels = std::max<std::uint64_t>(1, slab_budget / desc.texel_bytes());
+Extent4 slab_extent(const TextureDesc& desc, Locality locality, std::uint64_t bytes) {
+    const std::uint64_t texels = std::max<std::uint64_t>(1, bytes / desc.texel_bytes());
     switch (locality) {
     case Locality::spatial_rows:
         return shrink(desc.size, {axis_v}, texels);
+    case Locality::places:
+        return shrink(shrink(desc.size, {axis_v}, texels), {axis_u}, texels);
     case Locality::angular_cells:
         return shrink(desc.size, {axis_s, axis_t}, texels);
     case Locality::any:
@@ -64,9 +66,15 @@ Status move_box(TexelSource& source, TexelSink& sink, const Box4& box) {
 } // namespace
 
 Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
-                    const ProgressFunction& progress, const char* stage) {
+                    const ProgressFunction& progress, const char* stage,
+                    std::uint64_t slab_bytes) {
     const TextureDesc desc = source.desc();
-    const Extent4 slab_step = slab_extent(desc, sink.locality());
+    const Extent4 slab_step =
+        slab_extent(desc, sink.locality(), std::min(slab_bytes, usual_slab_bytes));
+    if (const std::uint64_t needed = desc.box_bytes(Box4::whole(slab_step)); needed > slab_bytes)
+        return {ErrorCode::unsupported, std::to_string(needed) +
+                                            " bytes of texels have to be held in memory, only " +
+                                            std::to_string(slab_bytes) + " are allowed"};
     const double total = static_cast<double>(texel_count(desc.size));
     std::mutex mutex;
     double done = 0;

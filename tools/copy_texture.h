@@ -6,8 +6,10 @@
 
 namespace tessera {
 
-// Walks as the sink likes; calls finish(). Errors: those of source and sink.
+// Walks as the sink likes; calls finish(). Slabs hold at most `slab_bytes` of texels. Errors: those
+// of source and sink; unsupported where the smallest slab is larger.
 Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
-                    const ProgressFunction& progress, const char* stage);
+                    const ProgressFunction& progress, const char* stage,
+                    std::uint64_t slab_bytes = 512u << 20);
 
 } // namespace tessera

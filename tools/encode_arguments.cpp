@@ -2,6 +2,7 @@
 
 #include "tools/description_text.h"
 #include "tools/interrupt.h"
+#include "tools/memory_budget.h"
 #include "tools/parse.h"
 #include "tools/tool_switches_text.h"
 
@@ -61,6 +62,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     app.add_flag("--resume", a.resume,
                  "Go on with what an interrupted run left in OUTPUT.journal; same options needed, "
                  "same bytes come out");
+    add_memory_option(app, a.memory);
     app.add_option("--meta", a.metadata, "key=value to store; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
@@ -82,6 +84,10 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
         return tools.status();
     options.tools = *tools;
     options.threads = threads;
+    const auto slab_bytes = slab_budget(a.memory, threads);
+    if (!slab_bytes.ok())
+        return slab_bytes.status();
+    options.slab_bytes = *slab_bytes;
     options.verify = !a.no_verify;
     options.layers = a.layers;
     options.strict = a.strict;

@@ -16,7 +16,7 @@ struct EncodeArguments {
     std::optional<std::uint64_t> target_bytes;
     int effort = 5;
     bool no_verify = false, layers = false, strict = false, resume = false;
-    std::string tile, tools;
+    std::string tile, tools, memory;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
 };

@@ -90,12 +90,14 @@ public:
 
     Status begin_slab(const Box4& box) override {
         TESSERA_TRY(slab_.reset(desc_, box).with_context(path_));
-        const std::uint64_t lines = std::uint64_t{box.end[axis_v]} * desc_.size[axis_t];
-        const std::uint64_t line_bytes = std::uint64_t{width()} * desc_.channels * 2;
-        const std::uint64_t step = std::max<std::uint64_t>(1, max_chunk_bytes / line_bytes);
-        for (std::uint64_t y = std::uint64_t{box.begin[axis_v]} * desc_.size[axis_t]; y < lines;
-             y += step)
-            TESSERA_TRY(guard_exr(path_, [&] { return load(y, std::min(y + step, lines)); }));
+        const auto line_of = [&](std::uint32_t v, std::uint32_t t) {
+            return std::uint64_t{v} * desc_.size[axis_t] + t;
+        };
+        const std::uint32_t t0 = box.begin[axis_t], t1 = box.end[axis_t];
+        if (t1 - t0 == desc_.size[axis_t])
+            return load_all(line_of(box.begin[axis_v], 0), line_of(box.end[axis_v], 0));
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            TESSERA_TRY(load_all(line_of(v, t0), line_of(v, t1)));
         return {};
     }
 
@@ -158,6 +160,15 @@ private:
                                                  std::to_string(w) + "x" + std::to_string(h)};
         left_ = window.min.x;
         top_ = window.min.y;
+        return {};
+    }
+
+    // The same as load(), in pieces of bounded size.
+    Status load_all(std::uint64_t y0, std::uint64_t y1) {
+        const std::uint64_t line_bytes = std::uint64_t{width()} * desc_.channels * 2;
+        const std::uint64_t step = std::max<std::uint64_t>(1, max_chunk_bytes / line_bytes);
+        for (std::uint64_t y = y0; y < y1; y += step)
+            TESSERA_TRY(guard_exr(path_, [&] { return load(y, std::min(y + step, y1)); }));
         return {};
     }
 

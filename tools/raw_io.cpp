@@ -13,9 +13,6 @@ namespace {
 // call to the system costs as much as copying some kB.
 constexpr std::uint32_t max_read_excess = 32;
 
-// Slabs above this are written run by run instead of gathered: slow, but in bounded memory.
-constexpr std::uint64_t max_slab_bytes = 1ull << 30;
-
 std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_t v,
                           std::uint32_t s, std::uint32_t t) {
     const Extent4& n = desc.size;
@@ -79,20 +76,13 @@ class RawSink : public TexelSink {
 public:
     RawSink(OutputFile file, const TextureDesc& desc) : file_(std::move(file)), desc_(desc) {}
 
-    // A few whole rows of v are one run of the file.
-    Locality locality() const override {
-        Extent4 rows = desc_.size;
-        rows[axis_v] = std::min(rows[axis_v], 32u);
-        return desc_.box_bytes(Box4::whole(rows)) <= max_slab_bytes ? Locality::spatial_rows
-                                                                    : Locality::any;
-    }
+    // Some places beside each other are one run of the file for each v.
+    Locality locality() const override { return Locality::places; }
 
     Status begin_slab(const Box4& box) override {
         slab_.clear();
-        gathering_ = spans(box, desc_.size, axis_s, axis_t) && box.begin[axis_u] == 0 &&
-                     box.end[axis_u] == desc_.size[axis_u] &&
-                     desc_.box_bytes(box) <= max_slab_bytes;
-        return gathering_ ? slab_.reset(desc_, box) : Status();
+        gathering_ = spans(box, desc_.size, axis_s, axis_t);
+        return gathering_ ? slab_.reset(desc_, box).with_context(file_.path()) : Status();
     }
 
     Status write(const Box4& box, std::span<const std::byte> texels) override {
@@ -107,8 +97,13 @@ public:
         if (!gathering_)
             return {};
         gathering_ = false;
-        return file_.write_at(file_offset(desc_, 0, slab_.box().begin[axis_v], 0, 0),
-                              slab_.bytes());
+        const Box4& box = slab_.box();
+        const std::size_t run = slab_.bytes().size() / box.extent()[axis_v];
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            TESSERA_TRY(
+                file_.write_at(file_offset(desc_, box.begin[axis_u], v, 0, 0),
+                               slab_.bytes().subspan((v - box.begin[axis_v]) * run, run)));
+        return {};
     }
 
     Status finish() override {

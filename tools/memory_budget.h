@@ -1,0 +1,29 @@
+// --memory: how much a verb may hold, and what that leaves for texels.
+#pragma once
+
+#include "format/status.h"
+#include "format/texture.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+namespace tessera {
+
+inline constexpr const char* usual_memory = "1GiB";
+
+// "512M", "2G", "1GiB", "300000k" or plain bytes; K, M, G and T are powers of 1024. Errors:
+// bad_argument.
+Result<std::uint64_t> parse_memory(const std::string& text);
+
+void add_memory_option(CLI::App& app, std::string& text);
+
+// Bytes of texels that a slab may hold when a process with that many threads (0: all cores) is to
+// stay within the budget `text`. Errors: bad_argument, also for a budget that not even the code and
+// its threads fit.
+Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads);
+
+// `status`, with the option that would help, where a slab was too large.
+Status with_memory_hint(const Status& status);
+
+} // namespace tessera
