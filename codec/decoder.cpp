@@ -5,7 +5,7 @@
 #include "codec/parallel.h"
 #include "codec/slabs.h"
 #include "codec/tile_decoder.h"
-#include "codec/tiles_ahead.h"
+#include "format/tiles_ahead.h"
 
 #include <algorithm>
 

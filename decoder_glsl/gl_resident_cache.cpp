@@ -3,6 +3,7 @@
 #include "decoder_glsl/gl_error.h"
 #include "decoder_glsl/gl_residency.h"
 #include "decoder_glsl/shader_layout.h"
+#include "format/tiles_ahead.h"
 
 #include <algorithm>
 #include <set>
@@ -240,16 +241,30 @@ private:
                                note_damage(static_cast<std::uint32_t>(tile));
                            return {};
                        });
-        for (const DecodeJob& job : jobs)
-            TESSERA_TRY(feed.add(job.tile, place_of(job.slot)));
+        TilesAhead ahead(file_.reader, tiles_of(jobs));
+        for (std::size_t i = 0; i < jobs.size(); ++i) {
+            TESSERA_TRY(ahead.ready(i).status());
+            TESSERA_TRY(feed.add(jobs[i].tile, place_of(jobs[i].slot)));
+        }
         return feed.finish();
+    }
+
+    static std::vector<std::uint64_t> tiles_of(const std::vector<DecodeJob>& jobs) {
+        std::vector<std::uint64_t> tiles;
+        for (const DecodeJob& job : jobs)
+            tiles.push_back(job.tile);
+        return tiles;
     }
 
     // Takes tiles whose pages cannot be read out of the list, for good, and returns the first reason.
     Status leave_out_unreadable(std::vector<DecodeJob>& jobs) {
         Status first;
+        TilesAhead ahead(file_.reader, tiles_of(jobs));
         std::vector<DecodeJob> readable;
         for (const DecodeJob& job : jobs) {
+            // An error is met again by load_tile(), and reported.
+            [[maybe_unused]] const auto ready =
+                ahead.ready(static_cast<std::size_t>(&job - jobs.data()));
             const auto bytes = file_.reader.load_tile(job.tile); // cached for decode()
             if (bytes.ok()) {
                 readable.push_back(job);

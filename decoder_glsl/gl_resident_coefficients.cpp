@@ -2,6 +2,7 @@
 #include "decoder_glsl/gl_error.h"
 #include "decoder_glsl/gl_residency.h"
 #include "decoder_glsl/shader_layout.h"
+#include "format/tiles_ahead.h"
 
 #include <algorithm>
 
@@ -55,8 +56,11 @@ private:
         const std::uint64_t left = file_.budget > used ? file_.budget - used : 0;
         BatchFeed feed(file_, {}, limits_within(std::min(left, std::uint64_t{256} << 20), false),
                        true, flush);
-        for (std::uint64_t tile = 0; tile < file_.reader.grid().tiles(); ++tile)
+        TilesAhead ahead = all_tiles_ahead(file_.reader);
+        for (std::uint64_t tile = 0; tile < file_.reader.grid().tiles(); ++tile) {
+            TESSERA_TRY(ahead.ready(tile).status());
             TESSERA_TRY(feed.add(tile, {}));
+        }
         return feed.finish();
     }
 

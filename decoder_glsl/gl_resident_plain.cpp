@@ -3,6 +3,7 @@
 #include "decoder_glsl/gl_residency.h"
 #include "decoder_glsl/plain_pixels.h"
 #include "decoder_glsl/shader_layout.h"
+#include "format/tiles_ahead.h"
 
 namespace tessera {
 namespace {
@@ -37,7 +38,9 @@ public:
             [&](DecodeBatch& batch) { return decode(file, batch); });
         TESSERA_TRY(fill_background(file));
         const TileGrid& grid = file.reader.grid();
+        TilesAhead ahead = all_tiles_ahead(file.reader);
         for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
+            TESSERA_TRY(ahead.ready(tile).status());
             const auto location = file.reader.locate(tile);
             if (!location.ok())
                 return location.status();

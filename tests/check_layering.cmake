@@ -22,6 +22,8 @@ foreach(layer IN LISTS layers)
             elseif(line MATCHES "[<\"](format|codec|decoder_glsl|corpus|tools|tests)/" AND
                    NOT CMAKE_MATCH_1 IN_LIST sees_${layer})
                 message(SEND_ERROR "${name}: ${layer} must not see ${CMAKE_MATCH_1}: ${line}")
+            elseif(line MATCHES "[<\"](curl/|httplib)" AND NOT layer STREQUAL "tools")
+                message(SEND_ERROR "${name}: only tools may see the network: ${line}")
             elseif(line MATCHES "\"([^\"/]*)\"" AND NOT layer STREQUAL "decoder_glsl")
                 message(SEND_ERROR "${name}: include without its folder: ${line}")
             endif()

@@ -1,5 +1,5 @@
 // Windows of tiles that are brought while those before them are used.
-#include "codec/tiles_ahead.h"
+#include "format/tiles_ahead.h"
 #include "format/container_writer.h"
 
 #include <gtest/gtest.h>
@@ -94,6 +94,7 @@ TEST_F(Ahead, PassesErrorsOn) {
     ASSERT_TRUE(reader.ok());
     TilesAhead ahead(*reader, {5, 6, 7});
     EXPECT_EQ(ahead.ready(0).status().message(), "the line is cut");
+    EXPECT_EQ(*ahead.ready(1), 2u) << "once is enough";
     TilesAhead wrong(*reader, {600}); // no such tile
     EXPECT_EQ(wrong.ready(0).status().code(), ErrorCode::bad_argument);
 }

@@ -113,8 +113,13 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     }
     if (r.via == "cpu") {
         stage.texels = decoded_source(*stage.decoder);
+        RenderOptions tile_by_tile = options; // blocks of the file's own grid
+        if (container.wants_prefetch())
+            tile_by_tile.foretell = [&container](std::span<const std::uint64_t> tiles) {
+                return container.prefetch(tiles).status();
+            };
         stage.compressed = make_texture_renderer(*stage.texels, container.grid().tile_extent(),
-                                                 stage.window, background, options);
+                                                 stage.window, background, tile_by_tile);
     } else {
         auto gpu = make_gpu_renderer(container, stage.window, background, {r.via, r.budget_mib});
         if (!gpu.ok())

@@ -25,6 +25,11 @@ public:
 
     const TextureDesc& desc() const { return source_.desc(); }
     const TileGrid& grid() const { return grid_; }
+    // The number of the block with that texel.
+    std::uint64_t block_of(std::uint32_t u, std::uint32_t v, std::uint32_t s,
+                           std::uint32_t t) const {
+        return grid_.number(grid_.touched({{u, v, s, t}, {u + 1, v + 1, s + 1, t + 1}}).begin);
+    }
     // The texels of grid().box(number). Errors: those of the source.
     Result<Block> load(std::uint64_t number);
 

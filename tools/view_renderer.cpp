@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <set>
 
 namespace tessera {
 namespace {
@@ -64,6 +65,8 @@ public:
 
     Result<View> render(const Camera& camera) override {
         TESSERA_TRY(check_outside(window_, camera));
+        if (options_.foretell)
+            TESSERA_TRY(options_.foretell(blocks_of(camera)));
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
         return draw(camera, workers, options_.progress,
                     [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
@@ -72,6 +75,24 @@ public:
     }
 
 private:
+    // Of every fourth pixel both ways: a block that they miss is small in the picture.
+    std::vector<std::uint64_t> blocks_of(const Camera& camera) const {
+        constexpr std::uint32_t step = 4;
+        std::set<std::uint64_t> blocks;
+        for (std::uint32_t j = 0; j < camera.height; j += step)
+            for (std::uint32_t i = 0; i < camera.width; i += step) {
+                const glm::dvec3 direction = camera.direction(i + 0.5, j + 0.5);
+                glm::dvec3 from_centre;
+                if (!enter(window_, camera.eye, direction, from_centre))
+                    continue;
+                for (const WeightedTexel& t :
+                     sample_footprint(cache_.desc().size, from_centre, -direction))
+                    if (t.weight > 0)
+                        blocks.insert(cache_.block_of(t.u, t.v, t.s, t.t));
+            }
+        return {blocks.begin(), blocks.end()};
+    }
+
     Result<glm::dvec3> seen(CachedTexels& texels, const glm::dvec3& eye,
                             const glm::dvec3& direction) const {
         glm::dvec3 from_centre;

@@ -6,9 +6,11 @@
 #include "format/metadata.h"
 #include "tools/camera.h"
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +55,9 @@ struct RenderOptions {
     unsigned threads = 0;                     // 0: all cores; never changes the result
     std::uint64_t cache_bytes = 512ull << 20; // of texels kept between pixels and views
     ProgressFunction progress;                // rows of one view
+    // Told before each view which blocks (their numbers, ascending) nearly all of its pixels will
+    // need, where reading them one by one would be slow. Not called when empty.
+    std::function<Status(std::span<const std::uint64_t> blocks)> foretell{};
 };
 
 // Samples the texture by format/sampler.h, one ray through each pixel's centre; grey shows as grey,

@@ -1,5 +1,5 @@
 // Brings the bytes of coming tiles from a source where requests are dear, while those before them are
-// decoded.
+// used.
 #pragma once
 
 #include "format/container_reader.h"
@@ -15,13 +15,15 @@ namespace tessera {
 // Used by one thread; the container must outlive it.
 class TilesAhead {
 public:
-    // `tiles`: in the order in which they will be decoded.
+    // `tiles`: in the order in which they will be loaded.
     TilesAhead(const ContainerReader& container, std::vector<std::uint64_t> tiles);
+    TilesAhead(const TilesAhead&) = delete; // the window on its way knows where it is
+    TilesAhead& operator=(const TilesAhead&) = delete;
 
-    // How many tiles from number `position` of the list on may be decoded now: the window that it
+    // How many tiles from number `position` of the list on may be loaded now: the window that it
     // begins, or the rest of one; all that are left where the source asks for no prefetch. Waits for
-    // the window and starts to bring the next one. Errors: those of prefetch(). Precondition:
-    // position < number of tiles, never less than before.
+    // the window and starts to bring the next one. Errors: those of prefetch(); after one, the rest
+    // is left to load_tile(). Precondition: position < number of tiles, never less than before.
     Result<std::size_t> ready(std::size_t position);
 
 private:
@@ -32,5 +34,8 @@ private:
     std::size_t ready_end_ = 0;
     std::future<Result<std::size_t>> next_; // the window that begins at ready_end_
 };
+
+// All tiles of level 0, so that the position in the list is the tile's number.
+TilesAhead all_tiles_ahead(const ContainerReader& container);
 
 } // namespace tessera

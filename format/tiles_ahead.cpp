@@ -1,6 +1,7 @@
-#include "codec/tiles_ahead.h"
+#include "format/tiles_ahead.h"
 
 #include <exception>
+#include <numeric>
 #include <span>
 
 namespace tessera {
@@ -10,6 +11,12 @@ TilesAhead::TilesAhead(const ContainerReader& container, std::vector<std::uint64
     if (!container_.wants_prefetch())
         ready_end_ = tiles_.size();
     start();
+}
+
+TilesAhead all_tiles_ahead(const ContainerReader& container) {
+    std::vector<std::uint64_t> tiles(static_cast<std::size_t>(container.grid().tiles()));
+    std::iota(tiles.begin(), tiles.end(), 0);
+    return TilesAhead(container, std::move(tiles));
 }
 
 void TilesAhead::start() {
@@ -27,7 +34,10 @@ void TilesAhead::start() {
 Result<std::size_t> TilesAhead::ready(std::size_t position) {
     while (position >= ready_end_) {
         const Result<std::size_t> window = next_.get();
-        TESSERA_TRY(window.status());
+        if (!window.ok()) {
+            ready_end_ = tiles_.size();
+            return window.status();
+        }
         ready_end_ += *window;
         start();
     }
