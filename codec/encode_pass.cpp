@@ -105,8 +105,8 @@ Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> 
 
 PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
                   std::shared_ptr<TileStore> payloads) {
-    PassResult result{number, crew.coding.parameters, crew.coding.parameters, std::move(tiles),
-                      std::move(payloads), {}};
+    PassResult result{number,           crew.coding.parameters, crew.coding.parameters,
+                      std::move(tiles), std::move(payloads),    {}};
     PassTotals& totals = result.totals;
     for (const CodedTile& tile : result.tiles) {
         totals.squared_error += static_cast<double>(tile.squared_error);
@@ -222,8 +222,7 @@ namespace {
 // The tiles that a sample holds, ascending. They must not depend on how slabs are cut.
 Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan) {
     // Sources that are walked in slabs give the tiles of the middle one.
-    const auto uncut =
-        make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    const auto uncut = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
     if (!uncut)
         return uncut.status();
     const bool anywhere = plan.source.locality() == Locality::any;

@@ -32,8 +32,9 @@ struct PassResult {
     CodingParameters walked;     // that the texture was walked with
     CodingParameters parameters; // that the payloads are coded with
     std::vector<CodedTile> tiles;
-    std::shared_ptr<TileStore> payloads; // of `tiles`; nullptr for a sample, and for a pass of which
-                                         // a journal kept no more than the totals
+    std::shared_ptr<TileStore>
+        payloads; // of `tiles`; nullptr for a sample, and for a pass of which
+                  // a journal kept no more than the totals
     PassTotals totals;
 
     double psnr(const TextureDesc& desc, std::uint64_t texels) const;

@@ -177,8 +177,7 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         return sample.status();
     plan.colour.background = find_background(*sample, desc);
     if (journal != nullptr) {
-        TESSERA_TRY(journal->begin(facts_of(plan, *sample),
-                                   options.journal == JournalUse::resume));
+        TESSERA_TRY(journal->begin(facts_of(plan, *sample), options.journal == JournalUse::resume));
         plan.journal = journal;
     }
 

@@ -92,8 +92,7 @@ private:
             parameters.parameters = fit_parameters(first->totals.statistics);
             drop(*first); // only its tables were wanted
         }
-        return finished_or(parameters,
-                           [&] { return recoded_pass(parameters, passes_, stage); });
+        return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, stage); });
     }
 
     // The next pass: run, and put on record as finished, unless it is on record already.
@@ -268,10 +267,9 @@ private:
             return Status(ErrorCode::bad_argument,
                           "the target cannot be met: the smallest file of this texture has about " +
                               std::to_string(std::llround(std::exp2(-last_reached))) + " bytes");
-        return outcome_of(std::move(*best),
-                          best_distance >= 1e6
-                              ? "the target lies above what the finest quantiser reaches"
-                              : "");
+        return outcome_of(
+            std::move(*best),
+            best_distance >= 1e6 ? "the target lies above what the finest quantiser reaches" : "");
     }
 
     const EncodePlan& plan_;

@@ -359,8 +359,8 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
         const bool kept = o.err.find("--resume goes on") != std::string::npos; // resume_test.cpp
-        EXPECT_EQ(names(), kept ? std::vector<std::string>{"x.tess.journal"}
-                                : std::vector<std::string>{});
+        EXPECT_EQ(names(),
+                  kept ? std::vector<std::string>{"x.tess.journal"} : std::vector<std::string>{});
         fs::remove_all(at("x.tess.journal"));
     }
 }

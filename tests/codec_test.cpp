@@ -645,8 +645,8 @@ TEST(Access, StreamingGivesTheSameTexels) {
     const auto source = wrap_memory(encoded.file);
     const Result<Decoder> decoder = Decoder::open(*source);
     ASSERT_TRUE(decoder);
-    for (const Locality locality : {Locality::any, Locality::spatial_rows, Locality::angular_cells,
-                                    Locality::places})
+    for (const Locality locality :
+         {Locality::any, Locality::spatial_rows, Locality::angular_cells, Locality::places})
         for (const Box4& box : {Box4::whole(desc.size), Box4{{3, 20, 2, 7}, {39, 33, 9, 9}}}) {
             CollectingSink sink(desc, box, locality);
             ASSERT_TRUE(decoder->decode(box, sink, 3));

@@ -71,7 +71,8 @@ Status bake_compressed(const Arguments& a, TexelSource& source) {
 Status bake_plain(const Arguments& a, TexelSource& source) {
     if (says_how_to_encode(a.encode))
         return {ErrorCode::bad_argument,
-                a.output + ": rate, tile, tools, metadata and --resume options need a .tess output"};
+                a.output +
+                    ": rate, tile, tools, metadata and --resume options need a .tess output"};
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
     const auto options =
@@ -130,13 +131,14 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         add_threads_options(c, a.texture);
         add_encode_options(c, a.encode);
     };
-    add_verb<Arguments>(app, chosen, "bake", "Ray trace a built-in scene into a texture",
-                        "Examples:\n"
-                        "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
-                        "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
-                        "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
-                        "  tessera bake --list",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "bake", "Ray trace a built-in scene into a texture",
+        "Examples:\n"
+        "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
+        "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
+        "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
+        "  tessera bake --list",
+        declare, run);
 }
 
 } // namespace tessera

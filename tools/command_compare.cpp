@@ -215,15 +215,15 @@ Status run(const Arguments& a) {
         // Of a slab both sources and, for SSIM, two planes of floats may be held.
         const std::uint64_t held = 2 + 8 / inputs->a->desc().texel_bytes() + 1;
         options.slab_bytes = std::min(options.slab_bytes, *memory / held);
-        comparison = a.sample ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed,
-                                               options)
-                              : compare_textures(*inputs->a, *inputs->b, options);
+        comparison = a.sample
+                         ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed, options)
+                         : compare_textures(*inputs->a, *inputs->b, options);
     }
     if (!comparison.ok())
         return comparison.status();
     if (a.min_ssim && !comparison->has_ssim)
-        return {ErrorCode::unsupported, a.sample ? "a sample has no SSIM"
-                                                 : "the views are too large for SSIM"};
+        return {ErrorCode::unsupported,
+                a.sample ? "a sample has no SSIM" : "the views are too large for SSIM"};
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs->a->desc();
     const auto missed = missed_thresholds(a, *comparison);

@@ -66,8 +66,7 @@ Status move_box(TexelSource& source, TexelSink& sink, const Box4& box) {
 } // namespace
 
 Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
-                    const ProgressFunction& progress, const char* stage,
-                    std::uint64_t slab_bytes) {
+                    const ProgressFunction& progress, const char* stage, std::uint64_t slab_bytes) {
     const TextureDesc desc = source.desc();
     const Extent4 slab_step =
         slab_extent(desc, sink.locality(), std::min(slab_bytes, usual_slab_bytes));

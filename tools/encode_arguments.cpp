@@ -119,7 +119,8 @@ bool says_how_to_encode(const EncodeArguments& a) {
 
 Status with_resume_hint(const Status& status, const std::string& output) {
     const bool kept = status.message().find("kept in " + journal_path(output)) != std::string::npos;
-    return kept ? Status(status.code(), status.message() + "; the same command with --resume goes on")
+    return kept ? Status(status.code(),
+                         status.message() + "; the same command with --resume goes on")
                 : status;
 }
 

@@ -100,9 +100,8 @@ public:
         const Box4& box = slab_.box();
         const std::size_t run = slab_.bytes().size() / box.extent()[axis_v];
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
-            TESSERA_TRY(
-                file_.write_at(file_offset(desc_, box.begin[axis_u], v, 0, 0),
-                               slab_.bytes().subspan((v - box.begin[axis_v]) * run, run)));
+            TESSERA_TRY(file_.write_at(file_offset(desc_, box.begin[axis_u], v, 0, 0),
+                                       slab_.bytes().subspan((v - box.begin[axis_v]) * run, run)));
         return {};
     }
 
