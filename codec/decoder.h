@@ -58,6 +58,9 @@ public:
                   const ProgressFunction& progress = {},
                   std::uint64_t slab_bytes = 512u << 20) const;
 
+    // Loads and decodes a tile, numbered over all levels, and forgets it. Errors: as decode_box.
+    Status check_tile(std::uint64_t tile) const;
+
     FillReport fill_report() const;
 
 private:

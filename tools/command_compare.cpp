@@ -1,6 +1,7 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
 #include "tools/command.h"
+#include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
 #include "tools/memory_budget.h"
@@ -30,6 +31,7 @@ struct Arguments {
 
 struct Inputs {
     std::unique_ptr<TexelSource> a, b;
+    std::vector<const Decoder*> decoders{}; // of those that are .tess files
 };
 
 // How a file was baked, if it says so and nobody says otherwise.
@@ -56,7 +58,11 @@ Result<Inputs> open_baked(const Arguments& arguments) {
         static_cast<unsigned>(std::min<std::uint64_t>(samples, UINT32_MAX)), seed);
     if (!baked.ok())
         return baked.status();
-    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source))};
+    std::vector<const Decoder*> decoders;
+    if (file->decoder != nullptr)
+        decoders.push_back(file->decoder);
+    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source)),
+                  decoders};
 }
 
 // A raw file beside one that knows its geometry needs no --size.
@@ -75,9 +81,13 @@ Result<Inputs> open_both(const Arguments& arguments) {
     if (!second.ok())
         return second.status();
     if (raw_first)
-        std::swap(first->source, second->source);
-    return Inputs{interruptible(std::move(first->source)),
-                  interruptible(std::move(second->source))};
+        std::swap(*first, *second);
+    std::vector<const Decoder*> decoders;
+    for (const Decoder* decoder : {first->decoder, second->decoder})
+        if (decoder != nullptr)
+            decoders.push_back(decoder);
+    return Inputs{interruptible(std::move(first->source)), interruptible(std::move(second->source)),
+                  decoders};
 }
 
 // Thresholds that were missed, each with its figure.
@@ -227,10 +237,17 @@ Status run(const Arguments& a) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs->a->desc();
     const auto missed = missed_thresholds(a, *comparison);
-    if (a.json)
-        print_json(to_json(a, desc, *comparison, missed, seconds.count()));
-    else if (!a.texture.quiet)
+    if (a.json) {
+        Json json = to_json(a, desc, *comparison, missed, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            if (a.texture.decode.allow_partial || a.texture.decode.allow_damaged)
+                json["filled"].push_back(fill_json(*decoder));
+        print_json(json);
+    } else if (!a.texture.quiet) {
         print_text(desc, *comparison, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
+    }
     if (missed.empty())
         return {};
     std::string text = second_name(a) + ": ";
@@ -243,7 +260,8 @@ Status run(const Arguments& a) {
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")->required();
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")
+            ->required();
         c.add_option("b", a.b, "What is measured against it");
         c.add_option("--bake", a.scene,
                      "Bake this scene as the reference, as it is read; then there is one file only")
@@ -264,6 +282,7 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
         c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
         c.add_flag("--json", a.json, "Print JSON");
+        add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
