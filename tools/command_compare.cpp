@@ -5,6 +5,8 @@
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
 #include "tools/memory_budget.h"
+#include "tools/open_bytes.h"
+#include "tools/prefix_curve.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
@@ -27,6 +29,7 @@ struct Arguments {
     std::optional<unsigned> samples;
     std::optional<std::uint64_t> seed;
     bool no_ssim = false, json = false;
+    std::optional<unsigned> beginnings;
 };
 
 struct Inputs {
@@ -205,7 +208,11 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
     std::printf("  time        %.2f s\n", seconds);
 }
 
+Status run_beginnings(const Arguments& a);
+
 Status run(const Arguments& a) {
+    if (a.beginnings)
+        return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
         return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
@@ -256,6 +263,46 @@ Status run(const Arguments& a) {
     return {ErrorCode::difference, text};
 }
 
+// How the second texture looks as its file arrives.
+Status run_beginnings(const Arguments& a) {
+    if (!a.scene.empty() || a.b.empty() || kind_of(a.b) != TextureKind::tess)
+        return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
+    const auto inputs = open_both(a);
+    if (!inputs.ok())
+        return inputs.status();
+    const auto file = open_bytes(a.b);
+    if (!file.ok())
+        return file.status();
+    Progress progress("tessera compare", a.texture.quiet || a.json);
+    CompareOptions options;
+    options.with_ssim = false;
+    options.threads = a.texture.threads;
+    options.progress = progress.function();
+    const auto points = prefix_curve(*inputs->a, **file, *a.beginnings, options);
+    if (!points.ok())
+        return points.status();
+    Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
+    if (!a.json && !a.texture.quiet)
+        std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
+    for (const PrefixPoint& p : *points) {
+        json["beginnings"].push_back({{"bytes", p.bytes},
+                                      {"psnr", decibels(p.psnr)},
+                                      {"missing_tiles", p.missing_tiles},
+                                      {"tiles", p.tiles}});
+        if (!a.json && !a.texture.quiet)
+            std::printf("%12llu %7.2f %% %9s %7llu of %llu\n",
+                        static_cast<unsigned long long>(p.bytes),
+                        100.0 * static_cast<double>(p.bytes) /
+                            static_cast<double>(points->back().bytes),
+                        std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
+                        static_cast<unsigned long long>(p.missing_tiles),
+                        static_cast<unsigned long long>(p.tiles));
+    }
+    if (a.json)
+        print_json(json);
+    return {};
+}
+
 } // namespace
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
@@ -282,6 +329,12 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
         c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
         c.add_flag("--json", a.json, "Print JSON");
+        c.add_option("--beginnings", a.beginnings,
+                     "PSNR of this many beginnings of the second texture, a .tess: how it looks as "
+                     "it arrives")
+            ->check(CLI::Range(2u, 1000u))
+            ->excludes(ssim)
+            ->excludes(sample);
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
@@ -291,6 +344,7 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
                         "Examples:\n"
                         "  tessera compare scene.exr scene.tess --min-psnr 40\n"
                         "  tessera compare scene.rgb scene.tess --json\n"
+                        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
                         "  tessera compare composed.tess --bake composed --sample 0.01",
                         declare, run);
 }
