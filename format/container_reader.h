@@ -83,7 +83,7 @@ struct OpenOptions {
 // is read once.
 class ContainerReader {
 public:
-    // One read of min(4 KiB, size) bytes, and a second of the rest of the head if it is longer.
+    // One read of min(8 KiB, size) bytes, and a second of the rest of the head if it is longer.
     // `source` must outlive the reader. Errors: io; invalid_file (truncated, damaged, fields out of
     // range); unsupported (another version, unknown required feature or section).
     static Result<ContainerReader> open(ByteSource& source, const OpenOptions& options = {});

@@ -25,7 +25,7 @@ inline constexpr std::size_t header_crc_offset = 124;
 inline constexpr std::size_t section_entry_bytes = 24;
 inline constexpr std::size_t level_entry_bytes = 24;
 inline constexpr std::size_t root_entry_bytes = 12;
-inline constexpr std::size_t first_read_bytes = 4096;
+inline constexpr std::size_t first_read_bytes = 8192;
 inline constexpr unsigned min_sections = 5, max_sections = 64;
 inline constexpr std::uint32_t max_head_bytes = 1u << 28;
 inline constexpr unsigned max_levels = 64;

@@ -1,6 +1,7 @@
 // Reading by ranges over HTTP: few requests, and from servers that misbehave either the right bytes or
 // a clear error.
 #include "format/read_plan.h"
+#include "format/syntax.h"
 #include "tests/raw_server.h"
 #include "tools/http_source.h"
 #include "tools/open_bytes.h"
@@ -29,7 +30,9 @@ std::string random_file(std::size_t size) {
     return bytes;
 }
 const std::string file = random_file(300'000);
-constexpr std::size_t first_bytes = 16384; // brought by opening
+constexpr std::size_t first_bytes = first_read_bytes; // brought by opening
+const std::string first_text = std::to_string(first_bytes);
+const std::string last_text = std::to_string(first_bytes - 1);
 
 HttpOptions quick() {
     HttpOptions options;
@@ -263,15 +266,15 @@ TEST(Http, RefusesWrongRanges) {
         ++answer.last;
         return Answer{answer.text()};
     };
-    expect_no_opening(shifted, ErrorCode::io, "sends bytes 1-16384 where bytes 0-16383", 1);
+    expect_no_opening(shifted, ErrorCode::io, "sends bytes 1-" + first_text + " where bytes 0-" + last_text, 1);
     expect_no_reading(shifted, ErrorCode::io, "sends bytes 100001-105000 where bytes 100000-104999",
                       1);
     for (const char* range :
          {"bytes */300000", "bytes 5-4/300000", "bytes 0-16383/16383", "", "bytes 0-16383",
           "octets 0-16383/300000", "bytes 0-/300000",
           "bytes 0-99999999999999999999/999999999999999999999", "bytes -16383-0/300000"}) {
-        const std::string text = std::string("HTTP/1.1 206 OK\r\nContent-Length: 16384\r\n") +
-                                 "Content-Range: " + range + "\r\n\r\n" + file.substr(0, 16384);
+        const std::string text = "HTTP/1.1 206 OK\r\nContent-Length: " + first_text + "\r\n" +
+                                 "Content-Range: " + range + "\r\n\r\n" + file.substr(0, first_bytes);
         expect_no_opening([&](const std::string&, unsigned) { return Answer{text}; }, ErrorCode::io,
                           "Content-Range", 1);
     }
@@ -289,14 +292,14 @@ TEST(Http, RefusesBodiesOfTheWrongLength) {
         answer.body.pop_back();
         return Answer{answer.text()};
     };
-    expect_no_opening(shorter, ErrorCode::io, "only 16383 of 16384 bytes (3 attempts)", 3);
+    expect_no_opening(shorter, ErrorCode::io, "only " + last_text + " of " + first_text + " bytes (3 attempts)", 3);
     expect_no_reading(shorter, ErrorCode::io, "only 4999 of 5000 bytes (3 attempts)", 3);
     const auto longer = [](const std::string& head, unsigned) {
         PartAnswer answer(head, file);
         answer.body += "x";
         return Answer{answer.text()};
     };
-    expect_no_opening(longer, ErrorCode::io, "more than the 16384 bytes", 1);
+    expect_no_opening(longer, ErrorCode::io, "more than the " + first_text + " bytes", 1);
     expect_no_reading(longer, ErrorCode::io, "more than the 5000 bytes", 1);
 }
 
