@@ -530,7 +530,7 @@ TEST(Metadata, AndDescriptionSurvive) {
 TEST(Access, OneTexelCostsThreeReadsAndItsTilesBytes) {
     const TextureDesc desc = describe({48, 48, 8, 8});
     MemoryTexture texture = named_texture(desc, "smooth");
-    EncodeOptions options = options_for({Kind::quality, 60}, 1);
+    EncodeOptions options = options_for({Kind::quality, 90}, 1);
     options.tile_extent = {4, 4, 4, 4}; // 576 tiles: three groups of the index
     const Encoded encoded = encode(texture, options);
     const Bytes all = decode_all(encoded.file, desc);
