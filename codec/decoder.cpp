@@ -195,6 +195,21 @@ Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
     return state_->fill->texels_of(level, box, out);
 }
 
+Status Decoder::check_tile(std::uint64_t tile) const {
+    const ContainerReader& container = state_->container;
+    const Result<TileBytes> payload = container.load_tile(tile);
+    TESSERA_TRY(payload.status());
+    const LevelTable& table = container.level_table();
+    const auto level =
+        static_cast<std::size_t>(&table.level_of(tile) - table.levels().data());
+    const Box4 box = table.box(tile);
+    std::vector<std::byte> texels(static_cast<std::size_t>(desc().box_bytes(box)));
+    TileDecoder decoder(*state_->codings[level], state_->colour);
+    return decoder.decode(payload->bytes, tile_shape(box), texels)
+        .with_context(container.name() + ": tile " + std::to_string(tile) + " (texels " +
+                      to_string(box) + ")");
+}
+
 FillReport Decoder::fill_report() const {
     return state_->fill->report();
 }

@@ -63,6 +63,8 @@ public:
     // cannot be had come from coarser levels where the DecodeOptions allow it. Errors: also
     // bad_argument for level 0 and for one that is not there.
     Status decode_coarse_box(std::size_t level, const Box4& box, std::span<std::byte> out) const;
+    // Loads and decodes a tile, numbered over all levels, and forgets it. Errors: as decode_box.
+    Status check_tile(std::uint64_t tile) const;
 
     FillReport fill_report() const;
 

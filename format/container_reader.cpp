@@ -470,7 +470,8 @@ void ContainerReader::note_curiosities(std::vector<Finding>& out) const {
                                       at_offset(info.offset) + " was skipped"));
 }
 
-void ContainerReader::validate_group(std::uint32_t group, std::vector<Finding>& out) const {
+void ContainerReader::validate_group(std::uint32_t group, std::vector<Finding>& out,
+                                     std::uint64_t& missing) const {
     const auto add = [&](ContainerRule rule, const Status& status, std::uint64_t first,
                          std::uint64_t count) {
         Finding result = finding(
@@ -486,8 +487,12 @@ void ContainerReader::validate_group(std::uint32_t group, std::vector<Finding>& 
         return add(rule, index.status(), first_tile, group_key(group).tiles);
     for (std::size_t number = 0; number < index->pages.size(); ++number) {
         const Page& page = index->pages[number];
-        const Status status = read_page(group, number, page).status();
         const auto [begin, end] = index->tiles_of(page);
+        if (page.offset + page.length > source_->size()) {
+            missing += end - begin;
+            continue;
+        }
+        const Status status = read_page(group, number, page).status();
         if (!status)
             add(status.code() == ErrorCode::io ? ContainerRule::readable : ContainerRule::page_crc,
                 status, first_tile + begin, end - begin);
@@ -500,12 +505,18 @@ std::vector<Finding> ContainerReader::validate(const Progress& progress) const {
     std::vector<Finding> out;
     note_curiosities(out);
     const SectionInfo& data = section("DATA");
+    std::uint64_t missing = 0;
     for (std::uint32_t group = 0; group < group_count() && out.size() <= max_findings; ++group) {
-        validate_group(group, out);
+        validate_group(group, out, missing);
         if (progress)
             progress(static_cast<double>(root(group + 1).data - data.offset),
                      static_cast<double>(data.length));
     }
+    if (missing > 0)
+        out.push_back(finding(ContainerRule::not_received, false,
+                              name() + ": " + std::to_string(missing) + " of " +
+                                  std::to_string(tile_count()) +
+                                  " tiles have not been received"));
     if (out.size() > max_findings) {
         out.resize(max_findings);
         out.push_back(finding(ContainerRule::more, true,
@@ -516,10 +527,11 @@ std::vector<Finding> ContainerReader::validate(const Progress& progress) const {
 }
 
 std::vector<Finding> validate_container(ByteSource& source,
-                                        const ContainerReader::Progress& progress) {
+                                        const ContainerReader::Progress& progress,
+                                        const OpenOptions& options) {
     ContainerReader reader;
     ContainerRule rule{};
-    const Status status = reader.load(source, {}, rule);
+    const Status status = reader.load(source, options, rule);
     return status ? reader.validate(progress) : std::vector{finding(rule, true, status.message())};
 }
 

@@ -55,6 +55,7 @@ enum class ContainerRule : int {
     proxy_section = 40,    // a mesh proxy and its section come together
     unknown_value = 41,    // of proxy, surface_map, angular_map, transfer, primaries
     unknown_optional = 42, // features and sections that were skipped
+    not_received = 43,     // of a file that was opened as a part, these pages are not there
     more = 99,             // the list of findings was cut
 };
 
@@ -101,6 +102,7 @@ public:
     std::uint32_t group_count() const { return table_.group_count(); }
     // Whether the source ends before the file does; only with allow_partial.
     bool is_partial() const { return source_->size() < header_.file_size; }
+    std::uint64_t source_bytes() const { return source_->size(); }
     std::span<const SectionInfo> sections() const { return sections_; }
     std::string name() const { return source_->name(); }
 
@@ -146,7 +148,8 @@ public:
 
 private:
     struct Caches;
-    friend std::vector<Finding> validate_container(ByteSource&, const Progress&);
+    friend std::vector<Finding> validate_container(ByteSource&, const Progress&,
+                                                   const OpenOptions&);
 
     ContainerReader();
     // Does the work of open(); `rule` is the rule being checked when an error is returned.
@@ -189,7 +192,9 @@ private:
     Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
 
     void note_curiosities(std::vector<Finding>& out) const;
-    void validate_group(std::uint32_t group, std::vector<Finding>& out) const;
+    // Adds to `missing` the tiles that have not been received.
+    void validate_group(std::uint32_t group, std::vector<Finding>& out,
+                        std::uint64_t& missing) const;
 
     ByteSource* source_ = nullptr;
     FileHeader header_;
@@ -209,6 +214,7 @@ private:
 
 // validate() for bytes that may not even open: then why they do not is the first finding.
 std::vector<Finding> validate_container(ByteSource& source,
-                                        const ContainerReader::Progress& progress = {});
+                                        const ContainerReader::Progress& progress = {},
+                                        const OpenOptions& options = {});
 
 } // namespace tessera

@@ -1,9 +1,12 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
 #include "tools/command.h"
+#include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
 #include "tools/memory_budget.h"
+#include "tools/open_bytes.h"
+#include "tools/prefix_curve.h"
 #include "tools/progress.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
@@ -26,10 +29,12 @@ struct Arguments {
     std::optional<unsigned> samples;
     std::optional<std::uint64_t> seed;
     bool no_ssim = false, json = false;
+    std::optional<unsigned> beginnings;
 };
 
 struct Inputs {
     std::unique_ptr<TexelSource> a, b;
+    std::vector<const Decoder*> decoders{}; // of those that are .tess files
 };
 
 // How a file was baked, if it says so and nobody says otherwise.
@@ -56,7 +61,11 @@ Result<Inputs> open_baked(const Arguments& arguments) {
         static_cast<unsigned>(std::min<std::uint64_t>(samples, UINT32_MAX)), seed);
     if (!baked.ok())
         return baked.status();
-    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source))};
+    std::vector<const Decoder*> decoders;
+    if (file->decoder != nullptr)
+        decoders.push_back(file->decoder);
+    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source)),
+                  decoders};
 }
 
 // A raw file beside one that knows its geometry needs no --size.
@@ -75,9 +84,13 @@ Result<Inputs> open_both(const Arguments& arguments) {
     if (!second.ok())
         return second.status();
     if (raw_first)
-        std::swap(first->source, second->source);
-    return Inputs{interruptible(std::move(first->source)),
-                  interruptible(std::move(second->source))};
+        std::swap(*first, *second);
+    std::vector<const Decoder*> decoders;
+    for (const Decoder* decoder : {first->decoder, second->decoder})
+        if (decoder != nullptr)
+            decoders.push_back(decoder);
+    return Inputs{interruptible(std::move(first->source)), interruptible(std::move(second->source)),
+                  decoders};
 }
 
 // Thresholds that were missed, each with its figure.
@@ -195,7 +208,11 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
     std::printf("  time        %.2f s\n", seconds);
 }
 
+Status run_beginnings(const Arguments& a);
+
 Status run(const Arguments& a) {
+    if (a.beginnings)
+        return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
         return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
@@ -227,10 +244,17 @@ Status run(const Arguments& a) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs->a->desc();
     const auto missed = missed_thresholds(a, *comparison);
-    if (a.json)
-        print_json(to_json(a, desc, *comparison, missed, seconds.count()));
-    else if (!a.texture.quiet)
+    if (a.json) {
+        Json json = to_json(a, desc, *comparison, missed, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            if (a.texture.decode.allow_partial || a.texture.decode.allow_damaged)
+                json["filled"].push_back(fill_json(*decoder));
+        print_json(json);
+    } else if (!a.texture.quiet) {
         print_text(desc, *comparison, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
+    }
     if (missed.empty())
         return {};
     std::string text = second_name(a) + ": ";
@@ -239,11 +263,52 @@ Status run(const Arguments& a) {
     return {ErrorCode::difference, text};
 }
 
+// How the second texture looks as its file arrives.
+Status run_beginnings(const Arguments& a) {
+    if (!a.scene.empty() || a.b.empty() || kind_of(a.b) != TextureKind::tess)
+        return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
+    const auto inputs = open_both(a);
+    if (!inputs.ok())
+        return inputs.status();
+    const auto file = open_bytes(a.b);
+    if (!file.ok())
+        return file.status();
+    Progress progress("tessera compare", a.texture.quiet || a.json);
+    CompareOptions options;
+    options.with_ssim = false;
+    options.threads = a.texture.threads;
+    options.progress = progress.function();
+    const auto points = prefix_curve(*inputs->a, **file, *a.beginnings, options);
+    if (!points.ok())
+        return points.status();
+    Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
+    if (!a.json && !a.texture.quiet)
+        std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
+    for (const PrefixPoint& p : *points) {
+        json["beginnings"].push_back({{"bytes", p.bytes},
+                                      {"psnr", decibels(p.psnr)},
+                                      {"missing_tiles", p.missing_tiles},
+                                      {"tiles", p.tiles}});
+        if (!a.json && !a.texture.quiet)
+            std::printf("%12llu %7.2f %% %9s %7llu of %llu\n",
+                        static_cast<unsigned long long>(p.bytes),
+                        100.0 * static_cast<double>(p.bytes) /
+                            static_cast<double>(points->back().bytes),
+                        std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
+                        static_cast<unsigned long long>(p.missing_tiles),
+                        static_cast<unsigned long long>(p.tiles));
+    }
+    if (a.json)
+        print_json(json);
+    return {};
+}
+
 } // namespace
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")->required();
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")
+            ->required();
         c.add_option("b", a.b, "What is measured against it");
         c.add_option("--bake", a.scene,
                      "Bake this scene as the reference, as it is read; then there is one file only")
@@ -264,6 +329,13 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
         c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
         c.add_flag("--json", a.json, "Print JSON");
+        c.add_option("--beginnings", a.beginnings,
+                     "PSNR of this many beginnings of the second texture, a .tess: how it looks as "
+                     "it arrives")
+            ->check(CLI::Range(2u, 1000u))
+            ->excludes(ssim)
+            ->excludes(sample);
+        add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
@@ -272,6 +344,7 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
                         "Examples:\n"
                         "  tessera compare scene.exr scene.tess --min-psnr 40\n"
                         "  tessera compare scene.rgb scene.tess --json\n"
+                        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
                         "  tessera compare composed.tess --bake composed --sample 0.01",
                         declare, run);
 }

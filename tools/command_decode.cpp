@@ -1,5 +1,6 @@
 #include "codec/decoder.h"
 #include "tools/command.h"
+#include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/memory_budget.h"
 #include "tools/open_bytes.h"
@@ -68,7 +69,7 @@ Status run(const Arguments& a) {
     const auto file = open_bytes(a.input);
     if (!file.ok())
         return file.status();
-    const auto decoder = Decoder::open(**file);
+    const auto decoder = Decoder::open(**file, a.texture.decode);
     if (!decoder.ok())
         return decoder.status();
     const TextureDesc desc = decoder->desc();
@@ -88,6 +89,8 @@ Status run(const Arguments& a) {
                     human_bytes(bytes).c_str(), seconds.count(),
                     static_cast<double>(bytes) / 1e6 / std::max(seconds.count(), 1e-9),
                     transfer_text(**file).c_str());
+    if (!a.texture.quiet)
+        std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
     return {};
 }
 
@@ -101,6 +104,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
             ->required();
         c.add_option("--box", a.box,
                      "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
+        add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_threads_options(c, a.texture);
     };
@@ -108,6 +112,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
                         "Examples:\n"
                         "  tessera decode scene.tess -o scene.exr\n"
                         "  tessera decode scene.tess -o views/\n"
+                        "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
                         "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
                         "  tessera decode https://example.org/scene.tess -o part.exr --box "
                         "0:64,0:64,:,:",

@@ -1,5 +1,6 @@
 #include "corpus/bake.h"
 #include "tools/command.h"
+#include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/open_bytes.h"
 #include "tools/parse.h"
@@ -210,6 +211,8 @@ void report_json(const Arguments& a, const Stage& stage, const std::vector<Plann
         json["truth"] = a.stage.truth;
     if (const auto use = stage.subject().device_use())
         json["device"] = {{"name", use->name}, {"bytes", use->bytes}};
+    if (stage.decoder && (a.stage.decode.allow_partial || a.stage.decode.allow_damaged))
+        json["filled"] = fill_json(*stage.decoder);
     for (std::size_t i = 0; i < views.size(); ++i) {
         Json view = {{"name", plan[i].name},
                      {"output", plan[i].output},
@@ -240,6 +243,8 @@ void report_text(const Stage& stage, const std::vector<PlannedView>& plan,
     }
     if (!figures.front().empty())
         std::printf("\n%s", to_table(figures).c_str());
+    if (stage.decoder)
+        std::fputs(fill_text(*stage.decoder, "").c_str(), stdout);
     if (const auto use = stage.subject().device_use())
         std::printf("%s: %.1f MiB held\n", use->name.c_str(),
                     static_cast<double>(use->bytes) / (1 << 20));
@@ -362,6 +367,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         c.add_option("--spp", r.samples,
                      "Samples per texel of what is baked (default: what the file says, or 16)")
             ->check(CLI::Range(1u, corpus::max_samples_per_texel));
+        add_fill_options(c, r.decode);
         c.add_flag("--write-all", a.write_all,
                    "Write what it is measured against as well: name-truth.png and "
                    "name-uncompressed.png beside each view");

@@ -28,25 +28,24 @@ bool is_covered(const std::vector<Finding>& findings, std::uint64_t tile) {
 }
 
 // Decodes every tile that the container's findings have not already condemned.
-Status check_tiles(ByteSource& bytes, unsigned threads, const ProgressFunction& progress,
-                   std::vector<Finding>& findings) {
-    const auto decoder = Decoder::open(bytes);
+Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned threads,
+                   const ProgressFunction& progress, std::vector<Finding>& findings) {
+    const auto decoder = Decoder::open(bytes, options);
     if (!decoder.ok()) {
         findings.push_back({rule_tile, true, decoder.status().message(), 0, 0});
         return {};
     }
     const std::vector<Finding> known = findings;
-    const TileGrid& grid = decoder->container().grid();
+    const std::uint64_t tiles = decoder->container().tile_count();
     std::mutex mutex;
     std::uint64_t done = 0;
-    return parallel_for(grid.tiles(), threads, [&](std::uint64_t tile) -> Status {
+    return parallel_for(tiles, threads, [&](std::uint64_t tile) -> Status {
         if (interrupted_by())
             return {ErrorCode::runtime, "interrupted"};
         Status status;
         if (!is_covered(known, tile)) {
-            const Box4 box = grid.box(tile);
-            std::vector<std::byte> texels(decoder->desc().box_bytes(box));
-            status = decoder->decode_box(box, texels);
+            const auto received = decoder->container().is_received(tile);
+            status = received.ok() && *received ? decoder->check_tile(tile) : received.status();
         }
         if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
             return status; // says nothing about the file
@@ -54,7 +53,7 @@ Status check_tiles(ByteSource& bytes, unsigned threads, const ProgressFunction& 
         ++done;
         if (progress)
             progress("decoding tiles", static_cast<double>(done),
-                     static_cast<double>(grid.tiles()));
+                     static_cast<double>(tiles));
         if (!status.ok() && findings.size() < max_listed)
             findings.push_back({rule_tile, true, status.message(), tile, 1});
         return {};
@@ -89,6 +88,7 @@ Status run(const Arguments& a) {
     const std::unique_ptr<ByteSource> ahead =
         (*opened)->wants_prefetch() ? read_ahead(**opened) : nullptr;
     ByteSource& bytes = ahead ? *ahead : **opened;
+    const OpenOptions open{a.texture.decode.allow_partial};
     std::vector<Finding> findings;
     {
         Progress progress("tessera validate", a.texture.quiet || a.json);
@@ -96,10 +96,10 @@ Status run(const Arguments& a) {
         findings = validate_container(bytes, [&](double done, double total) {
             if (show)
                 show("checking pages", done, total);
-        });
+        }, open);
         // A file that does not open has no tiles to look at; its finding says why.
-        if (ContainerReader::open(bytes).ok())
-            TESSERA_TRY(check_tiles(bytes, a.texture.threads, show, findings));
+        if (ContainerReader::open(bytes, open).ok())
+            TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, show, findings));
     }
     std::stable_sort(findings.begin(), findings.end(), [](const Finding& x, const Finding& y) {
         return std::pair(x.number, x.first_tile) < std::pair(y.number, y.first_tile);
@@ -122,6 +122,8 @@ void add_validate_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
         c.add_option("file", a.input, "The .tess file, or the URL of one (http, https)")
             ->required();
+        c.add_flag("--allow-partial", a.texture.decode.allow_partial,
+                   "Check what is there of a file whose end is missing");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };

@@ -98,7 +98,7 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
     // The network counts its requests itself, by a finer measure than reads.
     const bool remote = network_traffic(*stage.bytes).has_value();
-    auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered);
+    auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
     if (!decoder.ok())
         return decoder.status();
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
@@ -181,6 +181,10 @@ Status check_request(const StageRequest& r) {
     if (r.file.empty() && (r.via != "cpu" || !r.original.empty()))
         return {ErrorCode::bad_argument,
                 "--via and --original belong to a .tess file; --scene is drawn on the CPU"};
+    if (r.decode.allow_damaged && r.via != "cpu")
+        return {ErrorCode::bad_argument, "--allow-damaged needs --via cpu"};
+    if (r.decode.allow_partial && r.via != "cpu" && r.via != "feedback")
+        return {ErrorCode::bad_argument, "--allow-partial needs --via cpu or feedback"};
     if (!r.file.empty() && !r.texture_size.empty())
         return {ErrorCode::bad_argument, "--texture-size belongs to --scene"};
     if (r.samples && !r.original.empty())

@@ -14,7 +14,16 @@ struct TextureArguments {
     unsigned channels = 0;
     unsigned threads = 0;
     bool quiet = false;
+    DecodeOptions decode; // of a .tess
 };
+
+inline void add_fill_options(CLI::App& app, DecodeOptions& decode) {
+    app.add_flag("--allow-partial", decode.allow_partial,
+                 "Take the beginning of a .tess, as a broken download leaves it; coarser levels "
+                 "stand in for what is missing (encode --layers puts them first)");
+    app.add_flag("--allow-damaged", decode.allow_damaged,
+                 "Let coarser levels, or the background, stand in for damaged tiles of a .tess");
+}
 
 inline void add_threads_options(CLI::App& app, TextureArguments& a) {
     app.add_option("--threads", a.threads, "Threads; 0: all cores. Never changes the result")
@@ -34,6 +43,7 @@ inline void add_texture_options(CLI::App& app, TextureArguments& a) {
 inline Result<TextureHints> make_hints(const TextureArguments& a) {
     TextureHints hints;
     hints.threads = a.threads;
+    hints.decode = a.decode;
     if (a.channels > 0)
         hints.channels = static_cast<std::uint8_t>(a.channels);
     if (!a.size.empty()) {

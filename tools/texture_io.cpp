@@ -55,11 +55,12 @@ Status unknown_kind(const std::string& path) {
 // A compressed file that owns what it is read through.
 class TessSource : public TexelSource {
 public:
-    static Result<std::unique_ptr<TessSource>> open(const std::string& path) {
+    static Result<std::unique_ptr<TessSource>> open(const std::string& path,
+                                                    const DecodeOptions& options) {
         auto bytes = open_bytes(path);
         if (!bytes.ok())
             return bytes.status();
-        auto decoder = Decoder::open(**bytes);
+        auto decoder = Decoder::open(**bytes, options);
         if (!decoder.ok())
             return decoder.status();
         return std::unique_ptr<TessSource>(new TessSource(std::move(*bytes), std::move(*decoder)));
@@ -83,7 +84,7 @@ private:
 };
 
 Status open_tess(const std::string& path, const TextureHints& hints, OpenedTexture& opened) {
-    auto source = TessSource::open(path);
+    auto source = TessSource::open(path, hints.decode);
     if (!source.ok())
         return source.status();
     const TextureDesc& desc = (*source)->desc();
@@ -92,6 +93,7 @@ Status open_tess(const std::string& path, const TextureHints& hints, OpenedTextu
                 path + ": is " + to_string(desc.size) + ", not " + to_string(*hints.size)};
     opened.metadata = (*source)->decoder().container().metadata();
     opened.description = (*source)->decoder().container().description();
+    opened.decoder = &(*source)->decoder();
     opened.source = std::move(*source);
     return {};
 }

@@ -8,6 +8,7 @@
 //   folder/     one PNG per view, see png_views_io.h; a trailing slash or an existing folder
 #pragma once
 
+#include "codec/decoder.h"
 #include "format/metadata.h"
 #include "format/texture.h"
 #include "tools/texture_hints.h"
@@ -23,6 +24,7 @@ TextureKind kind_of(const std::string& path);
 struct OpenedTexture {
     TextureKind kind = TextureKind::unknown;
     std::unique_ptr<TexelSource> source;
+    const Decoder* decoder = nullptr; // of a .tess; lives as long as the source
     Metadata metadata;       // of a .tess
     Description description; // as far as the file knows
 };
