@@ -290,6 +290,10 @@ private:
         Status unreachable; // then each tile alone would fail as well, each after its own time-out
         for (std::size_t i = 0; i < jobs.size(); ++i) {
             const DecodeJob& job = jobs[i];
+            if (file_.reader.is_partial() && !is_received(job.tile)) {
+                TESSERA_TRY(cache_->mark_failed(job.tile)); // to stay coarse, as was agreed to
+                continue;
+            }
             if (unreachable.ok())
                 unreachable = ahead.ready(i).status();
             const Status read =
@@ -308,6 +312,12 @@ private:
         TESSERA_TRY(feed.finish());
         jobs = std::move(readable);
         return {};
+    }
+
+    // An error is met again by load_tile(), which says so.
+    bool is_received(std::uint32_t tile) const {
+        const auto received = file_.reader.is_received(tile);
+        return !received.ok() || *received;
     }
 
     void note_damage(std::uint32_t tile) {

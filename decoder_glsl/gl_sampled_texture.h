@@ -86,6 +86,7 @@ public:
     // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
     // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
     // stalls only when three frames are unfinished: the marks may be those of one or two frames ago.
+    // Tiles that a partial file does not hold stay coarse without an error.
     // Errors: invalid_file (tiles that are damaged, which stay coarse from then on; all else was done),
     // runtime. A source that fails is no error but UpdateReport::trouble.
     Result<UpdateReport> update(bool wait);

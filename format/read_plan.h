@@ -18,7 +18,7 @@ inline constexpr std::uint64_t near_bytes = 4096;
 // what comes between is at most this share of what is wanted. (Views of a 0.6 MB file, 8 to 13 % of
 // it in 14 to 19 requests, took 24 to 40 % in 6 where every gap of 32 KiB was closed.)
 inline constexpr std::uint64_t far_bytes = 32768;
-inline constexpr std::uint64_t wasted_share = 8; // an eighth
+inline constexpr std::uint64_t wasted_share = 16; // a sixteenth
 // A request does not grow beyond this many bytes by merging: several run at once, and one that breaks
 // off is repeated whole. A single range that is longer stays one request.
 inline constexpr std::uint64_t max_merged_bytes = std::uint64_t{4} << 20;

@@ -701,8 +701,8 @@ TEST(ReadPlan, MergesWhatIsNear) {
 }
 
 // Sparse ranges stay apart, dense ones are joined, and what is read in vain stays a small share.
-TEST(ReadPlan, WastesAnEighthAtMost) {
-    std::vector<std::byte> buffer(200'000);
+TEST(ReadPlan, WastesASixteenthAtMost) {
+    std::vector<std::byte> buffer(300'000);
     const auto lengths = [&](std::vector<std::pair<std::uint64_t, std::size_t>> ranges) {
         std::vector<ReadRequest> requests;
         for (const auto& [offset, length] : ranges)
@@ -724,8 +724,8 @@ TEST(ReadPlan, WastesAnEighthAtMost) {
     EXPECT_EQ(lengths({{0, 30'000}, {35'500, 30'000}, {71'000, 30'000}, {106'500, 30'000}}),
               (Lengths{30'000, 30'000, 30'000, 30'000}))
         << "all of equal gaps or none";
-    EXPECT_EQ(lengths({{0, 200'000}, {232'769, 200'000}}), (Lengths{200'000, 200'000}));
-    EXPECT_EQ(lengths({{0, 200'000}, {232'768, 200'000}}), Lengths{432'768});
+    EXPECT_EQ(lengths({{0, 300'000}, {332'769, 300'000}}), (Lengths{300'000, 300'000}));
+    EXPECT_EQ(lengths({{0, 300'000}, {332'768, 300'000}}), Lengths{632'768});
 }
 
 TEST_F(Files, SourcesThatCannotBe) {

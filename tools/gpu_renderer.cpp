@@ -57,6 +57,8 @@ public:
         options.budget = budget();
         options.jobs_per_update = options_.tiles_per_frame;
         options.coarse_from = {options_.coarse_level, options_.coarse_texels};
+        // Means of all tiles, where no level is at hand, need all tiles.
+        options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
         auto texture = SampledTexture::create(reader_, options);
         if (!texture.ok())
             return texture.status();
@@ -150,6 +152,9 @@ private:
 
     std::string remark_on(const UpdateReport& report) const {
         const std::uint32_t missing = report.waiting + report.decoded;
+        if (missing == 0 && report.missing > 0)
+            return std::to_string(report.missing) + " of the " + std::to_string(report.touched) +
+                   " tiles that it touches have not been received and are drawn coarsely";
         if (missing == 0)
             return {};
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
