@@ -4,6 +4,7 @@
 #include "codec/level_texels.h"
 #include "codec/tile_decoder.h"
 #include "format/coding_parameters.h"
+#include "format/tiles_ahead.h"
 
 #include <algorithm>
 
@@ -57,9 +58,18 @@ Status CoarseFill::interpolate(std::size_t level, const Box4& box, std::span<std
 Status CoarseFill::texels_of(std::size_t level, const Box4& box, std::span<std::byte> out) {
     const TileGrid& grid = container_.grid(level);
     const TextureDesc& desc = container_.desc();
-    std::vector<std::uint64_t> numbers;
-    grid.for_each(grid.touched(box), [&numbers](std::uint64_t n) { numbers.push_back(n); });
+    const std::uint64_t first_tile = container_.levels()[level].first_tile;
+    std::vector<std::uint64_t> numbers, to_load;
+    grid.for_each(grid.touched(box), [&](std::uint64_t number) {
+        numbers.push_back(number);
+        if (container_.wants_prefetch() && !is_kept(first_tile + number))
+            to_load.push_back(first_tile + number);
+    });
+    TilesAhead ahead(container_, to_load);
+    std::size_t loaded = 0;
     for (const std::uint64_t number : numbers) {
+        if (loaded < to_load.size() && to_load[loaded] == first_tile + number)
+            TESSERA_TRY(ahead.ready(loaded++).status());
         const Box4 tile_box = grid.box(number), part = intersect(tile_box, box);
         const Result<Texels> texels = tile_texels(level, number);
         TESSERA_TRY(texels.status());
@@ -111,6 +121,11 @@ Result<CoarseFill::Texels> CoarseFill::tile_texels(std::size_t level, std::uint6
     if (tiles_.emplace(tile, *texels).second)
         bytes_ += size;
     return texels;
+}
+
+bool CoarseFill::is_kept(std::uint64_t tile) const {
+    const std::lock_guard lock(mutex_);
+    return tiles_.contains(tile);
 }
 
 void CoarseFill::fill_background(std::span<std::byte> out) const {

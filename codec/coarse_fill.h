@@ -31,6 +31,10 @@ public:
     // none is. Errors: those of reading that may not be filled.
     Status fill(const Box4& box, std::span<std::byte> out) { return interpolate(0, box, out); }
 
+    // Texels `box` of level `level`, which lies inside it; tiles that cannot be had are interpolated
+    // like those of fill(). Brings the tiles together where requests are dear. Errors: as fill().
+    Status texels_of(std::size_t level, const Box4& box, std::span<std::byte> out);
+
     // Remembers a tile of level 0 that was filled.
     void note(std::uint64_t tile);
     FillReport report() const;
@@ -38,7 +42,7 @@ public:
 private:
     using Texels = std::shared_ptr<const std::vector<std::byte>>;
     Status interpolate(std::size_t level, const Box4& box, std::span<std::byte> out);
-    Status texels_of(std::size_t level, const Box4& box, std::span<std::byte> out);
+    bool is_kept(std::uint64_t tile) const;
     // Null: the tile cannot be had.
     Result<Texels> tile_texels(std::size_t level, std::uint64_t number);
     Result<Texels> decode(std::size_t level, std::uint64_t number) const;

@@ -1,4 +1,4 @@
-// A decoded file as a source of texels.
+// A decoded file, or one of its levels, as a source of texels.
 #include "codec/decoder.h"
 
 #include <algorithm>
@@ -81,7 +81,30 @@ private:
     SlabAhead ahead_;
 };
 
+class DecodedLevel : public TexelSource {
+public:
+    DecodedLevel(const Decoder& decoder, std::size_t level)
+        : decoder_(decoder), level_(level), desc_(decoder.desc()) {
+        desc_.size = decoder.container().levels()[level].size;
+    }
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        return decoder_.decode_coarse_box(level_, box, out);
+    }
+
+private:
+    const Decoder& decoder_;
+    const std::size_t level_;
+    TextureDesc desc_;
+};
+
 } // namespace
+
+std::unique_ptr<TexelSource> decoded_level(const Decoder& decoder, std::size_t level) {
+    if (level == 0)
+        return decoded_source(decoder);
+    return std::make_unique<DecodedLevel>(decoder, level);
+}
 
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
     return std::make_unique<DecodedSource>(decoder);

@@ -179,6 +179,22 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     return sink.finish();
 }
 
+Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
+                                  std::span<std::byte> out) const {
+    const ContainerReader& container = state_->container;
+    if (level == 0 || level >= container.levels().size())
+        return {ErrorCode::bad_argument,
+                container.name() + ": there is no coarse level " + std::to_string(level)};
+    if (!is_inside(box, container.levels()[level].size))
+        return {ErrorCode::bad_argument,
+                container.name() + ": box " + to_string(box) + " does not lie inside " +
+                    to_string(container.levels()[level].size) + " of coarse level " +
+                    std::to_string(level)};
+    if (out.size() != desc().box_bytes(box))
+        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    return state_->fill->texels_of(level, box, out);
+}
+
 Status Decoder::check_tile(std::uint64_t tile) const {
     const ContainerReader& container = state_->container;
     const Result<TileBytes> payload = container.load_tile(tile);

@@ -58,6 +58,11 @@ public:
                   const ProgressFunction& progress = {},
                   std::uint64_t slab_bytes = 512u << 20) const;
 
+    // The same for `box` of a coarse level, in that level's coordinates (container().levels()). One
+    // thread decodes; the last decoded tiles, up to 32 MiB, are kept for the next boxes. Tiles that
+    // cannot be had come from coarser levels where the DecodeOptions allow it. Errors: also
+    // bad_argument for level 0 and for one that is not there.
+    Status decode_coarse_box(std::size_t level, const Box4& box, std::span<std::byte> out) const;
     // Loads and decodes a tile, numbered over all levels, and forgets it. Errors: as decode_box.
     Status check_tile(std::uint64_t tile) const;
 
@@ -72,5 +77,11 @@ private:
 // A file as a source of texels, so that files can be compared and transcoded like any other input.
 // `decoder` must outlive it.
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder);
+
+// One level of the file as a source of texels, of the size that container().levels() gives, in boxes
+// of any order: decode_coarse_box(); level 0: decoded_source(). Where requests are dear, what a box
+// needs comes by few of them. Thread-safe. `decoder` must outlive it. Precondition: there is such a
+// level.
+std::unique_ptr<TexelSource> decoded_level(const Decoder& decoder, std::size_t level);
 
 } // namespace tessera

@@ -1,12 +1,13 @@
 // On feedback: a tile cache with a page table, filled by what frames mark.
 #include "decoder_glsl/cache_borders.h"
+#include "decoder_glsl/coarse_cells.h"
 #include "decoder_glsl/gl_error.h"
 #include "decoder_glsl/gl_residency.h"
 #include "decoder_glsl/shader_layout.h"
 #include "format/tiles_ahead.h"
 
 #include <algorithm>
-#include <set>
+#include <numeric>
 
 namespace tessera {
 namespace {
@@ -29,7 +30,8 @@ class CachedTexture final : public Resident {
 public:
     CachedTexture(TextureFile& file, const SampledTextureOptions& options)
         : file_(file), grid_(file.reader.grid()), jobs_per_update_(options.jobs_per_update),
-          borders_(options.hardware_filter), coarse_(options.coarse) {}
+          borders_(options.hardware_filter), coarse_(options.coarse),
+          coarse_from_(options.coarse_from) {}
 
     Status load() {
         words_ = sampler_words(file_.reader, file_.tables);
@@ -37,7 +39,8 @@ public:
         TESSERA_TRY(plan_memory());
         TESSERA_TRY(create_objects());
         if (coarse_)
-            TESSERA_TRY(make_coarse());
+            TESSERA_TRY(coarse_from_.texels != nullptr ? take_coarse() : make_coarse());
+        coarse_from_.texels = nullptr; // lent until here
         file_.decoder.free_work(); // frames need far less at a time
         return drop_cache();
     }
@@ -84,25 +87,28 @@ public:
         if (touched_.empty())
             return report;
         report.touched = static_cast<std::uint32_t>(touched_.size());
+        report.missing = static_cast<std::uint32_t>(std::ranges::count_if(
+            touched_, [&](std::uint32_t tile) { return cache_->slot_of(tile) == no_slot; }));
         cache_->begin_frame();
         const auto jobs =
             cache_->touch(touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
         if (!jobs.ok())
             return jobs.status();
         std::vector<DecodeJob> list(jobs->begin(), jobs->end());
-        report.decoded = static_cast<std::uint32_t>(list.size());
-        report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
-        const Status unreadable = leave_out_unreadable(list);
-        const Status decoded = decode(list, wait);
+        Unread unread;
+        const Status decoded = decode_readable(list, wait, unread);
         if (!decoded.ok()) // a slot that was not filled must not be shown
             for (const DecodeJob& job : list)
                 TESSERA_TRY(cache_->mark_failed(job.tile));
+        report.decoded = static_cast<std::uint32_t>(list.size());
+        report.waiting = static_cast<std::uint32_t>(cache_->waiting().size());
+        report.trouble = unread.trouble;
         TESSERA_TRY(upload_pages());
         TESSERA_TRY(decoded);
         if (borders_)
             TESSERA_TRY(fill_borders(list));
         TESSERA_TRY(take_gl_errors("filling the tile cache"));
-        TESSERA_TRY(unreadable);
+        TESSERA_TRY(unread.damaged);
         return report;
     }
 
@@ -110,7 +116,17 @@ private:
     // Tiles without bytes are all background: they are never decoded.
     Status find_background() {
         empty_pages_.assign(grid_.tiles(), tsr_page_missing);
+        // Index records come together, those of coarse levels too, whose tiles are wanted next.
+        constexpr std::uint32_t at_once = 512; // groups; twice as many are cached
+        std::uint32_t groups = 0;
         for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
+            if (file_.reader.level_table().group_of(tile) >= groups) {
+                std::vector<std::uint32_t> next(
+                    std::min(at_once, file_.reader.group_count() - groups));
+                std::iota(next.begin(), next.end(), groups);
+                TESSERA_TRY(file_.reader.prefetch_groups(next));
+                groups += static_cast<std::uint32_t>(next.size());
+            }
             const auto location = file_.reader.locate(tile);
             if (!location.ok())
                 return location.status();
@@ -225,22 +241,26 @@ private:
 
     // `look`: waits for the device to say which tiles were damaged. They decode to the background, so
     // from then on they are background.
+    BatchFeed make_feed(bool look) {
+        return BatchFeed(file_, plan(), limits_within(work_bytes_, file_.tables.predicts()), false,
+                         [this, look](DecodeBatch& batch) -> Status {
+                             TESSERA_TRY(file_.decoder.decode(batch, texels_));
+                             if (!look)
+                                 return {};
+                             const auto counts = file_.decoder.counts(batch);
+                             if (!counts.ok())
+                                 return counts.status();
+                             for (std::size_t i = 0; i < counts->size(); ++i)
+                                 if ((*counts)[i].damaged != 0)
+                                     batch.damaged.push_back(batch.tiles[i]);
+                             for (const std::uint64_t tile : batch.damaged)
+                                 note_damage(static_cast<std::uint32_t>(tile));
+                             return {};
+                         });
+    }
+
     Status decode(const std::vector<DecodeJob>& jobs, bool look) {
-        BatchFeed feed(file_, plan(), limits_within(work_bytes_, file_.tables.predicts()), false,
-                       [&](DecodeBatch& batch) -> Status {
-                           TESSERA_TRY(file_.decoder.decode(batch, texels_));
-                           if (!look)
-                               return {};
-                           const auto counts = file_.decoder.counts(batch);
-                           if (!counts.ok())
-                               return counts.status();
-                           for (std::size_t i = 0; i < counts->size(); ++i)
-                               if ((*counts)[i].damaged != 0)
-                                   batch.damaged.push_back(batch.tiles[i]);
-                           for (const std::uint64_t tile : batch.damaged)
-                               note_damage(static_cast<std::uint32_t>(tile));
-                           return {};
-                       });
+        BatchFeed feed = make_feed(look);
         TilesAhead ahead(file_.reader, tiles_of(jobs));
         for (std::size_t i = 0; i < jobs.size(); ++i) {
             TESSERA_TRY(ahead.ready(i).status());
@@ -256,31 +276,68 @@ private:
         return tiles;
     }
 
-    // Takes tiles whose pages cannot be read out of the list, for good, and returns the first reason.
-    Status leave_out_unreadable(std::vector<DecodeJob>& jobs) {
-        Status first;
+    // The first reasons why tiles were not read: for good, and in this frame.
+    struct Unread {
+        Status damaged, trouble;
+    };
+
+    // Tiles that cannot be read leave the list and the cache: for good where they are damaged, else
+    // until the next frame. An error means that the device failed, and nothing of the list is there.
+    Status decode_readable(std::vector<DecodeJob>& jobs, bool look, Unread& unread) {
+        BatchFeed feed = make_feed(look);
         TilesAhead ahead(file_.reader, tiles_of(jobs));
         std::vector<DecodeJob> readable;
-        for (const DecodeJob& job : jobs) {
-            // An error is met again by load_tile(), and reported.
-            [[maybe_unused]] const auto ready =
-                ahead.ready(static_cast<std::size_t>(&job - jobs.data()));
-            const auto bytes = file_.reader.load_tile(job.tile); // cached for decode()
-            if (bytes.ok()) {
+        Status unreachable; // then each tile alone would fail as well, each after its own time-out
+        for (std::size_t i = 0; i < jobs.size(); ++i) {
+            const DecodeJob& job = jobs[i];
+            if (file_.reader.is_partial() && !is_received(job.tile)) {
+                TESSERA_TRY(cache_->mark_failed(job.tile)); // to stay coarse, as was agreed to
+                continue;
+            }
+            if (unreachable.ok())
+                unreachable = ahead.ready(i).status();
+            const Status read =
+                unreachable.ok() ? file_.reader.load_tile(job.tile).status() : unreachable;
+            if (read.ok()) { // and cached
+                TESSERA_TRY(feed.add(job.tile, place_of(job.slot)));
                 readable.push_back(job);
                 continue;
             }
+            const bool damaged = read.code() == ErrorCode::invalid_file;
+            Status& first = damaged ? unread.damaged : unread.trouble;
             if (first.ok())
-                first = bytes.status();
-            TESSERA_TRY(cache_->mark_failed(job.tile));
+                first = read;
+            TESSERA_TRY(damaged ? cache_->mark_failed(job.tile) : cache_->put_off(job.tile));
         }
+        TESSERA_TRY(feed.finish());
         jobs = std::move(readable);
-        return first;
+        return {};
+    }
+
+    // An error is met again by load_tile(), which says so.
+    bool is_received(std::uint32_t tile) const {
+        const auto received = file_.reader.is_received(tile);
+        return !received.ok() || *received;
     }
 
     void note_damage(std::uint32_t tile) {
         damaged_ += empty_pages_[tile] != tsr_page_background;
         empty_pages_[tile] = tsr_page_background;
+    }
+
+    // From a coarse level: no tile is decoded.
+    Status take_coarse() {
+        const TextureDesc &desc = file_.reader.desc(), &from = coarse_from_.texels->desc();
+        if (from.type != desc.type || from.channels != desc.channels)
+            return {ErrorCode::bad_argument,
+                    file_.reader.name() + ": the texels of its coarse level are of another type"};
+        const std::uint64_t at = words_[tsr_p_coarse_at];
+        return make_coarse_cells(grid_, coarse_from_.level, *coarse_from_.texels,
+                                 [&](std::uint64_t tile, std::span<const std::uint32_t> words) {
+                                     return parameters_.upload(
+                                         (at + tile * tsr_coarse_texels * 2) * 4,
+                                         std::as_bytes(words));
+                                 });
     }
 
     // Every tile once through the cache, a cache full at a time.
@@ -424,6 +481,7 @@ private:
     const TileGrid grid_;
     const std::uint32_t jobs_per_update_;
     const bool borders_, coarse_;
+    CoarseTexels coarse_from_;
 
     std::vector<std::uint32_t> empty_pages_; // background or missing
     std::uint64_t full_tiles_ = 0;

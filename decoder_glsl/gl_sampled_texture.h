@@ -11,6 +11,7 @@
 
 #include "decoder_glsl/gl_tile_decoder.h"
 #include "decoder_glsl/tile_cache.h"
+#include "format/level_table.h"
 
 #include <array>
 #include <cstdint>
@@ -24,11 +25,21 @@ namespace tessera {
 enum class Residency { on_load, on_feedback, on_sample };
 const char* name_of(Residency residency); // "load", "feedback", "sample"
 
+// A coarse level of the file (ContainerReader::levels()) and its texels: of that level's size, of the
+// texture's type and channels, boxes in any order.
+struct CoarseTexels {
+    LevelEntry level;
+    TexelSource* texels = nullptr; // used by create() only
+};
+
 struct SampledTextureOptions {
     Residency residency = Residency::on_feedback;
     std::uint64_t budget = 256ull << 20; // bytes on the device, all buffers; never exceeded
     bool hardware_filter = true;         // let the texture unit mix angular neighbours
-    bool coarse = true;                  // on_feedback: decode all once for coarse texels
+    bool coarse = true;                  // on_feedback: draw coarse texels where tiles are missing
+    // on_feedback: what the coarse texels are made from. Without texels here every tile is decoded
+    // once for them, which reads the whole file.
+    CoarseTexels coarse_from{};
     std::uint32_t jobs_per_update = 0; // on_feedback: tiles decoded at a time at most; 0: no limit
 };
 
@@ -40,9 +51,14 @@ std::uint64_t decoded_bytes(const ContainerReader& reader);
 
 struct UpdateReport {
     std::uint32_t touched = 0; // tiles that the newest frame whose marks are known sampled
+    std::uint32_t missing = 0; // of these: had no slot before this update, so the frame shows their
+                               // coarse texels
     std::uint32_t decoded = 0; // tiles decoded now
     std::uint32_t waiting = 0; // tiles that found no slot, or wait for the next update
     bool current = false;      // the marks of the last frame were looked at, not only older ones
+    // Why the bytes of some tiles could not be had now (of the source: io, or runtime when it was
+    // interrupted); they wait, and the next frame that touches them asks again. Else ok.
+    Status trouble;
 };
 
 // Needs a current OpenGL 4.5 context at every call, as its destructor does; one thread.
@@ -70,15 +86,16 @@ public:
     // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
     // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
     // stalls only when three frames are unfinished: the marks may be those of one or two frames ago.
-    // Errors: io, invalid_file (tiles that could not be read, which stay coarse from then on; all else
-    // was done), runtime.
+    // Tiles that a partial file does not hold stay coarse without an error.
+    // Errors: invalid_file (tiles that are damaged, which stay coarse from then on; all else was done),
+    // runtime. A source that fails is no error but UpdateReport::trouble.
     Result<UpdateReport> update(bool wait);
     // Forgets all cached tiles, as if nothing had been drawn.
     Status drop_cache();
 
     std::uint64_t bytes() const; // held on the device
-    // Tiles found damaged so far; they are drawn as background. On feedback without coarse texels,
-    // only updates that wait look for them.
+    // Tiles found damaged so far; they are drawn as background. On feedback, only
+    // updates that wait look for them, and create() where it decodes every tile.
     std::uint64_t damaged_tiles() const;
     std::uint64_t cache_slots() const; // on_feedback; else 0
     // on_feedback: a budget, in bytes, whose cache has a slot for each of `tiles`; else 0.

@@ -33,7 +33,7 @@ void TileCache::begin_frame() {
     ++frame_;
     ++stats_.frames;
     for (const std::uint32_t tile : waiting_)
-        flags_[tile] &= static_cast<std::uint8_t>(~waits);
+        flags_[tile] &= static_cast<std::uint8_t>(~(waits | not_now));
     waiting_.clear();
 }
 
@@ -50,7 +50,7 @@ Result<std::span<const DecodeJob>> TileCache::touch(std::span<const std::uint32_
         if (slot_of_[tile] != no_slot)
             renew(slot_of_[tile]);
     for (const std::uint32_t tile : tiles)
-        if (slot_of_[tile] == no_slot && (flags_[tile] & failed) == 0)
+        if (slot_of_[tile] == no_slot && (flags_[tile] & (failed | not_now)) == 0)
             request(tile, max_jobs);
     return std::span<const DecodeJob>(jobs_);
 }
@@ -103,14 +103,35 @@ Status TileCache::mark_failed(std::uint32_t tile) {
         return {};
     flags_[tile] |= failed;
     ++stats_.failures;
-    if (const std::uint32_t slot = slot_of_[tile]; slot != no_slot) {
-        unlink(slot);
-        next_[slot] = first_free_;
-        first_free_ = slot;
-        --resident_;
-        set_slot(tile, no_slot);
+    free_slot(tile);
+    return {};
+}
+
+Status TileCache::put_off(std::uint32_t tile) {
+    if (tile >= slot_of_.size())
+        return {ErrorCode::bad_argument, "tile " + std::to_string(tile) + " is put off, of " +
+                                             std::to_string(slot_of_.size())};
+    if ((flags_[tile] & (failed | not_now)) != 0)
+        return {};
+    free_slot(tile);
+    flags_[tile] |= not_now;
+    ++stats_.put_off;
+    if ((flags_[tile] & waits) == 0) { // begin_frame() finds it among those that wait
+        flags_[tile] |= waits;
+        waiting_.push_back(tile);
     }
     return {};
+}
+
+void TileCache::free_slot(std::uint32_t tile) {
+    const std::uint32_t slot = slot_of_[tile];
+    if (slot == no_slot)
+        return;
+    unlink(slot);
+    next_[slot] = first_free_;
+    first_free_ = slot;
+    --resident_;
+    set_slot(tile, no_slot);
 }
 
 bool TileCache::has_failed(std::uint32_t tile) const {

@@ -43,6 +43,7 @@ struct TileCacheStats {
     std::uint64_t late = 0;      // tiles without a slot because the frame holds them all
     std::uint64_t deferred = 0;  // tiles without a slot because of max_jobs
     std::uint64_t failures = 0;  // tiles marked as failed
+    std::uint64_t put_off = 0;   // tiles that lost their slot for the rest of a frame
 };
 
 class TileCache {
@@ -66,13 +67,19 @@ public:
                                              std::uint32_t max_jobs);
 
     // Tiles of the current frame that got no slot when they were touched, each once: late and
-    // deferred ones. Failed tiles are not among them. Valid until the next call.
+    // deferred ones; and those that were put off. Failed tiles are not among them. Valid until the
+    // next call.
     std::span<const std::uint32_t> waiting() const { return waiting_; }
 
     // The tile cannot be decoded: it loses its slot and is never given one again.
     // bad_argument: a tile that is not there.
     Status mark_failed(std::uint32_t tile);
     bool has_failed(std::uint32_t tile) const;
+
+    // What the tile is decoded from cannot be had at the moment: it loses its slot and gets none in
+    // the current frame; the next frame that touches it gives out its job again. Nothing happens to
+    // tiles that have failed. bad_argument: a tile that is not there.
+    Status put_off(std::uint32_t tile);
 
     // The slot of a tile, or no_slot, also for tiles that are not there.
     std::uint32_t slot_of(std::uint32_t tile) const;
@@ -84,7 +91,7 @@ public:
     const TileCacheStats& stats() const { return stats_; }
 
 private:
-    enum Flag : std::uint8_t { failed = 1, waits = 2, changed = 4 };
+    enum Flag : std::uint8_t { failed = 1, waits = 2, changed = 4, not_now = 8 };
 
     TileCache(std::uint32_t slots, std::size_t tiles);
     void unlink(std::uint32_t slot);
@@ -93,6 +100,7 @@ private:
     void request(std::uint32_t tile, std::uint32_t max_jobs);
     void wait(std::uint32_t tile, std::uint64_t& counter);
     void set_slot(std::uint32_t tile, std::uint32_t slot);
+    void free_slot(std::uint32_t tile);
 
     std::uint32_t slots_;
     std::uint32_t resident_ = 0;

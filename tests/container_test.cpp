@@ -323,7 +323,8 @@ TEST(Container, PagesAreReadOnce) {
 // Two requests bring any neighbourhood that fits the window; loading its tiles then needs none.
 TEST(Container, PrefetchTakesTwoReads) {
     for (const bool large : {false, true}) {
-        const Sample sample(random_tiles(1000, 15, large));
+        Sample sample(random_tiles(1000, 15, large));
+        sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
         const Bytes file = sample.write();
         const auto memory = wrap_memory(file);
         CountingByteSource source(*memory, true);
@@ -385,7 +386,8 @@ TEST(Container, PrefetchIsBounded) {
 }
 
 TEST(Container, ThreadsPrefetchEachPageOnce) {
-    const Sample sample(random_tiles(1000, 16));
+    Sample sample(random_tiles(1000, 16));
+    sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
     const Bytes file = sample.write();
     const auto memory = wrap_memory(file);
     CountingByteSource source(*memory, true);

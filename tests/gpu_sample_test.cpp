@@ -39,7 +39,7 @@ private:
 };
 
 // Rough in one half, smooth in a quarter, and background in the rest: tiles of all kinds.
-Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
+Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers = false) {
     const TextureDesc desc{{80, 40, 20, 12}, type, channels};
     const double gain = type == SampleType::half16 ? 4 : 1;
     MemoryTexture texture(desc, [&](int u, int v, int s, int t, int c) {
@@ -58,6 +58,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality) {
     options.tile_extent = {32, 16, 8, 8};
     options.effort = 3; // without predictions, which on sample does not take
     options.threads = 2;
+    options.layers = layers;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();
@@ -367,6 +368,97 @@ TEST_F(GpuSample, CoarseTexelsStandInBeforeTilesCome) {
     const double with_coarse = mean_difference(first_frame(*coarse), truth);
     EXPECT_LT(with_coarse, 0.06);
     EXPECT_LT(with_coarse, 0.5 * mean_difference(first_frame(*none), truth));
+}
+
+// Says no for as long as it is told to.
+class MoodySource final : public ByteSource {
+public:
+    explicit MoodySource(ByteSource& inner) : inner_(inner) {}
+    std::uint64_t size() const override { return inner_.size(); }
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        if (!failure.ok())
+            return failure;
+        bytes += out.size();
+        return inner_.read(offset, out);
+    }
+    bool wants_prefetch() const override { return prefetch; }
+    std::string name() const override { return "moody"; }
+
+    Status failure;
+    bool prefetch = false;
+    std::uint64_t bytes = 0;
+
+private:
+    ByteSource& inner_;
+};
+
+// A coarse level instead of all tiles, of either sample type; and tiles that come at a second try.
+TEST_F(GpuSample, CoarseLevelsStandInAndLostReadsAreRepeated) {
+    for (const auto& [type, channels] : {std::pair<SampleType, std::uint8_t>{SampleType::unorm8, 3},
+                                         {SampleType::half16, 4}}) {
+        SCOPED_TRACE(int{channels});
+        const Bytes file = mixed_file(type, channels, 90, true);
+        const auto memory = wrap_memory(file);
+        for (const bool prefetch : {false, true}) {
+            MoodySource source(*memory);
+            source.prefetch = prefetch;
+            const auto decoder = Decoder::open(source);
+            ASSERT_TRUE(decoder) << decoder.status().message();
+            const ContainerReader& reader = decoder->container();
+            ASSERT_GE(reader.levels().size(), 2u);
+            const auto level = decoded_level(*decoder, reader.levels().size() - 1);
+            auto options = with(Residency::on_feedback, true);
+            options.coarse_from = {reader.levels().back(), level.get()};
+            auto texture = SampledTexture::create(reader, options);
+            ASSERT_TRUE(texture) << texture.status().message();
+            EXPECT_LT(source.bytes, file.size() / 4) << "no tile of the texture";
+            auto whole = SampledTexture::create(reader, with(Residency::on_load, true));
+            options.coarse = false;
+            auto none = SampledTexture::create(reader, options);
+            ASSERT_TRUE(whole && none);
+            const auto first_frame = [](const SampledTexture& sampled) {
+                auto renderer = GlViewRenderer::create(sampled);
+                EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
+                return *renderer->read();
+            };
+            const auto truth = first_frame(*whole);
+            const double near = mean_difference(first_frame(*texture), truth);
+            EXPECT_LT(near, 0.06 * (type == SampleType::half16 ? 4 : 1));
+            EXPECT_LT(near, 0.5 * mean_difference(first_frame(*none), truth));
+
+            // On a file of its own, whose pages nobody has read.
+            const auto again = Decoder::open(source);
+            ASSERT_TRUE(again);
+            auto fresh = SampledTexture::create(again->container(), options);
+            ASSERT_TRUE(fresh);
+            auto renderer = GlViewRenderer::create(*fresh);
+            ASSERT_TRUE(renderer);
+            for (const Status& failure : {Status(ErrorCode::io, "the line is dead"),
+                                          Status(ErrorCode::runtime, "interrupted")}) {
+                source.failure = failure;
+                ASSERT_TRUE(renderer->draw(camera_at(200)));
+                const auto report = fresh->update(true);
+                ASSERT_TRUE(report) << report.status().message();
+                EXPECT_EQ(report->trouble.code(), failure.code());
+                EXPECT_GT(report->touched, 0u);
+                EXPECT_EQ(report->missing, report->touched);
+                EXPECT_EQ(report->waiting, report->touched);
+                EXPECT_EQ(report->decoded, 0u);
+            }
+            source.failure = {};
+            const auto picture = drawn(*fresh, *renderer, camera_at(200));
+            EXPECT_LE(largest_difference(picture, truth), (type == SampleType::half16 ? 4 : 1) / 255.0);
+            EXPECT_EQ(fresh->cache_stats()->failures, 0u);
+        }
+    }
+    // Texels that belong to something else.
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    Bytes texels(file.desc().box_bytes(Box4::whole(file.desc().size)));
+    MemorySource source(file.desc(), texels);
+    auto options = with(Residency::on_feedback, true);
+    options.coarse_from = {coarse_level(file.desc().size, 1, 1, 0), &source};
+    EXPECT_EQ(SampledTexture::create(file.reader(), options).status().code(),
+              ErrorCode::bad_argument);
 }
 
 TEST_F(GpuSample, UpdatesThatDoNotWaitArriveALittleLater) {

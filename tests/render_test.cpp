@@ -7,6 +7,9 @@
 #ifdef TESSERA_GPU
 #include "tests/gpu_fixture.h"
 #endif
+#ifdef TESSERA_HTTP
+#include "tests/raw_server.h"
+#endif
 #include "tests/test_folder.h"
 #include "tools/command.h"
 #include "tools/gpu_renderer.h"
@@ -26,6 +29,9 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <map>
+#include <mutex>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -593,6 +599,205 @@ TEST_F(GpuRender, OrbitsByFeedback) {
     fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1"},
           "--via cpu");
 }
+
+// With coarse levels, on a sphere, of many tiles.
+class Sharpening : public GpuRender {
+protected:
+    void SetUp() override {
+        GpuRender::SetUp();
+        if (IsSkipped())
+            return;
+        ::setenv("no_proxy", "127.0.0.1", 1);
+        EncodeOptions options;
+        options.layers = true;
+        options.tile_extent = {16, 16, 8, 8};
+        options.effort = 5;
+        options.rate = {RateTarget::Kind::quality, 60};
+        options.description.proxy = Proxy::sphere;
+        options.description.sphere_radius = 3.5f;
+        options.description.surface_map = SurfaceMap::sphere_longitude_latitude;
+        options.description.angular_map = AngularMap::hemisphere_alpha_beta;
+        const auto source = bake("gallery", {128, 64, 16, 16}, 1);
+        bytes_ = encoded(*source, options);
+        std::ofstream(at("g.tess"), std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes_.data()),
+                   static_cast<std::streamsize>(bytes_.size()));
+    }
+    static Picture picture_at(const std::string& path) {
+        const auto shape = read_png_shape(path);
+        EXPECT_TRUE(shape.ok()) << path;
+        Picture picture = blank_picture(shape->width, shape->height, 0);
+        EXPECT_EQ(shape->channels, 3);
+        EXPECT_TRUE(read_png(path, *shape, shape->height,
+                             [&](std::uint32_t y, std::span<const std::byte> row) {
+                                 std::memcpy(picture.rgb.data() + y * row.size(), row.data(),
+                                             row.size());
+                             })
+                        .ok());
+        return picture;
+    }
+    static std::string slurp(const std::string& path) {
+        std::ifstream in(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    // Draws a view of the file or URL in frames; the frames as JSON.
+    Json frames_of(const std::string& file, const std::string& name,
+                   const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words = {file,   "-o",    at(name + ".png"), "--size", "160x120",
+                                          "--eye", "8,3,6", "--via",           "feedback",
+                                          "--json", "--frames"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Status status = run(words);
+        EXPECT_TRUE(status.ok()) << status.message();
+        return status.ok() ? Json::parse(out_)["views"][0]["frames"] : Json::array();
+    }
+
+    std::vector<std::byte> bytes_;
+};
+
+TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {
+    const Json frames = frames_of(at("g.tess"), "v");
+    ASSERT_EQ(frames.size(), 2u) << frames;
+    EXPECT_EQ(frames[0]["coarse"], frames[0]["touched"]);
+    EXPECT_GT(frames[0]["touched"], 20);
+    EXPECT_EQ(frames[0]["decoded"], 0);
+    EXPECT_LT(frames[0]["bytes"], bytes_.size() / 8) << "no tile was read";
+    EXPECT_EQ(frames[1]["decoded"], frames[0]["touched"]);
+    EXPECT_EQ(frames[1]["coarse"], 0);
+    EXPECT_LT(frames[1]["bytes"], bytes_.size());
+    const Picture coarse = picture_at(at("v-frame-1.png")), sharp = picture_at(at("v.png"));
+    EXPECT_EQ(slurp(at("v-frame-2.png")), slurp(at("v.png")));
+    const double psnr = likeness_of(sharp, coarse).psnr;
+    RecordProperty("coarse_psnr", std::to_string(psnr));
+    EXPECT_GT(psnr, 20);
+    Picture shifted = sharp; // by a tenth of its width
+    std::rotate(shifted.rgb.begin(), shifted.rgb.begin() + 16 * 3, shifted.rgb.end());
+    EXPECT_GT(psnr, likeness_of(sharp, shifted).psnr + 1);
+    EXPECT_GT(psnr, likeness_of(sharp, blank_picture(160, 120, 128)).psnr + 3);
+    // The old way gives nearly the same coarse picture, at the price of all tiles.
+    const auto source = wrap_memory(bytes_);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader.ok());
+    const auto old = make_gpu_renderer(*reader, paper_window, grey, {"feedback", 64});
+    ASSERT_TRUE(old.ok());
+    std::optional<View> first;
+    (*old)->watch([&](unsigned, const DrawnFrame&, const auto& picture) -> Status {
+        if (!first)
+            first = *picture();
+        return {};
+    });
+    const Camera camera = camera_at({{8, 3, 6}, {0, 0, 0}}, {45, 160, 120});
+    ASSERT_TRUE((*old)->render(camera).ok());
+    const Picture means = to_picture(*first, SampleType::unorm8);
+    RecordProperty("means_psnr", std::to_string(likeness_of(sharp, means).psnr));
+    EXPECT_GT(likeness_of(means, coarse).psnr, psnr);
+}
+
+TEST_F(Sharpening, InStepsOnRequest) {
+    frames_of(at("g.tess"), "v");
+    const Json frames = frames_of(at("g.tess"), "w", {"--tiles-per-frame", "7"});
+    ASSERT_GT(frames.size(), 4u);
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        EXPECT_LE(frames[i]["decoded"], 7);
+        EXPECT_EQ(frames[i]["coarse"].get<int>(),
+                  frames[i - 1]["coarse"].get<int>() - frames[i]["decoded"].get<int>());
+    }
+    EXPECT_EQ(frames.back()["coarse"], 0);
+    EXPECT_EQ(slurp(at("v.png")), slurp(at("w.png")));
+    EXPECT_TRUE(fs::exists(at("w-frame-" + std::to_string(frames.size()) + ".png")));
+    ASSERT_TRUE(run({at("g.tess"), "-o", at("o.png"), "--orbit", "2", "--size", "40x30", "--via",
+                     "feedback", "--log"})
+                    .ok());
+    EXPECT_EQ(out_.rfind("view 1 frame 1: ", 0), 0u) << out_;
+    EXPECT_NE(out_.find("view 2 frame 1: "), std::string::npos) << out_;
+    EXPECT_NE(out_.find(" coarse, 0 reads, 0 bytes\n"), std::string::npos) << out_;
+    fails(ErrorCode::bad_argument, {at("g.tess"), "-o", at("o.png"), "--frames"}, "feedback");
+    fails(ErrorCode::bad_argument, {at("g.tess"), "-o", at("o.png"), "--tiles-per-frame", "3"},
+          "feedback");
+}
+
+// A part of a file: what is not there stays coarse.
+TEST_F(Sharpening, ShowsBeginningsOfFiles) {
+    const auto source = wrap_memory(bytes_);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader.ok());
+    const std::uint64_t first = reader->locate(0)->offset;
+    for (const std::uint64_t length : {first, first + (bytes_.size() - first) / 2}) {
+        fs::copy_file(at("g.tess"), at("part.tess"), fs::copy_options::overwrite_existing);
+        fs::resize_file(at("part.tess"), length);
+        const Json frames = frames_of(at("part.tess"), "part", {"--allow-partial"});
+        ASSERT_FALSE(frames.empty());
+        EXPECT_GT(frames.back()["coarse"], 0);
+        if (length == first) // nothing but coarse data
+            EXPECT_EQ(frames.back()["coarse"], frames.back()["touched"]);
+        else
+            EXPECT_LT(frames.back()["coarse"], frames.back()["touched"]);
+    }
+}
+
+#ifdef TESSERA_HTTP
+TEST_F(Sharpening, ComesOverANetworkInFewRequests) {
+    frames_of(at("g.tess"), "near");
+    const std::string file(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+    const test::RawServer server([&](const std::string& head, unsigned) {
+        return test::RawServer::Answer{test::PartAnswer(head, file).text()};
+    });
+    const Json frames = frames_of(server.url(), "far");
+    ASSERT_EQ(frames.size(), 2u);
+    EXPECT_LE(frames[0]["requests"], 3);
+    EXPECT_LT(frames[0]["bytes"], bytes_.size() / 8);
+    EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
+    EXPECT_EQ(slurp(at("far-frame-1.png")), slurp(at("near-frame-1.png")));
+    EXPECT_EQ(server.requests(),
+              frames[0]["requests"].get<unsigned>() + frames[1]["requests"].get<unsigned>());
+    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback"}).ok());
+    EXPECT_NE(out_.find("view 1 frame 2: "), std::string::npos) << "usual for URLs\n" << out_;
+    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30"}).ok());
+    EXPECT_NE(out_.find("view 1: "), std::string::npos) << out_;
+    ASSERT_TRUE(
+        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}).ok());
+    EXPECT_EQ(out_, "");
+}
+
+// Refusals, and answers that break off; one range fails for longer than its requests are repeated, so
+// that a whole frame goes without, and the next one asks again.
+TEST_F(Sharpening, OutlivesAFailingNetwork) {
+    frames_of(at("g.tess"), "near");
+    const std::string file(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+    std::mutex mutex;
+    std::map<std::uint64_t, unsigned> asked;
+    std::optional<std::uint64_t> stubborn;
+    const test::RawServer server([&](const std::string& head, unsigned number) {
+        const std::string good = test::PartAnswer(head, file).text();
+        const std::lock_guard lock(mutex);
+        const std::uint64_t first = test::range_of(head)->first;
+        if (number >= 3 && !stubborn)
+            stubborn = first;
+        const unsigned before = asked[first]++;
+        if (stubborn == first ? before < 6 : number >= 3 && before == 0 && first % 2 == 0)
+            return test::RawServer::Answer{
+                "HTTP/1.1 503 Later\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n"};
+        if (number >= 3 && before == 0)
+            return test::RawServer::Answer{good.substr(0, good.size() - 1), false};
+        return test::RawServer::Answer{good};
+    });
+    const Json frames = frames_of(server.url(), "far");
+    ASSERT_EQ(frames.size(), 3u) << frames;
+    EXPECT_TRUE(frames[1].contains("trouble")) << frames;
+    EXPECT_EQ(frames[1]["coarse"], frames[0]["coarse"]);
+    EXPECT_FALSE(frames[2].contains("trouble")) << frames;
+    EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
+
+    // A server that never recovers ends the view with its own reason.
+    const test::RawServer gone([&](const std::string& head, unsigned number) {
+        return test::RawServer::Answer{
+            number < 3 ? test::PartAnswer(head, file).text()
+                       : "HTTP/1.1 503 Later\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n"};
+    });
+    fails(ErrorCode::io,
+          {gone.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}, "503");
+}
+#endif
 #endif
 
 } // namespace

@@ -185,6 +185,34 @@ TEST(TileCache, FailedTilesFreeTheirSlotAndStayAway) {
     EXPECT_EQ(waiting(cache), Tiles{});
 }
 
+TEST(TileCache, TilesThatArePutOffAreAskedForInTheNextFrame) {
+    TileCache cache = cache_of(2, 10);
+    EXPECT_EQ(frame(cache, {1, 2, 3}), (Tiles{1, 2}));
+    ASSERT_TRUE(cache.put_off(1));
+    ASSERT_TRUE(cache.put_off(1));
+    EXPECT_EQ(cache.put_off(10).code(), ErrorCode::bad_argument);
+    EXPECT_EQ(cache.slot_of(1), no_slot);
+    EXPECT_EQ(cache.resident(), 1u);
+    EXPECT_EQ(waiting(cache), (Tiles{3, 1}));
+    EXPECT_EQ(touch(cache, {1, 2, 3}), Tiles{3}) << "in the slot of tile 1, which waits";
+    EXPECT_EQ(cache.stats().put_off, 1u);
+    ASSERT_TRUE(cache.put_off(3));
+    EXPECT_EQ(waiting(cache), (Tiles{3, 1}));
+    EXPECT_FALSE(cache.has_failed(1));
+    EXPECT_EQ(frame(cache, {1, 2}), Tiles{1});
+    EXPECT_EQ(waiting(cache), Tiles{});
+    ASSERT_TRUE(cache.put_off(7)); // neither resident nor touched: it only stays away
+    EXPECT_EQ(touch(cache, {7}), Tiles{});
+    ASSERT_TRUE(cache.mark_failed(4));
+    ASSERT_TRUE(cache.put_off(4));
+    EXPECT_EQ(frame(cache, {4, 7}), Tiles{7}) << "what has failed stays failed";
+    EXPECT_EQ(cache.stats().put_off, 3u);
+    bool told = false;
+    for (const PageChange& change : cache.take_changes())
+        told = told || (change.tile == 3 && change.slot == no_slot);
+    EXPECT_TRUE(told);
+}
+
 TEST(TileCache, TilesThatAreNotThereChangeNothing) {
     TileCache cache = cache_of(2, 10);
     frame(cache, {1});
@@ -216,7 +244,7 @@ struct Model {
     std::size_t slots;
     Tiles order;                           // residents, the least recently touched first
     std::map<std::uint32_t, int> last;     // frame of the last touch
-    std::set<std::uint32_t> failed, waits; // waits: in this frame
+    std::set<std::uint32_t> failed, waits, put_off; // the latter two: in this frame
     int frame = 0;
     TileCacheStats stats;
 
@@ -233,7 +261,7 @@ struct Model {
                 last[tile] = frame;
             }
         for (const std::uint32_t tile : tiles) {
-            if (resident(tile) || failed.count(tile) != 0)
+            if (resident(tile) || failed.count(tile) != 0 || put_off.count(tile) != 0)
                 continue;
             const bool full = order.size() == slots;
             const bool defer = jobs.size() >= max_jobs;
@@ -262,6 +290,7 @@ void expect_same_stats(const TileCacheStats& got, const TileCacheStats& want) {
     EXPECT_EQ(got.late, want.late);
     EXPECT_EQ(got.deferred, want.deferred);
     EXPECT_EQ(got.failures, want.failures);
+    EXPECT_EQ(got.put_off, want.put_off);
 }
 
 // A window that walks over a 2D field of tiles, as a camera's view does.
@@ -281,7 +310,7 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
         SCOPED_TRACE("run " + std::to_string(run));
         const std::size_t slots = 1 + static_cast<std::size_t>(pick(60));
         TileCache cache = cache_of(slots, field * field);
-        Model model{slots, {}, {}, {}, {}, 0, {}};
+        Model model{slots, {}, {}, {}, {}, {}, 0, {}};
         std::vector<std::uint32_t> table(field * field, no_slot); // by replaying the changes
         int x = pick(field), y = pick(field), width = 3 + pick(5), height = 3 + pick(5);
         for (int step = 0; step < 200; ++step) {
@@ -295,6 +324,7 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
             cache.begin_frame();
             ++model.frame;
             model.waits.clear();
+            model.put_off.clear();
             for (int call = 0; call <= pick(3); ++call) {
                 Tiles tiles = window(x, (y + call * height) % field, width, height, field);
                 if (pick(2) == 0)
@@ -306,6 +336,15 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
                 const Tiles jobs = touch(cache, tiles, max_jobs);
                 ASSERT_EQ(jobs, model.touch(tiles, max_jobs));
                 ASSERT_LE(jobs.size(), max_jobs);
+                if (pick(20) != 0)
+                    continue;
+                for (const std::uint32_t tile : jobs) { // the network is down
+                    ASSERT_TRUE(cache.put_off(tile));
+                    model.put_off.insert(tile);
+                    model.waits.insert(tile);
+                    std::erase(model.order, tile);
+                    ++model.stats.put_off;
+                }
             }
             if (pick(30) == 0) {
                 const auto tile = static_cast<std::uint32_t>(pick(field * field));

@@ -2,6 +2,8 @@
 #include "tools/command.h"
 #include "tools/fill_text.h"
 #include "tools/interrupt.h"
+#include "tools/open_bytes.h"
+#include "tools/parse.h"
 #include "tools/progress.h"
 #include "tools/render_stage.h"
 #include "tools/render_views.h"
@@ -21,11 +23,16 @@ struct Arguments {
     ViewRequest views;
     TextureArguments texture; // threads and quiet
     std::string sheet;
-    bool json = false, write_all = false;
+    bool json = false, write_all = false, log = false, frames = false;
+
+    // Over a network one wants to know what is going on.
+    bool logs() const {
+        return !json && (log || (is_url(stage.file) && !texture.quiet));
+    }
 };
 
 // "v-2.png" -> "v-2-truth.png".
-std::string beside(const std::string& output, const char* what) {
+std::string beside(const std::string& output, const std::string& what) {
     std::filesystem::path path(output);
     path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
     return path.string();
@@ -37,6 +44,8 @@ Status check_outputs(const Arguments& a, const std::vector<PlannedView>& plan) {
         for (const char* what : {"truth", "uncompressed"})
             if (a.write_all)
                 TESSERA_TRY(check_view_path(beside(view.output, what)));
+        if (a.frames)
+            TESSERA_TRY(check_view_path(beside(view.output, "frame-1")));
     }
     if (a.sheet.empty())
         return {};
@@ -78,6 +87,61 @@ struct DrawnView {
     ViewFigures figures;
     double seconds = 0; // of drawing what is written
     std::string remark;
+    std::vector<DrawnFrame> frames; // on feedback
+    Traffic traffic;                // of what is written
+};
+
+std::string to_text(const Traffic& traffic, bool remote) {
+    const char* unit = remote ? "request" : "read";
+    return std::to_string(traffic.requests) + " " + unit + (traffic.requests == 1 ? "" : "s") +
+           ", " + human_bytes(traffic.bytes);
+}
+
+// Keeps, writes and says what each frame of a view was; at once, as the next may take a while.
+class FrameLog {
+public:
+    FrameLog(const Arguments& a, SampleType type)
+        : log_(a.logs()), write_(a.frames), remote_(is_url(a.stage.file)), type_(type) {}
+
+    void begin(std::size_t view, const std::string& output) {
+        view_ = view;
+        output_ = output;
+        frames_.clear();
+    }
+    std::vector<DrawnFrame> end(const Traffic& traffic) {
+        if (log_ && frames_.empty())
+            say("view " + std::to_string(view_) + ": " + to_text(traffic, remote_));
+        return std::move(frames_);
+    }
+    Status add(unsigned number, const DrawnFrame& frame,
+               const std::function<Result<View>()>& picture) {
+        frames_.push_back(frame);
+        if (log_) {
+            if (!frame.trouble.empty())
+                say("view " + std::to_string(view_) + ": asks again: " + frame.trouble);
+            say("view " + std::to_string(view_) + " frame " + std::to_string(number) + ": " +
+                std::to_string(frame.touched) + " tiles touched, " + std::to_string(frame.decoded) +
+                " decoded, " + std::to_string(frame.coarse) + " coarse, " +
+                to_text(frame.traffic, remote_));
+        }
+        if (!write_)
+            return {};
+        const Result<View> view = picture();
+        TESSERA_TRY(view.status());
+        return write_view(beside(output_, "frame-" + std::to_string(number)), *view, type_);
+    }
+
+private:
+    static void say(const std::string& line) {
+        std::printf("%s\n", line.c_str());
+        std::fflush(stdout);
+    }
+
+    const bool log_, write_, remote_;
+    const SampleType type_;
+    std::size_t view_ = 0; // from 1
+    std::string output_;
+    std::vector<DrawnFrame> frames_; // of the view
 };
 
 // A view of each renderer that there is; the stage's subject is written, and the others on request.
@@ -124,6 +188,18 @@ Json to_json(const glm::dvec3& point) {
     return {point.x, point.y, point.z};
 }
 
+Json to_json(const Traffic& traffic) {
+    return {{"requests", traffic.requests}, {"bytes", traffic.bytes}};
+}
+
+Json to_json(const DrawnFrame& frame) {
+    Json json = {{"touched", frame.touched}, {"decoded", frame.decoded}, {"coarse", frame.coarse}};
+    json.update(to_json(frame.traffic));
+    if (!frame.trouble.empty())
+        json["trouble"] = frame.trouble;
+    return json;
+}
+
 void report_json(const Arguments& a, const Stage& stage, const std::vector<PlannedView>& plan,
                  const std::vector<DrawnView>& views) {
     Json json = {{"size", to_string(stage.desc.size)}, {"via", a.stage.via}};
@@ -147,6 +223,10 @@ void report_json(const Arguments& a, const Stage& stage, const std::vector<Plann
                      {"seconds", views[i].seconds}};
         if (!views[i].remark.empty())
             view["remark"] = views[i].remark;
+        if (!a.stage.file.empty())
+            view.update(to_json(views[i].traffic));
+        for (const DrawnFrame& frame : views[i].frames)
+            view["frames"].push_back(to_json(frame));
         view.update(to_json(views[i].figures));
         json["views"].push_back(view);
     }
@@ -183,6 +263,8 @@ Status run(const Arguments& a) {
     if (!plan.ok())
         return plan.status();
     TESSERA_TRY(check_outputs(a, *plan));
+    if (a.frames && a.stage.via != "feedback")
+        return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
     Stage stage;
     std::vector<DrawnView> views;
     {
@@ -197,12 +279,20 @@ Status run(const Arguments& a) {
         steps.set_count(plan->size() * stage.renderers());
         for (const PlannedView& view : *plan)
             TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
+        FrameLog log(a, stage.desc.type);
+        stage.subject().watch([&log](unsigned number, const DrawnFrame& frame,
+                                     const auto& picture) { return log.add(number, frame, picture); });
+        Traffic told; // so that the first view's includes opening
         for (const PlannedView& view : *plan) {
             if (interrupted_by())
                 return {ErrorCode::runtime, "interrupted"};
+            log.begin(views.size() + 1, view.output);
             auto drawn = draw(view, stage, a.write_all, steps);
             if (!drawn.ok())
                 return drawn.status();
+            drawn->traffic = stage.traffic() - told;
+            told = stage.traffic();
+            drawn->frames = log.end(drawn->traffic);
             if (a.sheet.empty())
                 drawn->pictures = {};
             views.push_back(std::move(*drawn));
@@ -282,17 +372,33 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
                    "Write what it is measured against as well: name-truth.png and "
                    "name-uncompressed.png beside each view");
         c.add_option("--sheet", a.sheet, "One .png with all views, and the differences");
+        c.add_option("--tiles-per-frame", r.tiles_per_frame,
+                     "With --via feedback: most tiles that are fetched and decoded from one frame "
+                     "to the next, so that a view sharpens in steps (0: all that it misses)")
+            ->check(CLI::Range(0u, 1u << 24))
+            ->capture_default_str();
+        c.add_flag("--frames", a.frames,
+                   "With --via feedback: write every frame of a view while it sharpens, as "
+                   "name-frame-1.png (coarse) and so on beside it");
+        c.add_flag("--log", a.log,
+                   "Print what each frame of a view touched, decoded, still lacked and read; usual "
+                   "for URLs, unless --quiet");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };
     add_verb<Arguments>(
         app, chosen, "render", "Draw what an observer sees of the sphere",
         "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
-        "written only, with reading and decoding.\n\n"
+        "written only, with reading and decoding.\n"
+        "With --via feedback a view's first frame shows coarse data at once (of files that were made\n"
+        "with --layers at the cost of their first few kilobytes), and later ones sharpen it.\n\n"
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
         "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720 --via feedback\n"
+        "  tessera render http://host/scene.tess -o v.png --via feedback --orbit 16\n"
+        "  tessera render http://host/scene.tess -o v.png --via feedback --frames "
+        "--tiles-per-frame 16\n"
         "  tessera render --scene composed --texture-size 1024x512x128x128 -o v.png --views 1",
         declare, run);
 }

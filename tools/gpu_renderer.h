@@ -18,11 +18,18 @@ struct GpuRenderOptions {
     // has room for.
     std::string via = "feedback";
     unsigned budget_mib = 512;
+    unsigned tiles_per_frame = 0; // on feedback: most that are decoded between two frames; 0: all
+    // On feedback: one of the file's coarse levels and its texels, for frames that come before their
+    // tiles. Needed until the renderer is made. Without it, making one decodes every tile.
+    LevelEntry coarse_level{};
+    TexelSource* coarse_texels = nullptr;
+    std::function<Traffic()> traffic{}; // what reading has cost so far, for frames to tell
 };
 
 // The same picture as make_texture_renderer() within what filtering hardware rounds. On feedback a
 // view is drawn anew until nothing that it touches is missing; tiles that the budget has no room
-// for stay coarse, and the view's remark says so.
+// for stay coarse, and the view's remark says so. What could not be read (io) is asked for again, at
+// the third frame in a row that could not read something the view fails.
 //
 // `reader` must outlive it. One thread. Errors: unsupported (no device offers what it takes; this
 // build has no GPU host; the file does not fit into the budget this way), invalid_file, io.

@@ -54,6 +54,16 @@ Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
     return Status(ErrorCode::bad_argument, name + ": only http:// and https:// URLs can be read");
 }
 
+std::optional<Traffic> network_traffic([[maybe_unused]] const ByteSource& source) {
+#ifdef TESSERA_HTTP
+    if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {
+        const HttpStatistics sum = http->statistics();
+        return Traffic{sum.requests, sum.bytes};
+    }
+#endif
+    return std::nullopt;
+}
+
 std::string transfer_text([[maybe_unused]] const ByteSource& source) {
 #ifdef TESSERA_HTTP
     if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {

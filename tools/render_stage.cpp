@@ -95,7 +95,10 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     if (!bytes.ok())
         return bytes.status();
     stage.bytes = std::move(*bytes);
-    auto decoder = Decoder::open(*stage.bytes, r.decode);
+    stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
+    // The network counts its requests itself, by a finer measure than reads.
+    const bool remote = network_traffic(*stage.bytes).has_value();
+    auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
     if (!decoder.ok())
         return decoder.status();
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
@@ -121,7 +124,18 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
         stage.compressed = make_texture_renderer(*stage.texels, container.grid().tile_extent(),
                                                  stage.window, background, tile_by_tile);
     } else {
-        auto gpu = make_gpu_renderer(container, stage.window, background, {r.via, r.budget_mib});
+        // The coarsest level is the cheapest and as fine as the device's coarse texels.
+        std::unique_ptr<TexelSource> coarse;
+        GpuRenderOptions on_gpu{r.via, r.budget_mib, r.tiles_per_frame, {}, nullptr, {}};
+        on_gpu.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
+            return network_traffic(*bytes).value_or(metered->traffic()); // the stage may move
+        };
+        if (const std::size_t levels = container.levels().size(); levels > 1) {
+            coarse = decoded_level(*stage.decoder, levels - 1);
+            on_gpu.coarse_level = container.levels().back();
+            on_gpu.coarse_texels = coarse.get();
+        }
+        auto gpu = make_gpu_renderer(container, stage.window, background, on_gpu);
         if (!gpu.ok())
             return gpu.status();
         stage.compressed = std::move(*gpu);
@@ -177,10 +191,16 @@ Status check_request(const StageRequest& r) {
         return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
     if (r.samples && r.truth.empty() && r.scene.empty())
         return {ErrorCode::bad_argument, "--spp belongs to --truth or --scene: nothing is baked"};
+    if (r.tiles_per_frame > 0 && r.via != "feedback")
+        return {ErrorCode::bad_argument, "--tiles-per-frame belongs to --via feedback"};
     return {};
 }
 
 } // namespace
+
+Traffic Stage::traffic() const {
+    return !bytes ? Traffic{} : network_traffic(*bytes).value_or(metered->traffic());
+}
 
 Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options) {
     TESSERA_TRY(check_request(request));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/decoder.h"
+#include "tools/traffic.h"
 #include "tools/view_renderer.h"
 
 #include <memory>
@@ -17,6 +18,7 @@ struct StageRequest {
     DecodeOptions decode;     // of the file
     std::string via = "cpu";  // cpu, load, feedback or sample
     unsigned budget_mib = 512;
+    unsigned tiles_per_frame = 0;    // with feedback, see gpu_renderer.h
     std::string truth;               // a scene to ray trace directly, or empty
     unsigned truth_samples = 16;     // rays per pixel
     std::string original;            // the uncompressed texture as a file, or empty
@@ -27,12 +29,15 @@ struct StageRequest {
 // absent, but not both of the first two.
 struct Stage {
     std::unique_ptr<ByteSource> bytes;
+    std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
     std::unique_ptr<Decoder> decoder; // null without a file
     TextureDesc desc;
     SphereWindow window;
     std::unique_ptr<TexelSource> texels, original;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 
+    // What reading the file has cost so far.
+    Traffic traffic() const;
     // The one whose views are written.
     ViewRenderer& subject() const { return compressed ? *compressed : *uncompressed; }
     unsigned renderers() const {

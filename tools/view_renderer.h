@@ -5,6 +5,7 @@
 #include "corpus/scene.h"
 #include "format/metadata.h"
 #include "tools/camera.h"
+#include "tools/traffic.h"
 
 #include <functional>
 #include <glm/vec3.hpp>
@@ -23,6 +24,20 @@ struct View {
     std::string remark{}; // what it lacks, for a person; usually empty
 };
 
+// One of the frames in which a view appears: coarse where tiles are missing, then sharper.
+struct DrawnFrame {
+    std::uint32_t touched = 0; // tiles that it samples
+    std::uint32_t decoded = 0; // tiles decoded for it, since the frame before
+    std::uint32_t coarse = 0;  // of `touched`: were missing, so that it shows their coarse texels
+    Traffic traffic;           // since the frame before; in the first one of all, opening included
+    std::string trouble{};     // why bytes could not be had since then; empty: none
+};
+
+// Told of every frame of a view when it is drawn, the last one included; frames count from 1 in each
+// view. picture() reads it back, which takes time. An error ends the view.
+using FrameHook = std::function<Status(unsigned number, const DrawnFrame& frame,
+                                       const std::function<Result<View>()>& picture)>;
+
 // The device that draws, and what is held in its memory.
 struct DeviceUse {
     std::string name;
@@ -35,6 +50,8 @@ public:
     // Errors: bad_argument where the eye is not outside the sphere; io, invalid_file; runtime, also
     // when interrupted.
     virtual Result<View> render(const Camera& camera) = 0;
+    // From now on. Renderers that draw a view at once say nothing.
+    virtual void watch(FrameHook) {}
     // Nothing where the CPU draws.
     virtual std::optional<DeviceUse> device_use() const { return std::nullopt; }
 };
