@@ -287,6 +287,7 @@ private:
         BatchFeed feed = make_feed(look);
         TilesAhead ahead(file_.reader, tiles_of(jobs));
         std::vector<DecodeJob> readable;
+        std::vector<std::uint32_t> later;
         Status unreachable; // then each tile alone would fail as well, each after its own time-out
         for (std::size_t i = 0; i < jobs.size(); ++i) {
             const DecodeJob& job = jobs[i];
@@ -307,8 +308,15 @@ private:
             Status& first = damaged ? unread.damaged : unread.trouble;
             if (first.ok())
                 first = read;
-            TESSERA_TRY(damaged ? cache_->mark_failed(job.tile) : cache_->put_off(job.tile));
+            if (damaged)
+                TESSERA_TRY(cache_->mark_failed(job.tile));
+            else
+                later.push_back(job.tile);
         }
+        // Backwards, so that the free slots are in the order they were in: the next frame puts every
+        // tile where it would have been, and the picture is the same to the last bit.
+        for (std::size_t i = later.size(); i-- > 0;)
+            TESSERA_TRY(cache_->put_off(later[i]));
         TESSERA_TRY(feed.finish());
         jobs = std::move(readable);
         return {};

@@ -325,6 +325,7 @@ TEST(Container, PrefetchTakesTwoReads) {
     for (const bool large : {false, true}) {
         Sample sample(random_tiles(1000, 15, large));
         sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
+        sample.contents.codec_parameters = sample.code;
         const Bytes file = sample.write();
         const auto memory = wrap_memory(file);
         CountingByteSource source(*memory, true);
@@ -388,6 +389,7 @@ TEST(Container, PrefetchIsBounded) {
 TEST(Container, ThreadsPrefetchEachPageOnce) {
     Sample sample(random_tiles(1000, 16));
     sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
+    sample.contents.codec_parameters = sample.code;
     const Bytes file = sample.write();
     const auto memory = wrap_memory(file);
     CountingByteSource source(*memory, true);
