@@ -84,23 +84,18 @@ Status CoarseFill::texels_of(std::size_t level, const Box4& box, std::span<std::
     return {};
 }
 
-Result<CoarseFill::Texels> CoarseFill::decode(std::size_t level, std::uint64_t number) const {
-    const Level& entry = container_.levels()[level];
-    const std::uint64_t tile = entry.first_tile + number;
-    const Box4 box = entry.grid.box(number);
+Status CoarseFill::decode(std::uint64_t tile, std::vector<std::byte>& texels) const {
+    const LevelTable& table = container_.level_table();
+    const Box4 box = table.box(tile);
+    texels.resize(static_cast<std::size_t>(container_.desc().box_bytes(box)));
     const Result<TileBytes> payload = container_.load_tile(tile);
     Status status = payload.status();
-    auto texels = std::make_shared<std::vector<std::byte>>(
-        static_cast<std::size_t>(container_.desc().box_bytes(box)));
     if (status) {
-        TileDecoder decoder(*codings_[level], colour_);
-        status = decoder.decode(payload->bytes, tile_shape(box), *texels);
+        TileDecoder decoder(*codings_[table.level_number_of(tile)], colour_);
+        status = decoder.decode(payload->bytes, tile_shape(box), texels);
     }
-    if (status)
-        return Texels(std::move(texels));
-    if (may_fill(tile, status))
-        return Texels();
-    return status.with_context(container_.name() + ": tile " + std::to_string(tile));
+    return status.with_context(container_.name() + ": tile " + std::to_string(tile) + " (texels " +
+                               to_string(box) + ")");
 }
 
 Result<CoarseFill::Texels> CoarseFill::tile_texels(std::size_t level, std::uint64_t number) {
@@ -110,15 +105,20 @@ Result<CoarseFill::Texels> CoarseFill::tile_texels(std::size_t level, std::uint6
         if (const auto found = tiles_.find(tile); found != tiles_.end())
             return found->second;
     }
-    Result<Texels> texels = decode(level, number);
-    TESSERA_TRY(texels.status());
+    auto decoded = std::make_shared<std::vector<std::byte>>();
+    Texels texels = decoded;
+    if (const Status status = decode(tile, *decoded); !status.ok()) {
+        if (!may_fill(tile, status))
+            return status;
+        texels = nullptr;
+    }
     const std::lock_guard lock(mutex_);
-    const std::uint64_t size = *texels != nullptr ? (*texels)->size() : 0;
+    const std::uint64_t size = texels != nullptr ? texels->size() : 0;
     if (bytes_ + size > most_bytes) {
         tiles_.clear(); // boxes are asked for in order: what came before is mostly done with
         bytes_ = 0;
     }
-    if (tiles_.emplace(tile, *texels).second)
+    if (tiles_.emplace(tile, texels).second)
         bytes_ += size;
     return texels;
 }

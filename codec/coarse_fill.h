@@ -35,6 +35,9 @@ public:
     // like those of fill(). Brings the tiles together where requests are dear. Errors: as fill().
     Status texels_of(std::size_t level, const Box4& box, std::span<std::byte> out);
 
+    // The texels of a tile of any level, as stored. Errors: those of loading and decoding it, naming it.
+    Status decode(std::uint64_t tile, std::vector<std::byte>& texels) const;
+
     // Remembers a tile of level 0 that was filled.
     void note(std::uint64_t tile);
     FillReport report() const;
@@ -45,7 +48,6 @@ private:
     bool is_kept(std::uint64_t tile) const;
     // Null: the tile cannot be had.
     Result<Texels> tile_texels(std::size_t level, std::uint64_t number);
-    Result<Texels> decode(std::size_t level, std::uint64_t number) const;
     void fill_background(std::span<std::byte> out) const;
 
     const ContainerReader& container_;
@@ -55,7 +57,7 @@ private:
 
     mutable std::mutex mutex_; // of all below
     std::map<std::uint64_t, Texels> tiles_;
-    std::uint64_t bytes_ = 0;                      // of tiles_
+    std::uint64_t bytes_ = 0;              // of tiles_
     std::map<std::uint64_t, bool> filled_; // whether the tile had not been received
 };
 

@@ -18,31 +18,30 @@ namespace {
 constexpr double level_share[] = {0.02, 0.003};
 // By how much a whole level may miss what its sample promised.
 constexpr double share_tolerance = 1.15;
-constexpr unsigned largest_lod_step = 3;      // beyond the level before
-constexpr unsigned largest_lod_sum = 4;       // more joins too much of anything
-constexpr unsigned largest_shift = 8;         // 2^8 times the step is a blur
-constexpr std::size_t trial_tiles = 6;        // of a candidate
+constexpr unsigned largest_lod_step = 3;         // beyond the level before
+constexpr unsigned largest_lod_sum = 4;          // more joins too much of anything
+constexpr unsigned largest_shift = 8;            // 2^8 times the step is a blur
+constexpr std::size_t trial_tiles = 6;           // of a candidate
 constexpr std::size_t trial_interpolations = 96; // tiles of the texture, of a candidate
-constexpr double index_bytes = 2;             // of a tile, about
+constexpr double index_bytes = 2;                // of a tile, about
 
 // Everything that coding tiles of one level needs; refers to itself and stays where it is.
 struct LevelCoder {
-    LevelCoder(const EncodePlan& plan, const DecodedPass& texture, const LevelEntry& level)
-        : entry(level), source(texture, level), plan_{source,
-                                                      plan.options,
-                                                      TileGrid(level.size, plan.options.tile_extent),
-                                                      plan.colour,
-                                                      plan.effort,
-                                                      nullptr} {
-        plan_.colour.desc.size = level.size;
-        plan_.colour.corrections = false; // nobody asked for exact means
+    LevelCoder(const EncodePlan& whole, const DecodedPass& texture, const LevelEntry& level)
+        : source(texture, level), plan{source,
+                                       whole.options,
+                                       TileGrid(level.size, whole.options.tile_extent),
+                                       whole.colour,
+                                       whole.effort,
+                                       nullptr} {
+        plan.colour.desc.size = level.size;
+        plan.colour.corrections = false; // nobody asked for exact means
     }
     LevelCoder(const LevelCoder&) = delete;
     LevelCoder& operator=(const LevelCoder&) = delete;
 
-    const LevelEntry entry;
     LevelSource source;
-    EncodePlan plan_;
+    EncodePlan plan;
 };
 
 // How a level of some lods and step would do.
@@ -66,9 +65,7 @@ Status interpolate_some(const DecodedPass& texture, const LevelEntry& entry, con
     LevelEntry alone_full, alone = entry;
     alone_full.size = covered.extent();
     alone.size = box.extent();
-    std::vector<std::uint64_t> tiles;
-    texture.grid().for_each(texture.grid().touched(covered),
-                            [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
+    const std::vector<std::uint64_t> tiles = texture.grid().tiles_touched(covered);
     count = std::min(count, tiles.size());
     std::vector<std::byte> texels, part_texels, support_texels, interpolated;
     for (std::size_t i = 0; i < count; ++i) {
@@ -137,9 +134,8 @@ private:
     Status try_out(Candidate& candidate, double bytes) {
         LevelCoder level(plan_, texture_, candidate.entry);
         Sample sample;
-        const std::uint64_t tiles = level.plan_.grid.tiles();
+        const std::uint64_t tiles = level.plan.grid.tiles();
         const std::size_t wanted = std::min<std::uint64_t>(tiles, trial_tiles);
-        double samples = 0;
         for (std::size_t i = 0; i < wanted; ++i)
             sample.tiles.push_back(wanted == tiles ? i : golden_pick(i, tiles));
         sample.texels.resize(wanted);
@@ -148,9 +144,9 @@ private:
         TESSERA_TRY(parallel_for(
             workers, wanted,
             [&](int, std::size_t i) -> Status {
-                const Box4 box = level.plan_.grid.box(sample.tiles[i]);
+                const Box4 box = level.plan.grid.box(sample.tiles[i]);
                 sample.texels[i].resize(
-                    static_cast<std::size_t>(level.plan_.colour.desc.box_bytes(box)));
+                    static_cast<std::size_t>(level.plan.colour.desc.box_bytes(box)));
                 TESSERA_TRY(level.source.read(box, sample.texels[i]));
                 return interpolate_some(texture_, candidate.entry, box, sample.texels[i],
                                         trial_interpolations / wanted + 1, ideal[i]);
@@ -161,16 +157,15 @@ private:
         for (std::size_t i = 0; i < wanted; ++i) {
             sum.squared_error += ideal[i].squared_error;
             sum.samples += ideal[i].samples;
-            sample_texels += static_cast<double>(level.plan_.grid.box(sample.tiles[i]).texels());
+            sample_texels += static_cast<double>(level.plan.grid.box(sample.tiles[i]).texels());
         }
-        samples = sample_texels * level.plan_.colour.desc.channels;
-        const double share =
-            sample_texels / static_cast<double>(texel_count(candidate.entry.size));
+        const double samples = sample_texels * level.plan.colour.desc.channels;
+        const double share = sample_texels / static_cast<double>(texel_count(candidate.entry.size));
         for (unsigned shift = 0; shift <= largest_shift; ++shift) {
             const Result<CodingParameters> parameters = with_coarser_steps(pass_.parameters, shift);
             if (!parameters)
                 return {}; // the steps are as coarse as they can be
-            const Result<PassResult> coded = run_pass(level.plan_, *parameters, sample);
+            const Result<PassResult> coded = run_pass(level.plan, *parameters, sample);
             TESSERA_TRY(coded.status());
             if (static_cast<double>(coded->payload_bytes()) / share +
                     index_bytes * static_cast<double>(tiles) >
@@ -191,7 +186,7 @@ private:
             if (!parameters || entry.step_shift > largest_shift)
                 return std::optional<CoarseLevel>();
             LevelCoder level(plan_, texture_, entry);
-            Result<PassResult> coded = run_pass(level.plan_, *parameters, 0, "coarse levels");
+            Result<PassResult> coded = run_pass(level.plan, *parameters, 0, "coarse levels");
             TESSERA_TRY(coded.status());
             CoarseLevel result{entry, std::move(coded->tiles), std::move(coded->payloads)};
             if (static_cast<double>(result.payload_bytes()) +
@@ -224,7 +219,7 @@ Result<std::vector<CoarseLevel>> make_coarse_levels(const EncodePlan& plan,
         auto level = chooser.next(finer, share * static_cast<double>(pass.payload_bytes()));
         TESSERA_TRY(level.status());
         if (!*level)
-            continue; // too little for the preview; perhaps the first picture, which has less, not either
+            continue;
         finer = (*level)->entry;
         levels.push_back(std::move(**level));
     }

@@ -38,11 +38,8 @@ LevelSource::LevelSource(const DecodedPass& texture, const LevelEntry& entry)
 Status LevelSource::read(const Box4& box, std::span<std::byte> out) {
     LevelMeans means(desc_, full_, entry_, box);
     const TileGrid& grid = texture_.grid();
-    std::vector<std::uint64_t> tiles;
-    grid.for_each(grid.touched(covered_by(box, entry_, full_)),
-                  [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
     std::vector<std::byte> texels;
-    for (const std::uint64_t tile : tiles) {
+    for (const std::uint64_t tile : grid.tiles_touched(covered_by(box, entry_, full_))) {
         TESSERA_TRY(texture_.tile(tile, texels));
         means.add(grid.box(tile), texels);
     }

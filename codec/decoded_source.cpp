@@ -16,14 +16,14 @@ public:
 
     void begin(const Box4& box) {
         const std::lock_guard lock(mutex_);
-        tiles_ = tiles_of(box);
+        tiles_ = container_.grid().tiles_touched(box);
         ready_end_ = ahead_ = 0;
     }
 
     // Returns when the tiles of `box` have been brought. Errors: those of prefetch().
     Status want(const Box4& box) {
         const std::lock_guard lock(mutex_);
-        const std::vector<std::uint64_t> wanted = tiles_of(box);
+        const std::vector<std::uint64_t> wanted = container_.grid().tiles_touched(box);
         const std::size_t first = place_of(wanted.front()), end = place_of(wanted.back()) + 1;
         if (end <= ready_end_ || end > tiles_.size())
             return {};
@@ -42,13 +42,6 @@ public:
     }
 
 private:
-    std::vector<std::uint64_t> tiles_of(const Box4& box) const {
-        const TileGrid& grid = container_.grid();
-        std::vector<std::uint64_t> tiles;
-        grid.for_each(grid.touched(box), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
-        return tiles; // ascending
-    }
-
     std::size_t place_of(std::uint64_t tile) const {
         return static_cast<std::size_t>(std::ranges::lower_bound(tiles_, tile) - tiles_.begin());
     }

@@ -51,8 +51,8 @@ Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) 
                               (header.required_features & feature_corrections) != 0};
     std::unique_ptr<State> state(
         new State{std::move(*container), colour, std::move(*codings), nullptr});
-    state->fill = std::make_unique<CoarseFill>(state->container, state->colour, state->codings,
-                                               options);
+    state->fill =
+        std::make_unique<CoarseFill>(state->container, state->colour, state->codings, options);
     return Decoder(std::move(state));
 }
 
@@ -101,8 +101,7 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
     if (out.size() != desc().box_bytes(box))
         return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
     const TileGrid& grid = container.grid();
-    std::vector<std::uint64_t> tiles;
-    grid.for_each(grid.touched(box), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
+    std::vector<std::uint64_t> tiles = grid.tiles_touched(box);
     std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
     const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
         const Box4 tile_box = grid.box(tile);
@@ -186,28 +185,18 @@ Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
         return {ErrorCode::bad_argument,
                 container.name() + ": there is no coarse level " + std::to_string(level)};
     if (!is_inside(box, container.levels()[level].size))
-        return {ErrorCode::bad_argument,
-                container.name() + ": box " + to_string(box) + " does not lie inside " +
-                    to_string(container.levels()[level].size) + " of coarse level " +
-                    std::to_string(level)};
+        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                             " does not lie inside " +
+                                             to_string(container.levels()[level].size) +
+                                             " of coarse level " + std::to_string(level)};
     if (out.size() != desc().box_bytes(box))
         return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
     return state_->fill->texels_of(level, box, out);
 }
 
 Status Decoder::check_tile(std::uint64_t tile) const {
-    const ContainerReader& container = state_->container;
-    const Result<TileBytes> payload = container.load_tile(tile);
-    TESSERA_TRY(payload.status());
-    const LevelTable& table = container.level_table();
-    const auto level =
-        static_cast<std::size_t>(&table.level_of(tile) - table.levels().data());
-    const Box4 box = table.box(tile);
-    std::vector<std::byte> texels(static_cast<std::size_t>(desc().box_bytes(box)));
-    TileDecoder decoder(*state_->codings[level], state_->colour);
-    return decoder.decode(payload->bytes, tile_shape(box), texels)
-        .with_context(container.name() + ": tile " + std::to_string(tile) + " (texels " +
-                      to_string(box) + ")");
+    std::vector<std::byte> texels;
+    return state_->fill->decode(tile, texels);
 }
 
 FillReport Decoder::fill_report() const {

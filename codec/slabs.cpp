@@ -97,12 +97,6 @@ bool advance(Extent4& at, const Box4& whole, const Extent4& step) {
     return false;
 }
 
-Slab make_slab(const TileGrid& grid, const Box4& box) {
-    Slab slab{box, {}};
-    grid.for_each(grid.touched(box), [&slab](std::uint64_t tile) { slab.tiles.push_back(tile); });
-    return slab;
-}
-
 // Appends the parts of one slab of whole tiles.
 Status append_parts(const TileGrid& grid, const Box4& whole, Locality locality,
                     const SlabLimit& limit, std::vector<Slab>& slabs) {
@@ -117,7 +111,7 @@ Status append_parts(const TileGrid& grid, const Box4& whole, Locality locality,
                                                 " texels (" + to_string(part) +
                                                 ") has to be held in memory, only " +
                                                 std::to_string(limit.texels) + " are allowed"};
-        slabs.push_back(make_slab(grid, part));
+        slabs.push_back({part, grid.tiles_touched(part)});
     } while (advance(at, whole, step));
     return {};
 }

@@ -7,7 +7,6 @@
 #include "format/tiles_ahead.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace tessera {
 namespace {
@@ -41,7 +40,7 @@ public:
         if (coarse_)
             TESSERA_TRY(coarse_from_.texels != nullptr ? take_coarse() : make_coarse());
         coarse_from_.texels = nullptr; // lent until here
-        file_.decoder.free_work(); // frames need far less at a time
+        file_.decoder.free_work();     // frames need far less at a time
         return drop_cache();
     }
 
@@ -117,16 +116,11 @@ private:
     Status find_background() {
         empty_pages_.assign(grid_.tiles(), tsr_page_missing);
         // Index records come together, those of coarse levels too, whose tiles are wanted next.
-        constexpr std::uint32_t at_once = 512; // groups; twice as many are cached
-        std::uint32_t groups = 0;
+        Result<std::uint32_t> brought = 0u; // groups
         for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
-            if (file_.reader.level_table().group_of(tile) >= groups) {
-                std::vector<std::uint32_t> next(
-                    std::min(at_once, file_.reader.group_count() - groups));
-                std::iota(next.begin(), next.end(), groups);
-                TESSERA_TRY(file_.reader.prefetch_groups(next));
-                groups += static_cast<std::uint32_t>(next.size());
-            }
+            if (file_.reader.level_table().group_of(tile) >= *brought)
+                brought = file_.reader.prefetch_groups(*brought);
+            TESSERA_TRY(brought.status());
             const auto location = file_.reader.locate(tile);
             if (!location.ok())
                 return location.status();
@@ -342,9 +336,9 @@ private:
         const std::uint64_t at = words_[tsr_p_coarse_at];
         return make_coarse_cells(grid_, coarse_from_.level, *coarse_from_.texels,
                                  [&](std::uint64_t tile, std::span<const std::uint32_t> words) {
-                                     return parameters_.upload(
-                                         (at + tile * tsr_coarse_texels * 2) * 4,
-                                         std::as_bytes(words));
+                                     return parameters_.upload((at + tile * tsr_coarse_texels * 2) *
+                                                                   4,
+                                                               std::as_bytes(words));
                                  });
     }
 

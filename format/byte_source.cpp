@@ -1,6 +1,7 @@
 #include "format/byte_source.h"
 
 #include "format/read_plan.h"
+#include "format/system_calls.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,15 +11,10 @@
 #include <cerrno>
 #include <cstring>
 #include <mutex>
-#include <system_error>
 
 namespace tessera {
 
 namespace {
-
-Status system_error(const std::string& path, const std::string& what, int error) {
-    return {ErrorCode::io, path + ": " + what + ": " + std::generic_category().message(error)};
-}
 
 class FileSource : public ByteSource {
 public:
@@ -40,7 +36,7 @@ public:
                 continue;
             const std::string what = "cannot read at offset " + std::to_string(offset);
             if (got < 0)
-                return system_error(path_, what, errno);
+                return sys::system_error(path_, what, errno);
             if (got == 0)
                 return {ErrorCode::io, path_ + ": " + what + ": the file became shorter"};
             offset += static_cast<std::uint64_t>(got);
@@ -74,6 +70,14 @@ private:
 
 } // namespace
 
+Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length) {
+    if (offset <= source.size() && length <= source.size() - offset)
+        return {};
+    return {ErrorCode::io, source.name() + ": cannot read " + std::to_string(length) +
+                               " bytes at offset " + std::to_string(offset) + " of " +
+                               std::to_string(source.size())};
+}
+
 Status ByteSource::read_many(std::span<const ReadRequest> requests) {
     for (const ReadRequest& request : requests)
         TESSERA_TRY(read(request.offset, request.out));
@@ -84,7 +88,7 @@ Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
     // O_NONBLOCK: opening a pipe must not wait for its writer before it is refused.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return system_error(path, "cannot open", errno);
+        return sys::system_error(path, "cannot open", errno);
     struct stat info = {};
     const int failed = ::fstat(descriptor, &info) < 0 ? errno : 0;
     if (failed == 0 && S_ISREG(info.st_mode))
@@ -92,7 +96,7 @@ Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
             descriptor, static_cast<std::uint64_t>(info.st_size), path));
     ::close(descriptor);
     if (failed != 0)
-        return system_error(path, "cannot find its size", failed);
+        return sys::system_error(path, "cannot find its size", failed);
     return Status(ErrorCode::io,
                   path + ": cannot open: it is " +
                       (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file"));

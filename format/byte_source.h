@@ -37,6 +37,9 @@ public:
     virtual std::string name() const = 0;
 };
 
+// Whether [offset, offset + length) lies inside the source. Errors: io, with the source's name.
+Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length);
+
 // A file on disk, by pread. Errors: io, with the path and the system's reason.
 Result<std::unique_ptr<ByteSource>> open_file(const std::string& path);
 

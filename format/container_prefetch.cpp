@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <list>
+#include <numeric>
 #include <set>
 
 namespace tessera {
@@ -16,7 +17,7 @@ constexpr std::size_t window_groups = cached_groups / 4;
 
 } // namespace
 
-Status ContainerReader::prefetch_groups(std::span<const std::uint32_t> groups) const {
+Status ContainerReader::bring_groups(std::span<const std::uint32_t> groups) const {
     struct Record {
         ClaimCache<GroupIndex>::Claim claim;
         std::uint32_t group;
@@ -49,6 +50,16 @@ Status ContainerReader::prefetch_groups(std::span<const std::uint32_t> groups) c
     return {};
 }
 
+Result<std::uint32_t> ContainerReader::prefetch_groups(std::uint32_t first) const {
+    if (!wants_prefetch())
+        return group_count();
+    std::vector<std::uint32_t> groups(
+        std::min<std::size_t>(2 * window_groups, group_count() - first));
+    std::iota(groups.begin(), groups.end(), first);
+    TESSERA_TRY(bring_groups(groups));
+    return first + static_cast<std::uint32_t>(groups.size());
+}
+
 Result<std::size_t> ContainerReader::prefetch(std::span<const std::uint64_t> tiles) const {
     // The leading tiles whose index records may come along.
     std::set<std::uint32_t> groups;
@@ -61,7 +72,7 @@ Result<std::size_t> ContainerReader::prefetch(std::span<const std::uint64_t> til
             break;
         groups.insert(group);
     }
-    TESSERA_TRY(prefetch_groups(std::vector(groups.begin(), groups.end())));
+    TESSERA_TRY(bring_groups(std::vector(groups.begin(), groups.end())));
 
     struct Run { // one page, or all pages of a tile that has several
         ClaimCache<std::vector<std::byte>>::Claim claim;

@@ -85,8 +85,7 @@ Status ContainerReader::invalid(const std::string& text) const {
 
 Status ContainerReader::load(ByteSource& source, const OpenOptions& options, ContainerRule& rule) {
     source_ = &source;
-    allow_partial_ = options.allow_partial;
-    TESSERA_TRY(load_header(rule));
+    TESSERA_TRY(load_header(options, rule));
     TESSERA_TRY(load_sections(rule));
     rule = ContainerRule::metadata;
     if (std::ranges::find(sections_, "meta", &SectionInfo::type) != sections_.end()) {
@@ -102,7 +101,7 @@ Status ContainerReader::load(ByteSource& source, const OpenOptions& options, Con
     return {};
 }
 
-Status ContainerReader::load_header(ContainerRule& rule) {
+Status ContainerReader::load_header(const OpenOptions& options, ContainerRule& rule) {
     const std::uint64_t size = source_->size();
     rule = ContainerRule::length;
     if (size < header_bytes)
@@ -145,7 +144,7 @@ Status ContainerReader::load_header(ContainerRule& rule) {
     rule = ContainerRule::header_field;
     TESSERA_TRY(check_fields(header_).with_context(name()));
     rule = ContainerRule::file_size;
-    if (header_.file_size < size || (header_.file_size > size && !allow_partial_))
+    if (header_.file_size < size || (header_.file_size > size && !options.allow_partial))
         return invalid("the file has " + std::to_string(size) + " bytes, its header says " +
                        std::to_string(header_.file_size) +
                        (size < header_.file_size ? "; it was cut off" : ""));
@@ -515,8 +514,7 @@ std::vector<Finding> ContainerReader::validate(const Progress& progress) const {
     if (missing > 0)
         out.push_back(finding(ContainerRule::not_received, false,
                               name() + ": " + std::to_string(missing) + " of " +
-                                  std::to_string(tile_count()) +
-                                  " tiles have not been received"));
+                                  std::to_string(tile_count()) + " tiles have not been received"));
     if (out.size() > max_findings) {
         out.resize(max_findings);
         out.push_back(finding(ContainerRule::more, true,

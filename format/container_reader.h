@@ -135,9 +135,9 @@ public:
     // thread is loading already is left to it; what is damaged is left to load_tile(), which then
     // says so. Errors: bad_argument (no such tile), io.
     Result<std::size_t> prefetch(std::span<const std::uint64_t> tiles) const;
-    // The same for index records alone. Precondition: groups that exist, each once, at most 1024.
-    // Errors: io.
-    Status prefetch_groups(std::span<const std::uint32_t> groups) const;
+    // The same for index records alone, those of `first` and as many groups after it as the caches
+    // hold well; for walks over all groups. Returns the first group beyond. Errors: io.
+    Result<std::uint32_t> prefetch_groups(std::uint32_t first) const;
     // Whether prefetch() pays, see ByteSource.
     bool wants_prefetch() const { return source_->wants_prefetch(); }
 
@@ -147,6 +147,8 @@ public:
     std::vector<Finding> validate(const Progress& progress = {}) const;
 
 private:
+    // Precondition: groups that exist, each once, at most window_groups * 2.
+    Status bring_groups(std::span<const std::uint32_t> groups) const;
     struct Caches;
     friend std::vector<Finding> validate_container(ByteSource&, const Progress&,
                                                    const OpenOptions&);
@@ -154,7 +156,7 @@ private:
     ContainerReader();
     // Does the work of open(); `rule` is the rule being checked when an error is returned.
     Status load(ByteSource& source, const OpenOptions& options, ContainerRule& rule);
-    Status load_header(ContainerRule& rule);
+    Status load_header(const OpenOptions& options, ContainerRule& rule);
     Status load_sections(ContainerRule& rule);
     Status load_levels();
     Status load_root();
@@ -203,7 +205,6 @@ private:
     bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
         return offset <= head_.size() && length <= head_.size() - offset;
     }
-    bool allow_partial_ = false;
     std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
     std::vector<SectionInfo> sections_;
     Metadata metadata_;

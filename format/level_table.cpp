@@ -56,8 +56,8 @@ Result<LevelTable> LevelTable::make(std::span<const LevelEntry> entries,
         Level level{entries[i], table.tile_count_, 0, 0, TileGrid(entries[i].size, tile_extent)};
         table.tile_count_ += level.grid.tiles(); // each at most 2^48
         if (table.tile_count_ > max_tiles)
-            return Status(ErrorCode::invalid_file, std::to_string(table.tile_count_) +
-                                                       " tiles are more than 2^32 - 1");
+            return Status(ErrorCode::invalid_file,
+                          std::to_string(table.tile_count_) + " tiles are more than 2^32 - 1");
         level.group_count =
             static_cast<std::uint32_t>((level.grid.tiles() - 1) / tiles_per_group + 1);
         table.levels_.push_back(level);
@@ -69,11 +69,11 @@ Result<LevelTable> LevelTable::make(std::span<const LevelEntry> entries,
     return table;
 }
 
-const Level& LevelTable::level_of(std::uint64_t tile) const {
+std::size_t LevelTable::level_number_of(std::uint64_t tile) const {
     std::size_t i = levels_.size() - 1;
     while (tile < levels_[i].first_tile)
         --i;
-    return levels_[i];
+    return i;
 }
 
 std::uint32_t LevelTable::group_of(std::uint64_t tile) const {
@@ -125,7 +125,8 @@ Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section) 
         entry.angular_lod = load_le<std::uint8_t>(section.data() + 17);
         entry.step_shift = load_le<std::uint8_t>(section.data() + 19);
         if (section[18] != std::byte{0})
-            return bad_level(entries.size(), "is a quality layer, which this version does not have");
+            return bad_level(entries.size(),
+                             "is a quality layer, which this version does not have");
         if (load_le<std::uint32_t>(section.data() + 20) != 0)
             return bad_level(entries.size(), "has a reserved field that is not 0");
         entries.push_back(entry);

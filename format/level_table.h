@@ -54,7 +54,8 @@ public:
     std::uint32_t group_count() const { return group_count_; }
 
     // Preconditions: there is such a tile, there is such a group.
-    const Level& level_of(std::uint64_t tile) const;
+    std::size_t level_number_of(std::uint64_t tile) const; // 0 is the texture
+    const Level& level_of(std::uint64_t tile) const { return levels_[level_number_of(tile)]; }
     std::uint32_t group_of(std::uint64_t tile) const;
     GroupTiles tiles_of(std::uint32_t group) const;
     // The texels of a tile, in its own level.

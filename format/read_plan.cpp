@@ -59,12 +59,4 @@ std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests, std::
     return merged;
 }
 
-Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length) {
-    if (offset <= source.size() && length <= source.size() - offset)
-        return {};
-    return {ErrorCode::io, source.name() + ": cannot read " + std::to_string(length) +
-                               " bytes at offset " + std::to_string(offset) + " of " +
-                               std::to_string(source.size())};
-}
-
 } // namespace tessera

@@ -36,7 +36,4 @@ std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests, std::
 // The same by the rules above.
 std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests);
 
-// Whether [offset, offset + length) lies inside the source. Errors: io, with the source's name.
-Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length);
-
 } // namespace tessera

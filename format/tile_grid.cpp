@@ -47,4 +47,10 @@ Box4 TileGrid::touched(const Box4& texels) const {
     return result;
 }
 
+std::vector<std::uint64_t> TileGrid::tiles_touched(const Box4& texels) const {
+    std::vector<std::uint64_t> tiles;
+    for_each(touched(texels), [&tiles](std::uint64_t tile) { tiles.push_back(tile); });
+    return tiles;
+}
+
 } // namespace tessera

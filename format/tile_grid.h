@@ -8,6 +8,7 @@
 #include "format/texture.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace tessera {
 
@@ -34,6 +35,9 @@ public:
     // The tile coordinates whose tiles meet `texels`, as a half-open box.
     // Precondition: is_inside(texels, size()).
     Box4 touched(const Box4& texels) const;
+
+    // Their numbers, ascending.
+    std::vector<std::uint64_t> tiles_touched(const Box4& texels) const;
 
     // Calls visit(tile number) for every tile of a box of tile coordinates, in ascending order.
     template <class Visit> void for_each(const Box4& tiles, Visit visit) const;

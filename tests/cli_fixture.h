@@ -24,15 +24,6 @@ struct Outcome {
     std::string out, err;
 };
 
-inline std::string slurp(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-inline void spit(const fs::path& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
-
 // Every test works in a folder of its own, which is the tool's current folder.
 class CliFixture : public testing::Test {
 protected:

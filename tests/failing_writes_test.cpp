@@ -45,11 +45,9 @@ public:
 // All files below a folder with their bytes.
 std::map<std::string, std::string> contents_of(const fs::path& folder) {
     std::map<std::string, std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        std::ifstream in(entry.path(), std::ios::binary);
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
         files[fs::relative(entry.path(), folder).string()] =
-            entry.is_directory() ? "/" : std::string(std::istreambuf_iterator<char>(in), {});
-    }
+            entry.is_directory() ? "/" : test::slurp(entry.path());
     return files;
 }
 

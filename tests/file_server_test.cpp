@@ -45,7 +45,7 @@ protected:
     }
 
     void spit(const std::string& name, const std::string& bytes) const {
-        std::ofstream(base_ / name, std::ios::binary) << bytes;
+        test::spit(base_ / name, bytes);
     }
 
     // Sends `method target` with the fields and returns all that comes until the connection ends.

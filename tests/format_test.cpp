@@ -521,10 +521,6 @@ protected:
     std::ptrdiff_t files() const {
         return std::distance(std::filesystem::directory_iterator(folder_), {});
     }
-    static std::string content(const std::string& path) {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
     std::filesystem::path folder_;
 };
 
@@ -543,7 +539,7 @@ TEST_F(Files, AppearsWhenCommitted) {
         EXPECT_EQ(moved.commit().code(), ErrorCode::io);
         EXPECT_EQ(moved.append(bytes_of("x")).code(), ErrorCode::io);
     }
-    EXPECT_EQ(content(target), "Jello world");
+    EXPECT_EQ(test::slurp(target), "Jello world");
     EXPECT_EQ(files(), 1);
 }
 
@@ -555,7 +551,7 @@ TEST_F(Files, LeavesNothingBehindWithoutCommit) {
         ASSERT_TRUE(file && file->append(bytes_of("new")));
         EXPECT_EQ(files(), 2);
     }
-    EXPECT_EQ(content(target), "old");
+    EXPECT_EQ(test::slurp(target), "old");
     EXPECT_EQ(files(), 1);
 }
 
@@ -564,7 +560,7 @@ TEST_F(Files, StaleTemporaryFileDoesNotHinder) {
     std::ofstream(target + "." + std::to_string(::getpid()) + ".tmp") << "stale";
     Result<OutputFile> file = OutputFile::create(target);
     ASSERT_TRUE(file && file->append(bytes_of("new")) && file->commit());
-    EXPECT_EQ(content(target), "new");
+    EXPECT_EQ(test::slurp(target), "new");
 }
 
 void expect_io_error(const Status& status, const std::string& path, const std::string& word) {

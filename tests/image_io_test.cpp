@@ -24,14 +24,15 @@
 namespace tessera {
 namespace {
 
+using test::slurp;
+using test::spit;
+
 namespace fs = std::filesystem;
 
 // A folder of its own for every test.
 class ImageIo : public testing::Test {
 protected:
-    void SetUp() override {
-        folder_ = test::make_test_folder("io");
-    }
+    void SetUp() override { folder_ = test::make_test_folder("io"); }
     void TearDown() override { fs::remove_all(folder_); }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     std::size_t entries() const {
@@ -266,15 +267,6 @@ void write_foreign_exr(const std::string& path, int width, int height,
     if (!channels.empty())
         file.setFrameBuffer(frame);
     file.writePixels(height);
-}
-
-std::string slurp(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void spit(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
 // OpenEXR does not write a picture without channels, so take the only one out of its header: the

@@ -11,16 +11,10 @@
 namespace tessera {
 namespace {
 
+using test::slurp;
+using test::spit;
+
 namespace fs = std::filesystem;
-
-std::string slurp(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void spit(const fs::path& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
 
 const TextureDesc small{{20, 12, 8, 8}, SampleType::unorm8, 3};
 

@@ -23,8 +23,7 @@ constexpr Extent4 size{40, 36, 20, 18};
 std::map<std::string, std::string> files_of(const fs::path& path) {
     std::map<std::string, std::string> files;
     const auto add = [&](const fs::path& file) {
-        std::ifstream in(file, std::ios::binary);
-        files[file.filename().string()] = {std::istreambuf_iterator<char>(in), {}};
+        files[file.filename().string()] = test::slurp(file);
     };
     if (!fs::is_directory(path))
         add(path);

@@ -39,6 +39,8 @@
 namespace tessera {
 namespace {
 
+using test::slurp;
+
 namespace fs = std::filesystem;
 
 const SphereWindow paper_window{glm::dvec3{0.0}, corpus::window_radius};
@@ -285,9 +287,7 @@ TEST(ViewReport, Measures) {
 // The verb, in this process.
 class Render : public testing::Test {
 protected:
-    void SetUp() override {
-        folder_ = test::make_test_folder("render");
-    }
+    void SetUp() override { folder_ = test::make_test_folder("render"); }
     void TearDown() override { fs::remove_all(folder_); }
 
     std::string at(const std::string& name) const { return (folder_ / name).string(); }
@@ -636,16 +636,12 @@ protected:
                         .ok());
         return picture;
     }
-    static std::string slurp(const std::string& path) {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
     // Draws a view of the file or URL in frames; the frames as JSON.
     Json frames_of(const std::string& file, const std::string& name,
                    const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words = {file,   "-o",    at(name + ".png"), "--size", "160x120",
-                                          "--eye", "8,3,6", "--via",           "feedback",
-                                          "--json", "--frames"};
+        std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--size",
+                                          "160x120",  "--eye",  "8,3,6",           "--via",
+                                          "feedback", "--json", "--frames"};
         words.insert(words.end(), more.begin(), more.end());
         const Status status = run(words);
         EXPECT_TRUE(status.ok()) << status.message();
@@ -768,7 +764,8 @@ TEST_F(Sharpening, ComesOverANetworkInFewRequests) {
     EXPECT_TRUE(slurp(at("far-frame-1.png")) == slurp(at("near-frame-1.png")));
     EXPECT_EQ(server.requests(),
               frames[0]["requests"].get<unsigned>() + frames[1]["requests"].get<unsigned>());
-    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback"}).ok());
+    ASSERT_TRUE(
+        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback"}).ok());
     EXPECT_NE(out_.find("view 1 frame 2: "), std::string::npos) << "usual for URLs\n" << out_;
     ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30"}).ok());
     EXPECT_NE(out_.find("view 1: "), std::string::npos) << out_;

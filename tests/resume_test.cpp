@@ -17,12 +17,8 @@
 namespace {
 
 namespace fs = std::filesystem;
+using tessera::test::slurp;
 using Clock = std::chrono::steady_clock;
-
-std::string slurp(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class Resume : public testing::Test {
 protected:

@@ -1,5 +1,6 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
+#include "tools/baked_original.h"
 #include "tools/command.h"
 #include "tools/fill_text.h"
 #include "tools/interrupt.h"
@@ -37,13 +38,6 @@ struct Inputs {
     std::vector<const Decoder*> decoders{}; // of those that are .tess files
 };
 
-// How a file was baked, if it says so and nobody says otherwise.
-std::uint64_t said_by(const Metadata& metadata, const std::string& key, std::uint64_t otherwise) {
-    const auto found = metadata.find(key);
-    std::uint64_t value = otherwise;
-    return found != metadata.end() && parse_number(found->second, value) ? value : otherwise;
-}
-
 // The scene, baked box by box as it is read, beside the only file.
 Result<Inputs> open_baked(const Arguments& arguments) {
     const auto hints = make_hints(arguments.texture);
@@ -52,13 +46,8 @@ Result<Inputs> open_baked(const Arguments& arguments) {
     auto file = open_texture(arguments.a, *hints);
     if (!file.ok())
         return file.status();
-    const auto samples = arguments.samples ? std::uint64_t{*arguments.samples}
-                                           : said_by(file->metadata, "Samples per texel", 16);
-    const std::uint64_t seed =
-        arguments.seed ? *arguments.seed : said_by(file->metadata, "Seed", 1);
-    auto baked = corpus::make_baked_source(
-        arguments.scene, file->source->desc().size,
-        static_cast<unsigned>(std::min<std::uint64_t>(samples, UINT32_MAX)), seed);
+    auto baked = bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
+                            file->source->desc().size, file->metadata);
     if (!baked.ok())
         return baked.status();
     std::vector<const Decoder*> decoders;
@@ -208,7 +197,80 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
     std::printf("  time        %.2f s\n", seconds);
 }
 
-Status run_beginnings(const Arguments& a);
+// Of a slab both sources and, for SSIM, two planes of floats may be held. Errors: bad_argument (--memory).
+Result<CompareOptions> compare_options(const Arguments& a, std::size_t texel_bytes,
+                                       Progress& progress) {
+    const auto memory = slab_budget(a.memory, a.texture.threads);
+    if (!memory.ok())
+        return memory.status();
+    CompareOptions options;
+    options.with_ssim = !a.no_ssim && !a.beginnings;
+    options.threads = a.texture.threads;
+    options.progress = progress.function();
+    const std::uint64_t held = 2 + 8 / texel_bytes + 1;
+    options.slab_bytes = std::min(options.slab_bytes, *memory / held);
+    return options;
+}
+
+// The reference of --beginnings. A raw one takes its size from the file that is measured.
+Result<std::unique_ptr<TexelSource>> open_reference(const Arguments& a, ByteSource& measured) {
+    const auto reader = ContainerReader::open(measured);
+    if (!reader.ok())
+        return reader.status();
+    auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    if (!hints->size && kind_of(a.a) == TextureKind::raw)
+        hints->size = reader->desc().size;
+    auto opened = open_texture(a.a, *hints);
+    if (!opened.ok())
+        return opened.status();
+    return interruptible(std::move(opened->source));
+}
+
+void print_points(const std::vector<PrefixPoint>& points) {
+    std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
+    for (const PrefixPoint& p : points)
+        std::printf("%12llu %7.2f %% %9s %7llu of %llu\n", static_cast<unsigned long long>(p.bytes),
+                    100.0 * static_cast<double>(p.bytes) / static_cast<double>(points.back().bytes),
+                    std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
+                    static_cast<unsigned long long>(p.missing_tiles),
+                    static_cast<unsigned long long>(p.tiles));
+}
+
+// How the second texture looks as its file arrives.
+Status run_beginnings(const Arguments& a) {
+    if (!a.scene.empty() || a.b.empty() || kind_of(a.b) != TextureKind::tess)
+        return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
+    const auto file = open_bytes(a.b);
+    if (!file.ok())
+        return file.status();
+    const auto reference = open_reference(a, **file);
+    if (!reference.ok())
+        return reference.status();
+    Result<std::vector<PrefixPoint>> points = Status();
+    {
+        Progress progress("tessera compare", a.texture.quiet || a.json);
+        const auto options = compare_options(a, (*reference)->desc().texel_bytes(), progress);
+        if (!options.ok())
+            return options.status();
+        points = prefix_curve(**reference, **file, *a.beginnings, *options);
+    }
+    if (!points.ok())
+        return points.status();
+    if (a.json) {
+        Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
+        for (const PrefixPoint& p : *points)
+            json["beginnings"].push_back({{"bytes", p.bytes},
+                                          {"psnr", decibels(p.psnr)},
+                                          {"missing_tiles", p.missing_tiles},
+                                          {"tiles", p.tiles}});
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_points(*points);
+    }
+    return {};
+}
 
 Status run(const Arguments& a) {
     if (a.beginnings)
@@ -216,25 +278,18 @@ Status run(const Arguments& a) {
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
         return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
-    const auto memory = slab_budget(a.memory, a.texture.threads);
-    if (!memory.ok())
-        return memory.status();
     const auto inputs = a.scene.empty() ? open_both(a) : open_baked(a);
     if (!inputs.ok())
         return inputs.status();
     Result<Comparison> comparison = Status();
     {
         Progress progress("tessera compare", a.texture.quiet);
-        CompareOptions options;
-        options.with_ssim = !a.no_ssim;
-        options.threads = a.texture.threads;
-        options.progress = progress.function();
-        // Of a slab both sources and, for SSIM, two planes of floats may be held.
-        const std::uint64_t held = 2 + 8 / inputs->a->desc().texel_bytes() + 1;
-        options.slab_bytes = std::min(options.slab_bytes, *memory / held);
-        comparison = a.sample
-                         ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed, options)
-                         : compare_textures(*inputs->a, *inputs->b, options);
+        const auto options = compare_options(a, inputs->a->desc().texel_bytes(), progress);
+        if (!options.ok())
+            return options.status();
+        comparison =
+            a.sample ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed, *options)
+                     : compare_textures(*inputs->a, *inputs->b, *options);
     }
     if (!comparison.ok())
         return comparison.status();
@@ -261,46 +316,6 @@ Status run(const Arguments& a) {
     for (std::size_t i = 0; i < missed.size(); ++i)
         text += (i > 0 ? "; " : "") + missed[i];
     return {ErrorCode::difference, text};
-}
-
-// How the second texture looks as its file arrives.
-Status run_beginnings(const Arguments& a) {
-    if (!a.scene.empty() || a.b.empty() || kind_of(a.b) != TextureKind::tess)
-        return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
-    const auto inputs = open_both(a);
-    if (!inputs.ok())
-        return inputs.status();
-    const auto file = open_bytes(a.b);
-    if (!file.ok())
-        return file.status();
-    Progress progress("tessera compare", a.texture.quiet || a.json);
-    CompareOptions options;
-    options.with_ssim = false;
-    options.threads = a.texture.threads;
-    options.progress = progress.function();
-    const auto points = prefix_curve(*inputs->a, **file, *a.beginnings, options);
-    if (!points.ok())
-        return points.status();
-    Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
-    if (!a.json && !a.texture.quiet)
-        std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
-    for (const PrefixPoint& p : *points) {
-        json["beginnings"].push_back({{"bytes", p.bytes},
-                                      {"psnr", decibels(p.psnr)},
-                                      {"missing_tiles", p.missing_tiles},
-                                      {"tiles", p.tiles}});
-        if (!a.json && !a.texture.quiet)
-            std::printf("%12llu %7.2f %% %9s %7llu of %llu\n",
-                        static_cast<unsigned long long>(p.bytes),
-                        100.0 * static_cast<double>(p.bytes) /
-                            static_cast<double>(points->back().bytes),
-                        std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
-                        static_cast<unsigned long long>(p.missing_tiles),
-                        static_cast<unsigned long long>(p.tiles));
-    }
-    if (a.json)
-        print_json(json);
-    return {};
 }
 
 } // namespace

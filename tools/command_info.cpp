@@ -7,7 +7,6 @@
 #include "tools/texture_io.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace tessera {
 namespace {
@@ -23,16 +22,13 @@ struct TileSummary {
     std::uint64_t tiles = 0, empty = 0, bytes = 0, largest = 0;
 };
 
-constexpr std::uint32_t groups_at_once = 512; // index records of one request
-
 Result<TileSummary> summarise_tiles(const ContainerReader& file) {
     TileSummary sum;
+    Result<std::uint32_t> brought = 0u; // groups
     for (std::uint32_t g = 0; g < file.group_count(); ++g) {
-        if (file.wants_prefetch() && g % groups_at_once == 0) {
-            std::vector<std::uint32_t> groups(std::min(groups_at_once, file.group_count() - g));
-            std::iota(groups.begin(), groups.end(), g);
-            TESSERA_TRY(file.prefetch_groups(groups));
-        }
+        if (g == *brought)
+            brought = file.prefetch_groups(g);
+        TESSERA_TRY(brought.status());
         const auto index = file.group(g);
         if (!index.ok())
             return index.status();

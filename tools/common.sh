@@ -48,3 +48,12 @@ build() {
     # The compiler takes up to 1 GB; two jobs fit small machines.
     ninja -C "$folder" -j "$(nproc)" "${targets[@]}" | tail -n 3 || stop "the build failed"
 }
+
+# Sets T to the tool that TESSERA names; builds it where that is not set.
+find_tool() {
+    T=${TESSERA:-}
+    [ -z "$T" ] || return 0
+    install_missing
+    build build tessera -- -DTESSERA_TESTS=OFF
+    T=build/bin/tessera
+}

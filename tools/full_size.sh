@@ -9,12 +9,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 [ -x /usr/bin/time ] || apt-get install -y -qq time >/dev/null || stop "GNU time is needed (apt-get install time)"
 
-T=${TESSERA:-}
-if [ -z "$T" ]; then
-    install_missing
-    build build tessera -- -DTESSERA_TESTS=OFF
-    T=build/bin/tessera
-fi
+find_tool
 OUT=demo_output/full_size
 rm -rf "$OUT"
 mkdir -p "$OUT"

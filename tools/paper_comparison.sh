@@ -8,12 +8,7 @@
 #   TESSERA=build/bin/tessera tools/paper_comparison.sh      with a tool that is there already
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-T=${TESSERA:-}
-if [ -z "$T" ]; then
-    install_missing
-    build build tessera -- -DTESSERA_TESTS=OFF
-    T=build/bin/tessera
-fi
+find_tool
 OUT=demo_output/paper_comparison
 rm -rf "$OUT"
 mkdir -p "$OUT"

@@ -14,9 +14,7 @@ public:
     std::uint64_t size() const override { return size_; }
     std::string name() const override { return whole_.name(); }
     Status read(std::uint64_t offset, std::span<std::byte> out) override {
-        if (offset > size_ || out.size() > size_ - offset)
-            return {ErrorCode::io, name() + ": cannot read beyond the " + std::to_string(size_) +
-                                       " bytes that have been received"};
+        TESSERA_TRY(check_range(*this, offset, out.size()));
         return whole_.read(offset, out);
     }
 

@@ -3,6 +3,7 @@
 #include "corpus/bake.h"
 #include "format/sample_code.h"
 #include "format/sampler.h"
+#include "tools/baked_original.h"
 #include "tools/gpu_renderer.h"
 #include "tools/open_bytes.h"
 #include "tools/parse.h"
@@ -14,8 +15,6 @@ namespace {
 // Small along s and t: an observer sees each place from one direction.
 constexpr Extent4 lazy_block{8, 8, 4, 4};
 
-constexpr unsigned usual_samples = 16; // per texel, as tessera bake has it
-
 glm::dvec3 background_of(const FileHeader& header) {
     std::byte texel[8];
     for (std::size_t c = 0; c < 4; ++c)
@@ -23,15 +22,6 @@ glm::dvec3 background_of(const FileHeader& header) {
                      header.desc.type);
     const glm::dvec4 value = texel_value(header.desc, texel);
     return header.desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
-}
-
-// The number that the file remembers under `key` from when it was baked.
-std::optional<std::uint64_t> remembered(const Metadata& metadata, const std::string& key) {
-    const auto entry = metadata.find(key);
-    std::uint64_t number = 0;
-    if (entry == metadata.end() || !parse_number(entry->second, number))
-        return std::nullopt;
-    return number;
 }
 
 Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
@@ -47,28 +37,7 @@ Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const 
     auto opened = open_texture(r.original, hints);
     if (!opened.ok())
         return opened.status();
-    if (opened->source->desc() != stage.desc)
-        return Status(ErrorCode::bad_argument,
-                      r.original + ": its samples are not of the type or number of those of " +
-                          r.file);
     return std::move(opened->source);
-}
-
-// The texture before compression, baked where it is looked at.
-Result<std::unique_ptr<TexelSource>> bake_original(const StageRequest& r, const Stage& stage) {
-    const Metadata& metadata = stage.decoder->container().metadata();
-    const std::uint64_t samples =
-        r.samples ? *r.samples : remembered(metadata, "Samples per texel").value_or(usual_samples);
-    if (samples > corpus::max_samples_per_texel)
-        return Status(ErrorCode::bad_argument,
-                      r.file + ": says it has " + std::to_string(samples) +
-                          " samples per texel, too many; --spp says another number");
-    auto baked = corpus::make_baked_source(r.truth, stage.desc.size, static_cast<unsigned>(samples),
-                                           remembered(metadata, "Seed").value_or(1));
-    if (baked.ok() && (*baked)->desc() != stage.desc)
-        return Status(ErrorCode::bad_argument, r.file + ": its samples are not of the type or " +
-                                                   "number of those of the scene " + r.truth);
-    return baked;
 }
 
 Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
@@ -142,9 +111,15 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     }
     if (r.truth.empty() && r.original.empty())
         return {};
-    auto original = r.original.empty() ? bake_original(r, stage) : open_original(r, stage);
+    auto original = !r.original.empty() ? open_original(r, stage)
+                                        : bake_again({r.truth, r.samples, std::nullopt}, r.file,
+                                                     stage.desc.size, container.metadata());
     if (!original.ok())
         return original.status();
+    if ((*original)->desc() != stage.desc)
+        return {ErrorCode::bad_argument,
+                r.file + ": its samples are not of the type or number of those of " +
+                    (r.original.empty() ? "the scene " + r.truth : r.original)};
     stage.original = std::move(*original);
     stage.uncompressed =
         make_texture_renderer(*stage.original, lazy_block, stage.window, background, options);
