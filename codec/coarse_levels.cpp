@@ -18,12 +18,17 @@ namespace {
 constexpr double level_share[] = {0.02, 0.003};
 // By how much a whole level may miss what its sample promised.
 constexpr double share_tolerance = 1.15;
-constexpr unsigned largest_lod_step = 3;         // beyond the level before
-constexpr unsigned largest_lod_sum = 4;          // more joins too much of anything
-constexpr unsigned largest_shift = 8;            // 2^8 times the step is a blur
-constexpr std::size_t trial_tiles = 6;           // of a candidate
-constexpr std::size_t trial_interpolations = 96; // tiles of the texture, of a candidate
-constexpr double index_bytes = 2;                // of a tile, about
+constexpr unsigned largest_lod_step = 3; // beyond the level before
+constexpr unsigned largest_lod_sum = 4;  // more joins too much of anything
+constexpr unsigned largest_shift = 8;    // 2^8 times the step is a blur
+constexpr std::size_t patches = 16;      // of the texture, in which candidates are compared
+// (A patch of the candidate's own tiles took three times as long and was at the mercy of chance.)
+// Tiles of a candidate that are coded, fewer where each stands for many tiles of the texture.
+constexpr std::size_t trial_tiles = 6, fewest_trial_tiles = 2;
+constexpr std::size_t trial_reads = 256; // tiles of the texture, about, of a candidate
+constexpr double index_bytes = 2;        // of a tile, about
+
+constexpr double unusable = std::numeric_limits<double>::infinity();
 
 // Everything that coding tiles of one level needs; refers to itself and stays where it is.
 struct LevelCoder {
@@ -44,53 +49,62 @@ struct LevelCoder {
     EncodePlan plan;
 };
 
-// How a level of some lods and step would do.
+// A level of some lods, and how it would do.
 struct Candidate {
     LevelEntry entry;
-    double error = std::numeric_limits<double>::infinity(); // mean squared, of codes
+    double ideal = 0;        // mean squared error, of codes, of the means themselves, interpolated
+    double error = unusable; // the same, of the means as coded
 };
 
-// Squared error and samples of the means of one coarse tile, interpolated over some of the tiles that
-// it stands for.
-struct Interpolation {
+// A part of the texture in which candidates are compared: of two tiles along every axis, as the middle
+// of it is interpolated.
+struct Patch {
+    Extent4 size{};
+    std::vector<std::byte> texels;
+};
+
+Status read_patch(const DecodedPass& texture, std::uint64_t tile, Patch& patch) {
+    const TileGrid& grid = texture.grid();
+    Box4 box = grid.box(tile);
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        const std::uint32_t two = 2 * grid.tile_extent()[axis];
+        box.begin[axis] -= box.begin[axis] % two;
+        box.end[axis] = std::min(box.begin[axis] + two, grid.size()[axis]);
+    }
+    patch.size = box.extent();
+    patch.texels.resize(static_cast<std::size_t>(texture.desc().box_bytes(box)));
+    return LevelSource(texture, {grid.size(), 0, 0, 0}).read(box, patch.texels);
+}
+
+// Squared error, of codes, and its samples.
+struct ErrorSum {
     double squared_error = 0, samples = 0;
 };
 
-Status interpolate_some(const DecodedPass& texture, const LevelEntry& entry, const Box4& box,
-                        std::span<const std::byte> means, std::size_t count, Interpolation& sum) {
-    const LevelEntry full{texture.grid().size(), 0, 0, 0};
-    const TextureDesc& desc = texture.desc();
-    const Box4 covered = covered_by(box, entry, full);
-    // The tile alone, as if it were a level: what lies beyond its edge is not at hand.
-    LevelEntry alone_full, alone = entry;
-    alone_full.size = covered.extent();
-    alone.size = box.extent();
-    const std::vector<std::uint64_t> tiles = texture.grid().tiles_touched(covered);
-    count = std::min(count, tiles.size());
-    std::vector<std::byte> texels, part_texels, support_texels, interpolated;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint64_t tile = tiles[golden_pick(i, tiles.size())];
-        const Box4 tile_box = texture.grid().box(tile), part = intersect(tile_box, covered);
-        TESSERA_TRY(texture.tile(tile, texels));
-        part_texels.resize(static_cast<std::size_t>(desc.box_bytes(part)));
-        copy_box(part, tile_box, texels, part, part_texels, desc.texel_bytes());
-        Box4 inside;
-        for (std::size_t axis = 0; axis < 4; ++axis) {
-            inside.begin[axis] = part.begin[axis] - covered.begin[axis];
-            inside.end[axis] = part.end[axis] - covered.begin[axis];
-        }
-        const Box4 support = support_of(inside, alone_full, alone);
-        support_texels.resize(static_cast<std::size_t>(desc.box_bytes(support)));
-        copy_box(support, Box4::whole(alone.size), means, support, support_texels,
-                 desc.texel_bytes());
-        interpolated.resize(part_texels.size());
-        interpolate_level(support_texels, support, inside, alone_full, alone, desc, interpolated);
-        CodedTile error;
-        measure_error(part_texels, interpolated, desc.type, error);
-        sum.squared_error += static_cast<double>(error.squared_error);
-        sum.samples += static_cast<double>(part.texels() * desc.channels);
+// Adds what is lost in the middle of the patch when it is interpolated from means of 2^lods texels.
+void add_error(const Patch& patch, const LevelEntry& lods, const TextureDesc& desc, ErrorSum& sum) {
+    const LevelEntry full{patch.size, 0, 0, 0};
+    const LevelEntry coarse = coarse_level(patch.size, lods.spatial_lod, lods.angular_lod, 0);
+    Box4 middle;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        middle.begin[axis] = patch.size[axis] / 4;
+        middle.end[axis] = patch.size[axis] - middle.begin[axis];
     }
-    return {};
+    const Box4 whole = Box4::whole(patch.size), support = support_of(middle, full, coarse);
+    const auto bytes_of = [&desc](const Box4& box) {
+        return static_cast<std::size_t>(desc.box_bytes(box));
+    };
+    LevelMeans sums(desc, full, coarse, support);
+    sums.add(whole, patch.texels);
+    std::vector<std::byte> means(bytes_of(support));
+    sums.finish(means);
+    std::vector<std::byte> original(bytes_of(middle)), interpolated(bytes_of(middle));
+    interpolate_level(means, support, middle, full, coarse, desc, interpolated);
+    copy_box(middle, whole, patch.texels, middle, original, desc.texel_bytes());
+    CodedTile error;
+    measure_error(original, interpolated, desc.type, error);
+    sum.squared_error += static_cast<double>(error.squared_error);
+    sum.samples += static_cast<double>(middle.texels() * desc.channels);
 }
 
 class LevelChooser {
@@ -101,12 +115,17 @@ public:
     // The level after `finer` that does best within `bytes`, coded; nothing where none does.
     Result<std::optional<CoarseLevel>> next(const LevelEntry& finer, double bytes) {
         std::vector<Candidate> candidates = candidates_after(finer);
-        for (Candidate& candidate : candidates)
+        TESSERA_TRY(compare_means(candidates));
+        std::ranges::sort(candidates, {}, &Candidate::ideal);
+        const Candidate* best = nullptr;
+        for (Candidate& candidate : candidates) {
+            if (best != nullptr && candidate.ideal >= best->error)
+                break; // coding makes none better
             TESSERA_TRY(try_out(candidate, bytes));
-        const auto best = std::min_element(
-            candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.error < b.error; });
-        if (best == candidates.end() || !std::isfinite(best->error))
+            if (candidate.error < (best != nullptr ? best->error : unusable))
+                best = &candidate;
+        }
+        if (best == nullptr)
             return std::optional<CoarseLevel>();
         return code(best->entry, bytes);
     }
@@ -130,51 +149,87 @@ private:
         return candidates;
     }
 
-    // Finds the smallest step shift that fits and the error that remains.
-    Status try_out(Candidate& candidate, double bytes) {
-        LevelCoder level(plan_, texture_, candidate.entry);
+    // Finds `ideal` of all, in the same patches, so that chance favours none.
+    Status compare_means(std::vector<Candidate>& candidates) const {
+        const std::uint64_t tiles = texture_.grid().tiles();
+        std::vector<std::vector<ErrorSum>> sums(std::min<std::uint64_t>(patches, tiles),
+                                                std::vector<ErrorSum>(candidates.size()));
+        std::vector<Patch> workers(thread_count(plan_.options.threads));
+        TESSERA_TRY(parallel_for(
+            workers, sums.size(),
+            [&](Patch& patch, std::size_t i) -> Status {
+                TESSERA_TRY(read_patch(texture_, golden_pick(i, tiles), patch));
+                for (std::size_t c = 0; c < candidates.size(); ++c)
+                    add_error(patch, candidates[c].entry, texture_.desc(), sums[i][c]);
+                return {};
+            },
+            [](std::size_t) {}));
+        for (std::size_t c = 0; c < candidates.size(); ++c) {
+            ErrorSum all;
+            for (const std::vector<ErrorSum>& sum : sums) {
+                all.squared_error += sum[c].squared_error;
+                all.samples += sum[c].samples;
+            }
+            candidates[c].ideal = all.squared_error / all.samples;
+        }
+        return {};
+    }
+
+    // Some tiles of the level, and the share of its texels that they have.
+    Result<Sample> take_sample(LevelCoder& level, double& share) const {
         Sample sample;
-        const std::uint64_t tiles = level.plan.grid.tiles();
-        const std::size_t wanted = std::min<std::uint64_t>(tiles, trial_tiles);
-        for (std::size_t i = 0; i < wanted; ++i)
+        const TileGrid& grid = level.plan.grid;
+        const std::uint64_t tiles = grid.tiles();
+        const std::size_t reads = texture_.grid().tiles() / tiles + 1; // of one tile, about
+        const std::size_t wanted = std::min<std::uint64_t>(
+            tiles, std::clamp(trial_reads / reads, fewest_trial_tiles, trial_tiles));
+        std::uint64_t texels = 0;
+        for (std::size_t i = 0; i < wanted; ++i) {
             sample.tiles.push_back(wanted == tiles ? i : golden_pick(i, tiles));
+            texels += grid.box(sample.tiles[i]).texels();
+        }
         sample.texels.resize(wanted);
-        std::vector<Interpolation> ideal(wanted);
         std::vector<int> workers(thread_count(plan_.options.threads));
         TESSERA_TRY(parallel_for(
             workers, wanted,
             [&](int, std::size_t i) -> Status {
-                const Box4 box = level.plan.grid.box(sample.tiles[i]);
+                const Box4 box = grid.box(sample.tiles[i]);
                 sample.texels[i].resize(
                     static_cast<std::size_t>(level.plan.colour.desc.box_bytes(box)));
-                TESSERA_TRY(level.source.read(box, sample.texels[i]));
-                return interpolate_some(texture_, candidate.entry, box, sample.texels[i],
-                                        trial_interpolations / wanted + 1, ideal[i]);
+                return level.source.read(box, sample.texels[i]);
             },
             [](std::size_t) {}));
-        Interpolation sum;
-        double sample_texels = 0;
-        for (std::size_t i = 0; i < wanted; ++i) {
-            sum.squared_error += ideal[i].squared_error;
-            sum.samples += ideal[i].samples;
-            sample_texels += static_cast<double>(level.plan.grid.box(sample.tiles[i]).texels());
-        }
-        const double samples = sample_texels * level.plan.colour.desc.channels;
-        const double share = sample_texels / static_cast<double>(texel_count(candidate.entry.size));
-        for (unsigned shift = 0; shift <= largest_shift; ++shift) {
+        share = static_cast<double>(texels) / static_cast<double>(texel_count(grid.size()));
+        return sample;
+    }
+
+    // Finds the smallest step shift that fits and the error that remains.
+    Status try_out(Candidate& candidate, double bytes) {
+        LevelCoder level(plan_, texture_, candidate.entry);
+        double share = 0;
+        const Result<Sample> sample = take_sample(level, share);
+        TESSERA_TRY(sample.status());
+        const double tiles = static_cast<double>(level.plan.grid.tiles());
+        const double samples = share * static_cast<double>(texel_count(candidate.entry.size)) *
+                               level.plan.colour.desc.channels;
+        for (unsigned first = 0, end = largest_shift + 1; first < end;) {
+            const unsigned shift = (first + end) / 2;
             const Result<CodingParameters> parameters = with_coarser_steps(pass_.parameters, shift);
-            if (!parameters)
-                return {}; // the steps are as coarse as they can be
-            const Result<PassResult> coded = run_pass(level.plan, *parameters, sample);
-            TESSERA_TRY(coded.status());
-            if (static_cast<double>(coded->payload_bytes()) / share +
-                    index_bytes * static_cast<double>(tiles) >
-                bytes)
+            if (!parameters) { // the steps cannot be so coarse
+                end = shift;
                 continue;
+            }
+            const Result<PassResult> coded = run_pass(level.plan, *parameters, *sample);
+            TESSERA_TRY(coded.status());
+            const double size =
+                static_cast<double>(coded->payload_bytes()) / share + index_bytes * tiles;
+            if (size > bytes) {
+                first = shift + 1;
+                continue;
+            }
             candidate.entry.step_shift = static_cast<std::uint8_t>(shift);
-            candidate.error =
-                sum.squared_error / sum.samples + coded->totals.squared_error / samples;
-            return {};
+            candidate.error = candidate.ideal + coded->totals.squared_error / samples;
+            end = shift;
         }
         return {};
     }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace tessera {
 namespace {
@@ -28,16 +27,15 @@ std::vector<Tap> taps_of(std::uint32_t begin, std::uint32_t end, std::uint32_t s
     const std::uint64_t joined = std::uint64_t{1} << lod;
     for (std::uint64_t x = begin; x < end; ++x) {
         // The centre in units of half fine texels, from the centre of coarse texel 0.
-        const std::int64_t place = static_cast<std::int64_t>(2 * x + 1) -
-                                   static_cast<std::int64_t>(joined);
+        const std::int64_t place =
+            static_cast<std::int64_t>(2 * x + 1) - static_cast<std::int64_t>(joined);
         const std::int64_t step = 2 * static_cast<std::int64_t>(joined);
         const std::int64_t last = std::int64_t{coarse_extent} - 1;
         const std::int64_t low = place < 0 ? 0 : std::min(place / step, last);
         const std::int64_t high = std::min(low + 1, last);
-        const float weight =
-            place <= 0 || high == low
-                ? 0.0f
-                : static_cast<float>(place - low * step) / static_cast<float>(step);
+        const float weight = place <= 0 || high == low ? 0.0f
+                                                       : static_cast<float>(place - low * step) /
+                                                             static_cast<float>(step);
         taps.push_back({static_cast<std::uint32_t>(low) - support_begin,
                         static_cast<std::uint32_t>(weight > 0 ? high : low) - support_begin,
                         weight});
@@ -62,6 +60,27 @@ std::vector<float> interpolate_axis(const std::vector<float>& in, std::size_t n,
     return out;
 }
 
+// Adds n texels of a row to their sums, 2^lod texels to one; `phase` is the place of the first of them.
+template <SampleType type>
+void add_row(const std::byte* texel, std::uint32_t phase, std::uint32_t n, unsigned lod,
+             std::size_t channels, std::int64_t* sums) {
+    for (std::uint32_t s = phase; s < phase + n; ++s) {
+        std::int64_t* sum = sums + (s >> lod) * channels;
+        for (std::size_t c = 0; c < channels; ++c, texel += sample_bytes(type))
+            sum[c] += sample_code(load_sample(texel, type), type);
+    }
+}
+
+// Codes rounded to the nearest, ties upwards.
+template <SampleType type> void store_rounded(const std::vector<float>& codes, std::byte* out) {
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+        const float up = codes[i] + 0.5f;
+        const auto whole = static_cast<std::int32_t>(up); // towards 0
+        const std::int32_t code = static_cast<float>(whole) > up ? whole - 1 : whole;
+        store_sample(out + i * sample_bytes(type), code_sample(code, type), type);
+    }
+}
+
 } // namespace
 
 Box4 covered_by(const Box4& box, const LevelEntry& coarse, const LevelEntry& fine) {
@@ -84,35 +103,32 @@ LevelMeans::LevelMeans(const TextureDesc& desc, const LevelEntry& fine, const Le
 void LevelMeans::add(const Box4& fine_box, std::span<const std::byte> texels) {
     const Box4 part = intersect(fine_box, covered_by(box_, coarse_, fine_));
     const Extent4 from = fine_box.extent(), to = box_.extent();
-    const std::size_t channels = desc_.channels, bytes = sample_bytes(desc_.type);
+    const std::size_t texel_bytes = desc_.texel_bytes();
+    const auto add_row = desc_.type == SampleType::unorm8 ? tessera::add_row<SampleType::unorm8>
+                                                          : tessera::add_row<SampleType::half16>;
     std::array<unsigned, 4> lod{};
     for (int axis = 0; axis < 4; ++axis)
         lod[static_cast<std::size_t>(axis)] = difference(fine_, coarse_, axis);
     for (std::uint32_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
         for (std::uint32_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
             for (std::uint32_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t) {
-                const std::size_t row =
-                    (((v - fine_box.begin[axis_v]) * std::size_t{from[axis_u]} + u -
-                      fine_box.begin[axis_u]) *
-                         from[axis_t] +
-                     t - fine_box.begin[axis_t]) *
-                    from[axis_s];
+                const std::size_t row = (((v - fine_box.begin[axis_v]) * std::size_t{from[axis_u]} +
+                                          u - fine_box.begin[axis_u]) *
+                                             from[axis_t] +
+                                         t - fine_box.begin[axis_t]) *
+                                        from[axis_s];
                 const std::size_t sum_row =
                     ((((v >> lod[axis_v]) - box_.begin[axis_v]) * std::size_t{to[axis_u]} +
                       (u >> lod[axis_u]) - box_.begin[axis_u]) *
                          to[axis_t] +
                      (t >> lod[axis_t]) - box_.begin[axis_t]) *
                     to[axis_s];
-                for (std::uint32_t s = part.begin[axis_s]; s < part.end[axis_s]; ++s) {
-                    const std::byte* texel =
-                        texels.data() + (row + s - fine_box.begin[axis_s]) * channels * bytes;
-                    std::int64_t* sum =
-                        sums_.data() +
-                        (sum_row + (s >> lod[axis_s]) - box_.begin[axis_s]) * channels;
-                    for (std::size_t c = 0; c < channels; ++c)
-                        sum[c] += sample_code(load_sample(texel + c * bytes, desc_.type),
-                                              desc_.type);
-                }
+                const std::uint32_t first = part.begin[axis_s];
+                const std::uint32_t first_sum = first >> lod[axis_s];
+                add_row(texels.data() + (row + first - fine_box.begin[axis_s]) * texel_bytes,
+                        first - (first_sum << lod[axis_s]), part.end[axis_s] - first, lod[axis_s],
+                        desc_.channels,
+                        sums_.data() + (sum_row + first_sum - box_.begin[axis_s]) * desc_.channels);
             }
 }
 
@@ -182,11 +198,9 @@ void interpolate_level(std::span<const std::byte> texels, const Box4& support, c
         if (difference(fine, coarse, axis) > 0)
             values = interpolate_axis(values, n, after, taps);
     }
-    for (std::size_t i = 0; i < values.size(); ++i)
-        store_sample(out.data() + i * bytes,
-                     code_sample(static_cast<std::int32_t>(std::floor(values[i] + 0.5f)),
-                                 desc.type),
-                     desc.type);
+    const auto store = desc.type == SampleType::unorm8 ? store_rounded<SampleType::unorm8>
+                                                       : store_rounded<SampleType::half16>;
+    store(values, out.data());
 }
 
 } // namespace tessera
