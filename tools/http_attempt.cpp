@@ -92,6 +92,8 @@ bool HttpAttempt::configure(const std::string& url, const std::vector<std::strin
     set(CURLOPT_RANGE, range.c_str());
     set(CURLOPT_HTTPHEADER, fields_);
     set(CURLOPT_USERAGENT, agent.c_str());
+    if (!options.ca_file.empty())
+        set(CURLOPT_CAINFO, options.ca_file.c_str());
     set(CURLOPT_NOSIGNAL, 1L); // signals are the tool's, see interrupt.h
     set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options.connect_timeout.count()));
     set(CURLOPT_LOW_SPEED_LIMIT, static_cast<long>(options.stall_bytes));

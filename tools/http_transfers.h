@@ -28,6 +28,8 @@ struct HttpOptions {
     unsigned in_flight = 6; // requests at a time, of all threads together; 1..64
     unsigned redirects = 5; // most to follow for one request; to http and https only, never from
                             // https to http
+    // The certificates that https:// trusts, a PEM file; empty: those of the system.
+    std::string ca_file;
     // A server that knows no ranges sends the whole file: refused when it is longer than this.
     std::uint64_t max_whole_bytes = std::uint64_t{64} << 20;
 };

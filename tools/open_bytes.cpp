@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 
 namespace tessera {
 namespace {
@@ -26,7 +27,10 @@ std::string scheme_of(const std::string& name) {
 
 Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 #ifdef TESSERA_HTTP
-    auto source = HttpSource::open(url);
+    HttpOptions options;
+    if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // as curl itself has it
+        options.ca_file = bundle;
+    auto source = HttpSource::open(url, options);
     if (!source.ok())
         return source.status();
     return std::unique_ptr<ByteSource>(std::move(*source));
