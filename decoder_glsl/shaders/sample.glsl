@@ -88,10 +88,14 @@ vec4 tsr_fetched(ivec3 pixel, TsrAngularFootprint f) {
                     texelFetch(tsr_texels, pixel + ivec3(0, step.y, 0), 0),
                     texelFetch(tsr_texels, pixel + ivec3(step.x, step.y, 0), 0), f.weight);
 }
-// The same by the texture unit. Where the footprint was clamped both texels are the same one, and
-// the weight must not reach for its neighbour.
+// How far the footprint lies beyond its low texels. Where it was clamped both are the same one, and the
+// weight must not reach for its neighbour.
+vec2 tsr_beyond(TsrAngularFootprint f) {
+    return vec2(f.low.x == f.high.x ? 0.0 : f.weight.x, f.low.y == f.high.y ? 0.0 : f.weight.y);
+}
+// The same as tsr_fetched() by the texture unit.
 vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
-    vec2 offset = vec2(f.low.x == f.high.x ? 0.0 : f.weight.x, f.low.y == f.high.y ? 0.0 : f.weight.y);
+    vec2 offset = tsr_beyond(f);
     vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
     vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + offset) / size;
     return textureLod(tsr_texels, vec3(place.x, place.y, float(pixel.z)), 0.0);

@@ -47,17 +47,56 @@ vec4 tsr_background() {
     return tsr_unpack(tsr_parameter(tsr_p_background), tsr_parameter(tsr_p_background + 1));
 }
 
-// The mean over a part of the tile, or the background where there are no coarse texels.
-vec4 tsr_coarse(TsrColumn c, uint s, uint t, uint tile) {
-    if (tsr_parameter(tsr_p_has_coarse) == 0u)
-        return tsr_background();
-    int part_u = tsr_axis_place(c.u) * tsr_coarse_uv / tsr_axis_extent(c.u);
-    int part_v = tsr_axis_place(c.v) * tsr_coarse_uv / tsr_axis_extent(c.v);
-    int part_s = tsr_axis_place(s) * tsr_coarse_st / tsr_axis_extent(s);
-    int part_t = tsr_axis_place(t) * tsr_coarse_st / tsr_axis_extent(t);
-    int cell = ((part_t * tsr_coarse_st + part_s) * tsr_coarse_uv + part_v) * tsr_coarse_uv + part_u;
+// Where the place lies among the coarse texels of an axis, counted over all its tiles, of which each has
+// `parts`. `axis`: the word of a texel; the place is `beyond` texels after its centre.
+float tsr_coarse_place(uint axis, float beyond, int parts, uint tiles) {
+    float inside = (float(tsr_axis_place(axis)) + 0.5 + beyond) / float(tsr_axis_extent(axis));
+    float place = (float(tsr_axis_tile(axis)) + inside) * float(parts) - 0.5;
+    return clamp(place, 0.0, float(int(tiles) * parts - 1));
+}
+
+vec4 tsr_coarse_places(TsrColumn c, uint s, uint t, vec2 beyond) {
+    return vec4(tsr_coarse_place(c.u, 0.0, tsr_coarse_uv, tsr_parameter(tsr_p_tiles)),
+                tsr_coarse_place(c.v, 0.0, tsr_coarse_uv, tsr_parameter(tsr_p_tiles + 1)),
+                tsr_coarse_place(s, beyond.x, tsr_coarse_st, tsr_parameter(tsr_p_tiles + 2)),
+                tsr_coarse_place(t, beyond.y, tsr_coarse_st, tsr_parameter(tsr_p_tiles + 3)));
+}
+
+vec4 tsr_coarse_texel(ivec4 at) {
+    uint tile = uint(at.w / tsr_coarse_st);
+    tile = tile * tsr_parameter(tsr_p_tiles + 2) + uint(at.z / tsr_coarse_st);
+    tile = tile * tsr_parameter(tsr_p_tiles + 1) + uint(at.y / tsr_coarse_uv);
+    tile = tile * tsr_parameter(tsr_p_tiles) + uint(at.x / tsr_coarse_uv);
+    int cell = (at.w % tsr_coarse_st * tsr_coarse_st + at.z % tsr_coarse_st) * tsr_coarse_uv;
+    cell = (cell + at.y % tsr_coarse_uv) * tsr_coarse_uv + at.x % tsr_coarse_uv;
     uint word = tsr_parameter(tsr_p_coarse_at) + (tile * uint(tsr_coarse_texels) + uint(cell)) * 2u;
     return tsr_unpack(tsr_sampler[word], tsr_sampler[word + 1u]);
+}
+
+// The coarse texel nearest to a texel, or the background where there are none.
+vec4 tsr_coarse_nearest(TsrColumn c, uint s, uint t) {
+    if (tsr_parameter(tsr_p_has_coarse) == 0u)
+        return tsr_background();
+    return tsr_coarse_texel(ivec4(tsr_coarse_places(c, s, t, vec2(0.0)) + vec4(0.5)));
+}
+
+// The linear mix of coarse texels `beyond` texels after s and t.
+vec4 tsr_coarse(TsrColumn c, uint s, uint t, vec2 beyond) {
+    if (tsr_parameter(tsr_p_has_coarse) == 0u)
+        return tsr_background();
+    vec4 place = tsr_coarse_places(c, s, t, beyond);
+    ivec4 low = ivec4(place);
+    vec4 weight = place - vec4(low);
+    vec4 sum = vec4(0.0);
+    // A place at the last texel has weight 0 beyond it: texels are added only where they count.
+    for (int i = 0; i < 16; ++i) {
+        bvec4 high = bvec4((i & 1) != 0, (i & 2) != 0, (i & 4) != 0, (i & 8) != 0);
+        vec4 w = mix(vec4(1.0) - weight, weight, vec4(high));
+        float share = w.x * w.y * w.z * w.w;
+        if (share > 0.0)
+            sum += share * tsr_coarse_texel(low + ivec4(high));
+    }
+    return sum;
 }
 
 // One texel, its tile marked.
@@ -68,7 +107,7 @@ vec4 tsr_cached(TsrColumn c, uint s, uint t) {
     if (page == tsr_page_background)
         return tsr_background();
     if (page == tsr_page_missing)
-        return tsr_coarse(c, s, t, tile);
+        return tsr_coarse_nearest(c, s, t);
     return texelFetch(tsr_texels, tsr_cache_pixel(page, c, s, t), 0);
 }
 
@@ -89,6 +128,13 @@ vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
 #else
         return tsr_fetched(tsr_cache_pixel(page, c, s0, t0), f);
 #endif
+    }
+    if (page == tsr_page_missing) {
+        tsr_mark(tile);
+        tsr_mark(tsr_tile_of(c, s1, t0));
+        tsr_mark(tsr_tile_of(c, s0, t1));
+        tsr_mark(tsr_tile_of(c, s1, t1));
+        return tsr_coarse(c, s0, t0, tsr_beyond(f));
     }
 #ifdef TESSERA_HARDWARE_FILTER
     // Across a border: the tile's own copy of its neighbours' first texels, once all are there.
