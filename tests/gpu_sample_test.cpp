@@ -351,6 +351,13 @@ TEST_F(GpuSample, ASlowOrbitDecodesFewTilesAFrame) {
     EXPECT_LT(later, cold->decoded);
 }
 
+// The first frame at a camera that sees most of the window.
+std::vector<float> first_frame(const SampledTexture& texture) {
+    auto renderer = GlViewRenderer::create(texture);
+    EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
+    return *renderer->read();
+}
+
 TEST_F(GpuSample, CoarseTexelsStandInBeforeTilesCome) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
@@ -359,11 +366,6 @@ TEST_F(GpuSample, CoarseTexelsStandInBeforeTilesCome) {
     options.coarse = false;
     auto none = SampledTexture::create(file.reader(), options);
     ASSERT_TRUE(whole && coarse && none);
-    const auto first_frame = [](const SampledTexture& texture) {
-        auto renderer = GlViewRenderer::create(texture);
-        EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
-        return *renderer->read();
-    };
     const auto truth = first_frame(*whole);
     const double with_coarse = mean_difference(first_frame(*coarse), truth);
     EXPECT_LT(with_coarse, 0.06);
@@ -392,68 +394,38 @@ private:
     ByteSource& inner_;
 };
 
-// A coarse level instead of all tiles, of either sample type; and tiles that come at a second try.
-TEST_F(GpuSample, CoarseLevelsStandInAndLostReadsAreRepeated) {
-    for (const auto& [type, channels] : {std::pair<SampleType, std::uint8_t>{SampleType::unorm8, 3},
-                                         {SampleType::half16, 4}}) {
+// A coarse level instead of all tiles, of either sample type, whose texels come as they may.
+TEST_F(GpuSample, CoarseLevelsStandIn) {
+    for (const auto& [type, channels, prefetch] :
+         {std::tuple<SampleType, std::uint8_t, bool>{SampleType::unorm8, 3, false},
+          {SampleType::half16, 4, true}}) {
         SCOPED_TRACE(int{channels});
         const Bytes file = mixed_file(type, channels, 90, true);
         const auto memory = wrap_memory(file);
-        for (const bool prefetch : {false, true}) {
-            MoodySource source(*memory);
-            source.prefetch = prefetch;
-            const auto decoder = Decoder::open(source);
-            ASSERT_TRUE(decoder) << decoder.status().message();
-            const ContainerReader& reader = decoder->container();
-            ASSERT_GE(reader.levels().size(), 2u);
-            const auto level = decoded_level(*decoder, reader.levels().size() - 1);
-            auto options = with(Residency::on_feedback, true);
-            options.coarse_from = {reader.levels().back(), level.get()};
-            auto texture = SampledTexture::create(reader, options);
-            ASSERT_TRUE(texture) << texture.status().message();
-            EXPECT_LT(source.bytes, file.size() / 4) << "no tile of the texture";
-            auto whole = SampledTexture::create(reader, with(Residency::on_load, true));
-            options.coarse = false;
-            auto none = SampledTexture::create(reader, options);
-            ASSERT_TRUE(whole && none);
-            const auto first_frame = [](const SampledTexture& sampled) {
-                auto renderer = GlViewRenderer::create(sampled);
-                EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
-                return *renderer->read();
-            };
-            const auto truth = first_frame(*whole);
-            const double near = mean_difference(first_frame(*texture), truth);
-            EXPECT_LT(near, 0.06 * (type == SampleType::half16 ? 4 : 1));
-            EXPECT_LT(near, 0.7 * mean_difference(first_frame(*none), truth));
-            if (prefetch && type == SampleType::half16)
-                continue; // software rendering is slow
-
-            // On a file of its own, whose pages nobody has read.
-            const auto again = Decoder::open(source);
-            ASSERT_TRUE(again);
-            auto fresh = SampledTexture::create(again->container(), options);
-            ASSERT_TRUE(fresh);
-            auto renderer = GlViewRenderer::create(*fresh);
-            ASSERT_TRUE(renderer);
-            for (const Status& failure : {Status(ErrorCode::io, "the line is dead"),
-                                          Status(ErrorCode::runtime, "interrupted")}) {
-                source.failure = failure;
-                ASSERT_TRUE(renderer->draw(camera_at(200)));
-                const auto report = fresh->update(true);
-                ASSERT_TRUE(report) << report.status().message();
-                EXPECT_EQ(report->trouble.code(), failure.code());
-                EXPECT_GT(report->touched, 0u);
-                EXPECT_EQ(report->missing, report->touched);
-                EXPECT_EQ(report->waiting, report->touched);
-                EXPECT_EQ(report->decoded, 0u);
-            }
-            source.failure = {};
-            const auto picture = drawn(*fresh, *renderer, camera_at(200));
-            EXPECT_LE(largest_difference(picture, truth), (type == SampleType::half16 ? 4 : 1) / 255.0);
-            EXPECT_EQ(fresh->cache_stats()->failures, 0u);
-        }
+        MoodySource source(*memory);
+        source.prefetch = prefetch;
+        const auto decoder = Decoder::open(source);
+        ASSERT_TRUE(decoder) << decoder.status().message();
+        const ContainerReader& reader = decoder->container();
+        ASSERT_GE(reader.levels().size(), 2u);
+        const auto level = decoded_level(*decoder, reader.levels().size() - 1);
+        auto options = with(Residency::on_feedback, true);
+        options.coarse_from = {reader.levels().back(), level.get()};
+        auto texture = SampledTexture::create(reader, options);
+        ASSERT_TRUE(texture) << texture.status().message();
+        EXPECT_LT(source.bytes, file.size() / 4) << "no tile of the texture";
+        auto whole = SampledTexture::create(reader, with(Residency::on_load, true));
+        options.coarse = false;
+        auto none = SampledTexture::create(reader, options);
+        ASSERT_TRUE(whole && none);
+        const auto truth = first_frame(*whole);
+        const double near = mean_difference(first_frame(*texture), truth);
+        EXPECT_LT(near, 0.06 * (type == SampleType::half16 ? 4 : 1));
+        EXPECT_LT(near, 0.7 * mean_difference(first_frame(*none), truth));
     }
-    // Texels that belong to something else.
+}
+
+TEST_F(GpuSample, CoarseTexelsOfSomethingElseAreRefused) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     Bytes texels(file.desc().box_bytes(Box4::whole(file.desc().size)));
     MemorySource source(file.desc(), texels);
@@ -461,6 +433,45 @@ TEST_F(GpuSample, CoarseLevelsStandInAndLostReadsAreRepeated) {
     options.coarse_from = {coarse_level(file.desc().size, 1, 1, 0), &source};
     EXPECT_EQ(SampledTexture::create(file.reader(), options).status().code(),
               ErrorCode::bad_argument);
+}
+
+// Tiles that come at a second try, whether they are asked for one by one or together.
+TEST_F(GpuSample, LostReadsAreRepeated) {
+    const Bytes file = mixed_file(SampleType::unorm8, 3, 90, true);
+    const auto memory = wrap_memory(file);
+    MoodySource source(*memory);
+    SampledFile sound(file);
+    auto whole = SampledTexture::create(sound.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(whole);
+    const auto truth = first_frame(*whole);
+    auto options = with(Residency::on_feedback, true);
+    options.coarse = false;
+    for (const bool prefetch : {false, true}) {
+        SCOPED_TRACE(prefetch);
+        source.prefetch = prefetch;
+        const auto decoder = Decoder::open(source);
+        ASSERT_TRUE(decoder) << decoder.status().message();
+        auto texture = SampledTexture::create(decoder->container(), options);
+        ASSERT_TRUE(texture) << texture.status().message();
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        for (const Status& failure : {Status(ErrorCode::io, "the line is dead"),
+                                      Status(ErrorCode::runtime, "interrupted")}) {
+            source.failure = failure;
+            ASSERT_TRUE(renderer->draw(camera_at(200)));
+            const auto report = texture->update(true);
+            ASSERT_TRUE(report) << report.status().message();
+            EXPECT_EQ(report->trouble.code(), failure.code());
+            EXPECT_GT(report->touched, 0u);
+            EXPECT_EQ(report->missing, report->touched);
+            EXPECT_EQ(report->waiting, report->touched);
+            EXPECT_EQ(report->decoded, 0u);
+        }
+        source.failure = {};
+        const auto picture = drawn(*texture, *renderer, camera_at(200));
+        EXPECT_LE(largest_difference(picture, truth), 1 / 255.0);
+        EXPECT_EQ(texture->cache_stats()->failures, 0u);
+    }
 }
 
 TEST_F(GpuSample, UpdatesThatDoNotWaitArriveALittleLater) {
