@@ -490,6 +490,11 @@ TEST_F(Cli, SetsPicturesSideBySide) {
     fail(3, "montage a.tess -o m.png", {"a.tess"});
 }
 
+#ifndef TESSERA_GPU
+TEST_F(Cli, BenchNeedsABuildThatDraws) {
+    fail(5, "bench gpu a.tess", {"TESSERA_GPU is off"});
+}
+#else
 // A file of 8 tiles in a small window.
 const std::string bench_scene =
     "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20 --effort 3";
@@ -570,5 +575,7 @@ TEST_F(Cli, BenchSaysWhatCannotBe) {
     for (const char* word : {"16 fetches, of a.rgb", "corrections", "wall ms"})
         EXPECT_NE(text.out.find(word), std::string::npos) << text.out;
 }
+
+#endif
 
 } // namespace
