@@ -57,28 +57,19 @@ Result<Inputs> open_baked(const Arguments& arguments) {
                   decoders};
 }
 
-// A raw file beside one that knows its geometry needs no --size.
 Result<Inputs> open_both(const Arguments& arguments) {
-    auto hints = make_hints(arguments.texture);
+    const auto hints = make_hints(arguments.texture);
     if (!hints.ok())
         return hints.status();
-    const bool raw_first = kind_of(arguments.a) == TextureKind::raw;
-    auto first = open_texture(raw_first ? arguments.b : arguments.a, *hints);
-    if (!first.ok())
-        return first.status();
-    const std::string& other = raw_first ? arguments.a : arguments.b;
-    if (!hints->size && kind_of(other) == TextureKind::raw)
-        hints->size = first->source->desc().size;
-    auto second = open_texture(other, *hints);
-    if (!second.ok())
-        return second.status();
-    if (raw_first)
-        std::swap(*first, *second);
+    auto opened = open_two_textures(arguments.a, arguments.b, *hints);
+    if (!opened.ok())
+        return opened.status();
+    auto& [first, second] = *opened;
     std::vector<const Decoder*> decoders;
-    for (const Decoder* decoder : {first->decoder, second->decoder})
+    for (const Decoder* decoder : {first.decoder, second.decoder})
         if (decoder != nullptr)
             decoders.push_back(decoder);
-    return Inputs{interruptible(std::move(first->source)), interruptible(std::move(second->source)),
+    return Inputs{interruptible(std::move(first.source)), interruptible(std::move(second.source)),
                   decoders};
 }
 

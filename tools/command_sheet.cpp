@@ -5,6 +5,7 @@
 #include "tools/texture_io.h"
 
 #include <filesystem>
+#include <tuple>
 
 namespace tessera {
 namespace {
@@ -19,25 +20,25 @@ Status run(const Arguments& a) {
     if (std::filesystem::path(a.output).extension() != ".png")
         return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
     TESSERA_TRY(check_output_path(a.output));
-    auto hints = make_hints(a.texture);
+    const auto hints = make_hints(a.texture);
     if (!hints.ok())
         return hints.status();
-    auto first = open_texture(a.a, *hints);
-    if (!first.ok())
-        return first.status();
-    if (!hints->size && kind_of(a.b) == TextureKind::raw)
-        hints->size = first->source->desc().size;
-    OpenedTexture second;
-    if (!a.b.empty()) {
-        auto opened = open_texture(a.b, *hints);
+    OpenedTexture first, second;
+    if (a.b.empty()) {
+        auto opened = open_texture(a.a, *hints);
         if (!opened.ok())
             return opened.status();
-        second = std::move(*opened);
+        first = std::move(*opened);
+    } else {
+        auto opened = open_two_textures(a.a, a.b, *hints);
+        if (!opened.ok())
+            return opened.status();
+        std::tie(first, second) = std::move(*opened);
     }
     SheetOptions options = a.sheet;
     options.name_a = std::filesystem::path(a.a).filename().string();
     options.name_b = std::filesystem::path(a.b).filename().string();
-    const auto source = interruptible(std::move(first->source));
+    const auto source = interruptible(std::move(first.source));
     const auto picture = make_contact_sheet(*source, second.source.get(), options);
     if (!picture.ok())
         return picture.status();

@@ -173,6 +173,23 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     return opened;
 }
 
+Result<std::pair<OpenedTexture, OpenedTexture>>
+open_two_textures(const std::string& first, const std::string& second, TextureHints hints) {
+    const bool raw_first = kind_of(first) == TextureKind::raw;
+    auto one = open_texture(raw_first ? second : first, hints);
+    if (!one.ok())
+        return one.status();
+    const std::string& left = raw_first ? first : second;
+    if (!hints.size && kind_of(left) == TextureKind::raw)
+        hints.size = one->source->desc().size;
+    auto other = open_texture(left, hints);
+    if (!other.ok())
+        return other.status();
+    if (raw_first)
+        std::swap(*one, *other);
+    return std::pair(std::move(*one), std::move(*other));
+}
+
 Status check_output_path(const std::string& path) {
     if (is_url(path))
         return {ErrorCode::bad_argument, path + ": cannot write to a URL"};

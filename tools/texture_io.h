@@ -15,6 +15,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace tessera {
 
@@ -31,6 +32,11 @@ struct OpenedTexture {
 
 // Errors: bad_argument (name of no known kind, hints missing), io, invalid_file, unsupported.
 Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& hints);
+
+// The same for two that are set beside each other: a raw one takes its size from the other where the
+// hints have none. Errors: those of both.
+Result<std::pair<OpenedTexture, OpenedTexture>>
+open_two_textures(const std::string& first, const std::string& second, TextureHints hints);
 
 // A sink for `desc` that becomes `path` when finished. Errors: bad_argument (name of no known kind,
 // or one that contradicts `desc`), io, unsupported.
