@@ -29,17 +29,12 @@ inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box
     cost.first_reads = counting.reads().size();
     // Not counted by reading again: the first read of a small file brings its tiles along.
     const ContainerReader& container = decoder->container();
-    Status located;
-    container.grid().for_each(container.grid().touched(box), [&](std::uint64_t tile) {
+    for (const std::uint64_t tile : container.grid().tiles_touched(box)) {
         const Result<TileLocation> place = container.locate(tile);
-        if (!place.ok()) {
-            located = place.status();
-            return;
-        }
+        TESSERA_TRY(place.status());
         cost.reads += place->length > 0;
         cost.bytes += place->length;
-    });
-    TESSERA_TRY(located);
+    }
     return cost;
 }
 

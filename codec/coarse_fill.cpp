@@ -59,12 +59,11 @@ Status CoarseFill::texels_of(std::size_t level, const Box4& box, std::span<std::
     const TileGrid& grid = container_.grid(level);
     const TextureDesc& desc = container_.desc();
     const std::uint64_t first_tile = container_.levels()[level].first_tile;
-    std::vector<std::uint64_t> numbers, to_load;
-    grid.for_each(grid.touched(box), [&](std::uint64_t number) {
-        numbers.push_back(number);
+    const std::vector<std::uint64_t> numbers = grid.tiles_touched(box);
+    std::vector<std::uint64_t> to_load;
+    for (const std::uint64_t number : numbers)
         if (container_.wants_prefetch() && !is_kept(first_tile + number))
             to_load.push_back(first_tile + number);
-    });
     TilesAhead ahead(container_, to_load);
     std::size_t loaded = 0;
     for (const std::uint64_t number : numbers) {

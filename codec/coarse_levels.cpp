@@ -73,7 +73,13 @@ Status read_patch(const DecodedPass& texture, std::uint64_t tile, Patch& patch) 
     }
     patch.size = box.extent();
     patch.texels.resize(static_cast<std::size_t>(texture.desc().box_bytes(box)));
-    return LevelSource(texture, {grid.size(), 0, 0, 0}).read(box, patch.texels);
+    std::vector<std::byte> texels;
+    for (const std::uint64_t number : grid.tiles_touched(box)) {
+        TESSERA_TRY(texture.tile(number, texels));
+        const Box4 tile_box = grid.box(number), part = intersect(tile_box, box);
+        copy_box(part, tile_box, texels, box, patch.texels, texture.desc().texel_bytes());
+    }
+    return {};
 }
 
 // Squared error, of codes, and its samples.
@@ -119,10 +125,11 @@ public:
         std::ranges::sort(candidates, {}, &Candidate::ideal);
         const Candidate* best = nullptr;
         for (Candidate& candidate : candidates) {
-            if (best != nullptr && candidate.ideal >= best->error)
+            const double least = best != nullptr ? best->error : unusable;
+            if (candidate.ideal >= least)
                 break; // coding makes none better
             TESSERA_TRY(try_out(candidate, bytes));
-            if (candidate.error < (best != nullptr ? best->error : unusable))
+            if (candidate.error < least)
                 best = &candidate;
         }
         if (best == nullptr)

@@ -56,6 +56,11 @@ Status add_truth(const StageRequest& r, const std::string& subject, const std::s
     return {};
 }
 
+// The network counts its requests itself, by a finer measure than reads.
+Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
+    return network_traffic(bytes).value_or(metered.traffic());
+}
+
 // A compressed file, and the texture that it was made from where there is something to compare.
 Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
     if (kind_of(r.file) != TextureKind::tess)
@@ -65,7 +70,6 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
         return bytes.status();
     stage.bytes = std::move(*bytes);
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
-    // The network counts its requests itself, by a finer measure than reads.
     const bool remote = network_traffic(*stage.bytes).has_value();
     auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
     if (!decoder.ok())
@@ -97,7 +101,7 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
         std::unique_ptr<TexelSource> coarse;
         GpuRenderOptions on_gpu{r.via, r.budget_mib, r.tiles_per_frame, {}, nullptr, {}};
         on_gpu.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
-            return network_traffic(*bytes).value_or(metered->traffic()); // the stage may move
+            return traffic_of(*bytes, *metered); // the stage may move
         };
         if (const std::size_t levels = container.levels().size(); levels > 1) {
             coarse = decoded_level(*stage.decoder, levels - 1);
@@ -174,7 +178,7 @@ Status check_request(const StageRequest& r) {
 } // namespace
 
 Traffic Stage::traffic() const {
-    return !bytes ? Traffic{} : network_traffic(*bytes).value_or(metered->traffic());
+    return !bytes ? Traffic{} : traffic_of(*bytes, *metered);
 }
 
 Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options) {

@@ -7,6 +7,13 @@ void tsr_mark(uint tile) {
         tsr_marks[tile] = 1u;
 }
 
+void tsr_mark_all(uvec4 tiles) {
+    tsr_mark(tiles.x);
+    tsr_mark(tiles.y);
+    tsr_mark(tiles.z);
+    tsr_mark(tiles.w);
+}
+
 // A surface texel among the tiles: the part of a tile's number and of a pixel that u and v give.
 struct TsrColumn {
     uint u; // words of the axes
@@ -129,24 +136,18 @@ vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
         return tsr_fetched(tsr_cache_pixel(page, c, s0, t0), f);
 #endif
     }
+    uint tile_s = tsr_tile_of(c, s1, t0);
+    uint tile_t = tsr_tile_of(c, s0, t1);
+    uint tile_st = tsr_tile_of(c, s1, t1);
     if (page == tsr_page_missing) {
-        tsr_mark(tile);
-        tsr_mark(tsr_tile_of(c, s1, t0));
-        tsr_mark(tsr_tile_of(c, s0, t1));
-        tsr_mark(tsr_tile_of(c, s1, t1));
+        tsr_mark_all(uvec4(tile, tile_s, tile_t, tile_st));
         return tsr_coarse(c, s0, t0, tsr_beyond(f));
     }
 #ifdef TESSERA_HARDWARE_FILTER
     // Across a border: the tile's own copy of its neighbours' first texels, once all are there.
-    uint tile_s = tsr_tile_of(c, s1, t0);
-    uint tile_t = tsr_tile_of(c, s0, t1);
-    uint tile_st = tsr_tile_of(c, s1, t1);
     if (page < tsr_page_background && tsr_page(tile_s) != tsr_page_missing &&
         tsr_page(tile_t) != tsr_page_missing && tsr_page(tile_st) != tsr_page_missing) {
-        tsr_mark(tile);
-        tsr_mark(tile_s);
-        tsr_mark(tile_t);
-        tsr_mark(tile_st);
+        tsr_mark_all(uvec4(tile, tile_s, tile_t, tile_st));
         return tsr_filtered(tsr_cache_pixel(page, c, s0, t0), f);
     }
 #endif
