@@ -154,7 +154,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
     while (finest_cells(shape_, spatial_depths_, angular_depths_) > max_leaves)
-        --angular_depths_; // unusual tiles, 32x1x32x32 for one; spatial cells alone are at most 1024
+        --angular_depths_; // unusual tiles, 32x1x32x32 for one; spatial cells alone are at most 256
     grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     out.clear();
     out.shape = shape_;
@@ -462,7 +462,7 @@ void BlockSearch::combine() {
             grid.for_each_cell([&](const std::array<int, 4>& c) {
                 const std::size_t i = grid.index(c);
                 const auto& split_bits =
-                    costs_.split[static_cast<std::size_t>(s)][static_cast<std::size_t>(a)];
+                    costs_.split[depth_class(s)][depth_class(a)];
                 grid.cost[i] += options_.lambda * split_bits[0];
                 for (const Split split : {Split::spatial, Split::angular}) {
                     const bool spatial = split == Split::spatial;

@@ -76,7 +76,12 @@ private:
         return static_cast<std::size_t>(angular * (spatial_depths_ + 1) + spatial);
     }
     bool is_tried(int spatial, int angular) const {
-        return (options_.grids >> (spatial * 8 + angular) & 1) != 0;
+        // A tile that cannot be cut so deep tries its deepest cut instead.
+        for (int s = spatial; s < 8; s = s < spatial_depths_ ? 8 : s + 1)
+            for (int a = angular; a < 8; a = a < angular_depths_ ? 8 : a + 1)
+                if ((options_.grids >> (s * 8 + a) & 1) != 0)
+                    return true;
+        return false;
     }
 
     void estimate_costs();

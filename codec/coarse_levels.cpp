@@ -35,7 +35,7 @@ struct LevelCoder {
     LevelCoder(const EncodePlan& whole, const DecodedPass& texture, const LevelEntry& level)
         : source(texture, level), plan{source,
                                        whole.options,
-                                       TileGrid(level.size, whole.options.tile_extent),
+                                       TileGrid(level.size, whole.grid.tile_extent()),
                                        whole.colour,
                                        whole.effort,
                                        nullptr} {
@@ -190,23 +190,20 @@ private:
         const std::size_t reads = texture_.grid().tiles() / tiles + 1; // of one tile, about
         const std::size_t wanted = std::min<std::uint64_t>(
             tiles, std::clamp(trial_reads / reads, fewest_trial_tiles, trial_tiles));
-        std::uint64_t texels = 0;
-        for (std::size_t i = 0; i < wanted; ++i) {
-            sample.tiles.push_back(wanted == tiles ? i : golden_pick(i, tiles));
-            texels += grid.box(sample.tiles[i]).texels();
-        }
+        for (std::size_t i = 0; i < wanted; ++i)
+            sample.boxes.push_back(grid.box(wanted == tiles ? i : golden_pick(i, tiles)));
         sample.texels.resize(wanted);
         std::vector<int> workers(thread_count(plan_.options.threads));
         TESSERA_TRY(parallel_for(
             workers, wanted,
             [&](int, std::size_t i) -> Status {
-                const Box4 box = grid.box(sample.tiles[i]);
+                const Box4& box = sample.boxes[i];
                 sample.texels[i].resize(
                     static_cast<std::size_t>(level.plan.colour.desc.box_bytes(box)));
                 return level.source.read(box, sample.texels[i]);
             },
             [](std::size_t) {}));
-        share = static_cast<double>(texels) / static_cast<double>(texel_count(grid.size()));
+        share = static_cast<double>(sample.texel_count()) / static_cast<double>(texel_count(grid.size()));
         return sample;
     }
 

@@ -80,7 +80,7 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
         {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
         {"effort", std::to_string(o.effort)},
         {"list of tools", tools_text(o.tools)},
-        {"largest tile", to_string(o.tile_extent)},
+        {"largest tile", to_string(plan.grid.tile_extent())},
         {"layers", o.layers ? "coarse levels" : "none"},
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tessera {
 namespace {
@@ -211,6 +212,15 @@ std::uint64_t PassResult::payload_bytes() const {
     return bytes;
 }
 
+double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
+    // An error of the first plane of YCoCg moves three samples.
+    const double samples = plan.colour.transform == ColourTransform::ycocg_r ? 3 : 1;
+    const double step = pass.parameters.step[0].value();
+    return pass.totals.squared_error / (samples * step * step) +
+           8.0 * static_cast<double>(plan.effort.quantizer.lambda) *
+               static_cast<double>(pass.payload_bytes());
+}
+
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
     const TextureDesc& desc = plan.colour.desc;
     return make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),
@@ -220,7 +230,7 @@ Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
 namespace {
 
 // The tiles that a sample holds, ascending. They must not depend on how slabs are cut.
-Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan) {
+Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan, std::uint64_t wanted) {
     // Sources that are walked in slabs give the tiles of the middle one.
     const auto uncut = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
     if (!uncut)
@@ -228,8 +238,7 @@ Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan) {
     const bool anywhere = plan.source.locality() == Locality::any;
     const Slab& middle = (*uncut)[uncut->size() / 2];
     const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
-    const auto wanted = std::min<std::uint64_t>(
-        available, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
+    wanted = std::min(available, wanted);
     std::vector<std::uint64_t> tiles;
     for (std::uint64_t i = 0; i < wanted; ++i) {
         const std::uint64_t pick = golden_pick(i, available);
@@ -242,20 +251,32 @@ Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan) {
 
 } // namespace
 
+std::uint64_t Sample::texel_count() const {
+    return std::accumulate(boxes.begin(), boxes.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Box4& box) { return sum + box.texels(); });
+}
+
 Result<Sample> read_sample(const EncodePlan& plan) {
-    auto chosen = choose_sample(plan);
+    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
+}
+
+Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
+    const auto chosen = choose_sample(plan, wanted);
     if (!chosen)
         return chosen.status();
+    const std::vector<std::uint64_t>& tiles = *chosen;
     const auto slabs = slabs_of(plan);
     if (!slabs)
         return slabs.status();
-    Sample sample{std::move(*chosen), {}};
-    sample.texels.resize(sample.tiles.size());
+    Sample sample;
+    for (const std::uint64_t tile : tiles)
+        sample.boxes.push_back(plan.grid.box(tile));
+    sample.texels.resize(tiles.size());
     std::vector<int> workers(thread_count(plan.options.threads));
     for (const Slab& slab : *slabs) {
-        std::vector<std::size_t> inside; // of sample.tiles
-        for (std::size_t i = 0; i < sample.tiles.size(); ++i)
-            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), sample.tiles[i]))
+        std::vector<std::size_t> inside; // of tiles
+        for (std::size_t i = 0; i < tiles.size(); ++i)
+            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), tiles[i]))
                 inside.push_back(i);
         if (inside.empty())
             continue;
@@ -264,8 +285,8 @@ Result<Sample> read_sample(const EncodePlan& plan) {
             workers, inside.size(),
             [&](int, std::size_t i) {
                 CodedTile ignored;
-                return read_tile(plan, plan.grid.box(sample.tiles[inside[i]]),
-                                 sample.texels[inside[i]], ignored);
+                return read_tile(plan, sample.boxes[inside[i]], sample.texels[inside[i]],
+                                 ignored);
             },
             [&](std::size_t i) {
                 if (plan.options.progress)
@@ -327,12 +348,12 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample) {
     Crew crew(plan, parameters);
-    std::vector<CodedTile> tiles(sample.tiles.size());
+    std::vector<CodedTile> tiles(sample.boxes.size());
     TESSERA_TRY(parallel_for(
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
             TESSERA_TRY(check_cancelled(plan.options));
-            return crew.encode(worker, plan.grid.box(sample.tiles[i]), sample.texels[i], tiles[i]);
+            return crew.encode(worker, sample.boxes[i], sample.texels[i], tiles[i]);
         },
         [](std::size_t) {}));
     return finish(crew, 0, std::move(tiles), nullptr);

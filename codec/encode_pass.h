@@ -43,8 +43,10 @@ struct PassResult {
 
 // Texels of some tiles, held in memory.
 struct Sample {
-    std::vector<std::uint64_t> tiles;
+    std::vector<Box4> boxes; // of the tiles
     std::vector<std::vector<std::byte>> texels; // finite
+
+    std::uint64_t texel_count() const;
 };
 
 // The i-th of picks that the golden ratio spreads over 0..count-1, however many they are.
@@ -63,8 +65,9 @@ inline Status check_cancelled(const EncodeOptions& options) {
 // Slabs of the whole texture that plan.options.slab_bytes allows.
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 
-// Reads a spread of about an eighth of the tiles, between 4 and 128.
+// Reads a spread of the tiles: about an eighth of them, between 4 and 128, or as many as `wanted`.
 Result<Sample> read_sample(const EncodePlan& plan);
+Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted);
 
 // Encodes every tile of the texture but those that the journal holds of an earlier run. `number`
 // counts passes, from 1. Errors: the source's; the journal's; invalid_file (strict and non-finite).
@@ -73,6 +76,10 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 // Encodes the sample's tiles only.
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample);
+
+// Squared error in steps of the first plane, and what the bytes are worth: less is better, for passes
+// over the same texels with the same steps.
+double lagrangian_cost(const EncodePlan& plan, const PassResult& pass);
 
 // Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
 // its texels differ) unless the options say no. Needs pass.payloads.

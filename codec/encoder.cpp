@@ -1,15 +1,16 @@
 #include "codec/encoder.h"
 
+#include "codec/background.h"
 #include "codec/encode_facts.h"
 #include "codec/coarse_levels.h"
 #include "codec/rate_control.h"
+#include "codec/tile_choice.h"
 #include "format/container_writer.h"
 #include "format/version.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 namespace tessera {
 namespace {
@@ -21,9 +22,11 @@ Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
     if (options.effort < 0 || options.effort > 9)
         return bad("effort must be 0 to 9");
     std::uint64_t tile = 1;
-    for (const std::uint32_t side : options.tile_extent) {
-        if (side < 1 || side > max_tile_side)
-            return bad("tile sides must be 1 to 32");
+    const bool by_trial = options.tile_extent == Extent4{0, 0, 0, 0};
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        const std::uint32_t side = options.tile_extent[axis];
+        if ((side < 1 && !by_trial) || side > static_cast<std::uint32_t>(max_side_along(axis)))
+            return bad("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
         tile *= side;
     }
     if (tile > max_tile_texels)
@@ -46,38 +49,6 @@ Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
     default:
         return value > 0 ? Status() : bad("the size target must be above 0");
     }
-}
-
-// The most frequent texel of the sample: what empty tiles stand for.
-std::array<std::uint16_t, 4> find_background(const Sample& sample, const TextureDesc& desc) {
-    std::map<std::uint64_t, std::uint64_t> counts;
-    const std::size_t size = desc.texel_bytes();
-    std::uint64_t previous = 0, run = 0;
-    const auto flush = [&] {
-        if (run > 0)
-            counts[previous] += run;
-    };
-    for (const auto& texels : sample.texels)
-        for (std::size_t at = 0; at < texels.size(); at += size) {
-            std::uint64_t texel = 0;
-            for (std::size_t i = 0; i < size; ++i)
-                texel |= std::to_integer<std::uint64_t>(texels[at + i]) << (8 * i);
-            if (texel != previous) {
-                flush();
-                previous = texel;
-                run = 0;
-            }
-            ++run;
-        }
-    flush();
-    const auto most = std::max_element(counts.begin(), counts.end(),
-                                       [](auto& a, auto& b) { return a.second < b.second; });
-    std::array<std::uint16_t, 4> background{};
-    const int bits = 8 * static_cast<int>(sample_bytes(desc.type));
-    for (int c = 0; c < desc.channels && most != counts.end(); ++c)
-        background[static_cast<std::size_t>(c)] =
-            static_cast<std::uint16_t>(most->first >> (bits * c) & ((1u << bits) - 1));
-    return background;
 }
 
 constexpr std::uint32_t layered_page_bytes = 2048; // a view touches a fifth fewer bytes than with 4096
@@ -127,7 +98,7 @@ ContainerContents contents_of(const FileParts& parts) {
     const EncodePlan& plan = parts.plan;
     ContainerContents contents;
     contents.desc = plan.colour.desc;
-    contents.tile_extent = plan.options.tile_extent;
+    contents.tile_extent = plan.grid.tile_extent();
     contents.description = plan.options.description;
     contents.metadata = plan.options.metadata;
     contents.metadata.try_emplace("Software", std::string("Tessera ") + library_version);
@@ -164,12 +135,15 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     EncodePlan plan{
         source,
         options,
-        TileGrid(desc.size, options.tile_extent),
+        {},
         {desc,
          desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
          {},
          options.rate.kind == RateTarget::Kind::max_error},
         effort};
+    const Result<Extent4> tile_extent = choose_tile_extent(plan);
+    TESSERA_TRY(tile_extent.status());
+    plan.grid = TileGrid(desc.size, *tile_extent);
     if (plan.grid.tiles() > max_tiles)
         return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
     const Result<Sample> sample = read_sample(plan);

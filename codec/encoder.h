@@ -49,7 +49,8 @@ struct EncodeOptions {
                                            // changes the bytes.
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
-    Extent4 tile_extent{32, 32, 8, 8}; // largest tile, 1..32 a side
+    // Largest tile: 1..64 along u and v, 1..32 along s and t; all 0: 32x32x8x8 or 64x64x4x4, by trial.
+    Extent4 tile_extent{0, 0, 0, 0};
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent
     Description description;           // proxy, maps, transfer, primaries

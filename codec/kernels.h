@@ -26,11 +26,11 @@ struct PlaneSet {
 // Frequencies that forward_image computes along a side: sides of 32 keep 16, as a block that needs
 // more is always cheaper when cut.
 constexpr int forward_kept(int n) {
-    return n == 32 ? 16 : n;
+    return n >= 32 ? (n + 1) / 2 : n;
 }
 // Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32), the even ones first.
 constexpr int forward_order(int n, int i) {
-    const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32;
+    const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32 || n == 64;
     const int half = forward_kept(n) / 2;
     return !butterfly ? i : i < half ? 2 * i : 2 * (i - half) + 1;
 }
@@ -73,7 +73,7 @@ struct Kernels {
     // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u
     // frequencies of a row in the order of forward_order(nu).
     void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
-    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n <= 32 floats; row y of b is the one at
+    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n floats; row y of b is the one at
     // first + y within 0..last. Rows of a lie a_stride apart, those of b b_stride.
     void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
                                     int first, int last, int rows, int n, float* sums);

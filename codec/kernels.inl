@@ -197,6 +197,7 @@ CostSum coding_cost(const float* x, const float* base, int count, float inverse_
 }
 
 // Vectors of the compiler: two halves where the instruction set has only 128 bits.
+typedef float Float16 __attribute__((vector_size(64)));
 typedef float Float8 __attribute__((vector_size(32)));
 typedef float Float4 __attribute__((vector_size(16)));
 typedef float Float2 __attribute__((vector_size(8)));
@@ -315,6 +316,8 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
         return forward_rows_split<16, Float8>(in, out, rows, stride);
     case 32:
         return forward_rows_split<32, Float8>(in, out, rows, stride);
+    case 64:
+        return forward_rows_split<64, Float8>(in, out, rows, stride);
     default:
         for (int r = 0; r < rows; ++r)
             for (int k = 0; k < n; ++k) {
@@ -352,6 +355,7 @@ void forward_planes(const float* in, float* out, int n, int inner, const float* 
                      : n == 8  ? forward_planes_split<8>(in, out, inner)
                      : n == 16 ? forward_planes_split<16>(in, out, inner)
                      : n == 32 ? forward_planes_split<32>(in, out, inner)
+                     : n == 64 ? forward_planes_split<64>(in, out, inner)
                                : 0;
     if (done == 0 && n == 2) {
         const float half = basis_t[0];
@@ -367,7 +371,9 @@ void forward_planes(const float* in, float* out, int n, int inner, const float* 
 void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     float tmp[max_tile_side * max_tile_side];
     const bool columns_split = nu % 4 == 0;
-    if (columns_split && nv == 32)
+    if (columns_split && nv == 64)
+        image_columns<64>(in, stride, nu, tmp);
+    else if (columns_split && nv == 32)
         image_columns<32>(in, stride, nu, tmp);
     else if (columns_split && nv == 16)
         image_columns<16>(in, stride, nu, tmp);
@@ -384,7 +390,9 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
                 tmp[k * nu + u] = sum;
             }
     const int rows = forward_kept(nv);
-    if (nu == 32 && rows % 2 == 0)
+    if (nu == 64 && rows % 2 == 0)
+        image_rows<64, Float16>(tmp, rows, out);
+    else if (nu == 32 && rows % 2 == 0)
         image_rows<32, Float8>(tmp, rows, out);
     else if (nu == 16 && rows % 2 == 0)
         image_rows<16, Float8>(tmp, rows, out);

@@ -15,7 +15,7 @@ namespace {
 // the result is exactly 2^4 times its coefficient before the last shift. Sizes with an odd factor
 // above 3 reach 2^15 at other frequencies as well (n = 5, k = 4, x = 2); they use the portable loops.
 
-constexpr int max_pairs = max_tile_side / 4; // of even, or of odd, frequencies above 0
+constexpr int max_pairs = max_frequencies / 4; // of even, or of odd, frequencies above 0
 
 std::int32_t packed(std::int32_t low, std::int32_t high) {
     return static_cast<std::int32_t>((static_cast<std::uint32_t>(low) & 0xFFFFu) |
@@ -26,7 +26,7 @@ std::int32_t packed(std::int32_t low, std::int32_t high) {
 // 4p + 3, next[p][x] 2p + 1 and 2p + 2; 0 beyond n.
 struct PairTable {
     std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
-    alignas(32) std::int32_t next[max_tile_side / 2][max_tile_side];
+    alignas(32) std::int32_t next[max_frequencies / 2][max_tile_side];
     bool fits; // no value above 16 bits but DC's
 };
 
@@ -35,16 +35,17 @@ struct PairTables {
     PairTables() {
         for (int n = 1; n <= max_tile_side; ++n) {
             const std::int32_t* b = basis(n);
-            const auto at = [&](int k, int x) { return k < n && x < n ? b[k * n + x] : 0; };
+            const int coded = n < max_frequencies ? n : max_frequencies;
+            const auto at = [&](int k, int x) { return k < coded && x < n ? b[k * n + x] : 0; };
             of[n].fits = true;
-            for (int i = n; i < n * n; ++i)
+            for (int i = n; i < coded * n; ++i)
                 of[n].fits = of[n].fits && b[i] < 1 << basis_bits;
             for (int x = 0; x < max_tile_side; ++x) {
                 for (int p = 0; p < max_pairs; ++p) {
                     of[n].even[x][p] = packed(at(4 * p + 2, x), at(4 * p + 4, x));
                     of[n].odd[x][p] = packed(at(4 * p + 1, x), at(4 * p + 3, x));
                 }
-                for (int p = 0; p < max_tile_side / 2; ++p)
+                for (int p = 0; p < max_frequencies / 2; ++p)
                     of[n].next[p][x] = packed(at(2 * p + 1, x), at(2 * p + 2, x));
             }
         }
@@ -141,7 +142,7 @@ void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int 
     }
     const int pairs = support / 2;
     for (int r = 0; r < rows; ++r, in += support, out += n) {
-        std::int32_t high[max_tile_side / 2], low[max_tile_side / 2];
+        std::int32_t high[max_frequencies / 2], low[max_frequencies / 2];
         for (int p = 0; p < pairs; ++p) {
             const std::int32_t a = clamped(in[2 * p + 1]);
             const std::int32_t b = 2 * p + 2 < support ? clamped(in[2 * p + 2]) : 0;

@@ -140,10 +140,7 @@ private:
     }
 
     CodingParameters for_step(double step) const {
-        CodingParameters parameters = parameters_for_step(step, plan_.colour.desc, plan_.effort);
-        // Corrections are found once a tile is decoded, so nothing could copy corrected texels.
-        parameters.prediction = plan_.effort.search.copies.along > 0 && !plan_.colour.corrections;
-        return parameters;
+        return coding_parameters(step, plan_);
     }
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
 
@@ -185,9 +182,7 @@ private:
     Result<double> first_log_step(double goal, bool bytes) {
         std::vector<Point> points{};
         double log_step = 3 + (plan_.colour.desc.type == SampleType::half16 ? 4 : 0);
-        std::uint64_t sample_texels = 0;
-        for (const std::uint64_t tile : sample_.tiles)
-            sample_texels += plan_.grid.box(tile).texels();
+        const std::uint64_t sample_texels = sample_.texel_count();
         const double share = static_cast<double>(sample_texels) / static_cast<double>(texels_);
         for (int i = 0; i < 6; ++i) {
             const Result<PassResult> pass = run_pass(plan_, at(log_step), sample_);
@@ -299,6 +294,13 @@ CodingParameters parameters_for_step(double step, const TextureDesc& desc,
                                                                    : rgb_ratio));
     parameters.rotated_step = StepCode::nearest(step * rgb_ratio);
     parameters.colour_rotation = desc.channels >= 3 && effort.rotate_colours;
+    return parameters;
+}
+
+CodingParameters coding_parameters(double step, const EncodePlan& plan) {
+    CodingParameters parameters = parameters_for_step(step, plan.colour.desc, plan.effort);
+    // Corrections are found once a tile is decoded, so nothing could copy corrected texels.
+    parameters.prediction = plan.effort.search.copies.along > 0 && !plan.colour.corrections;
     return parameters;
 }
 

@@ -10,6 +10,9 @@ namespace tessera {
 CodingParameters parameters_for_step(double step, const TextureDesc& desc,
                                      const EffortSettings& effort);
 
+// The same for what a plan asks for.
+CodingParameters coding_parameters(double step, const EncodePlan& plan);
+
 // Base step of --quality 1..100: halves every 8, 0.75 at 100 (times 16 for half floats, whose codes
 // are as much finer than what can be seen).
 double step_of_quality(double quality, SampleType type);

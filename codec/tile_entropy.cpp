@@ -8,8 +8,9 @@ namespace {
 struct StatisticsVisitor {
     Statistics& statistics;
 
-    void split(int spatial, int angular, int kind) {
-        statistics.chain(split_offset + (spatial * depth_classes + angular) * (split_kinds - 1),
+    void split(std::size_t spatial, std::size_t angular, int kind) {
+        statistics.chain(split_offset + static_cast<int>(spatial * depth_classes + angular) *
+                                            (split_kinds - 1),
                          split_kinds - 1, split_kinds, kind);
     }
     void first_length(int context, int token) {
@@ -48,9 +49,8 @@ struct CodingVisitor {
     const CodeTables& tables;
     RansEncoder coder;
 
-    void split(int spatial, int angular, int kind) {
-        tables.split[static_cast<std::size_t>(spatial)][static_cast<std::size_t>(angular)].encode(
-            coder, kind);
+    void split(std::size_t spatial, std::size_t angular, int kind) {
+        tables.split[spatial][angular].encode(coder, kind);
     }
     void first_length(int context, int token) {
         tables.first_length[static_cast<std::size_t>(context)].encode(coder, token);

@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// Sides of a block along u, v, s, t, each 1..32, product at most 65,536.
+// Sides of a block along u, v, s, t, 1..64, 1..64, 1..32, 1..32, product at most 65,536.
 struct BlockShape {
     std::array<std::uint8_t, 4> n{1, 1, 1, 1};
 

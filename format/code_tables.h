@@ -79,7 +79,11 @@ constexpr int length_contexts = 2 * size_classes;
 constexpr int length_context(const BlockShape& shape, bool copies) {
     return size_class(shape) + (copies ? size_classes : 0);
 }
-constexpr int depth_classes = max_split_depth + 1;
+// Nodes of a split tree by how often they were split along a pair of axes; the deepest share one.
+constexpr int depth_classes = 6;
+constexpr std::size_t depth_class(int depth) {
+    return static_cast<std::size_t>(std::min(depth, depth_classes - 1));
+}
 
 // Magnitude tables of one quantiser: of plane 0 by neighbours, then those of DC by size class; of
 // the other planes by neighbours / 2 and cross, then those of DC by size class.

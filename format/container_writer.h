@@ -56,7 +56,7 @@ struct ExtraSection {
 // Everything that goes into a file. Spans are borrowed until write_container returns.
 struct ContainerContents {
     TextureDesc desc;
-    Extent4 tile_extent{32, 32, 8, 8}; // texels, each 1..32, product at most 65,536
+    Extent4 tile_extent{32, 32, 8, 8}; // texels, 1..64 along u and v, 1..32 along s and t, product at most 65,536
     Description description;
     Metadata metadata;
     ColourTransform colour = ColourTransform::none;

@@ -62,10 +62,13 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
     };
     std::vector<Keyed> all;
     all.reserve(static_cast<std::size_t>(shape.texels()));
-    for (int t = 0; t < shape.n[3]; ++t)
-        for (int s = 0; s < shape.n[2]; ++s)
-            for (int v = 0; v < shape.n[1]; ++v)
-                for (int u = 0; u < shape.n[0]; ++u) {
+    const auto coded = [&shape](int axis) {
+        return std::min<int>(shape.n[static_cast<std::size_t>(axis)], max_frequencies);
+    };
+    for (int t = 0; t < coded(3); ++t)
+        for (int s = 0; s < coded(2); ++s)
+            for (int v = 0; v < coded(1); ++v)
+                for (int u = 0; u < coded(0); ++u) {
                     const ScanEntry entry{
                         {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
                          static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};

@@ -50,7 +50,7 @@ constexpr std::array<std::array<std::int8_t, 4>, scan_neighbours> neighbour_step
 
 struct ScanOrder {
     BlockShape shape;
-    // The first min(texels, max_coded_length) coefficients, DC first.
+    // The first max_coded_length, at most, of all that may be coded, DC first.
     std::vector<ScanEntry> entry;
     std::vector<std::uint8_t> position_class; // of each entry, 0 is DC alone
     // support[i]: per axis, one more than the largest frequency among entries 0..i.

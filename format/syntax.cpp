@@ -106,8 +106,9 @@ Status check_range(const char* field, std::uint64_t value, std::uint64_t low, st
 }
 
 Status check_tile_extent(const FileHeader& h) {
-    for (const std::uint32_t side : h.tile_extent)
-        TESSERA_TRY(check_range("tile_extent", side, 1, max_tile_side));
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        TESSERA_TRY(check_range("tile_extent", h.tile_extent[axis], 1,
+                                static_cast<std::uint64_t>(max_side_along(axis))));
     return check_range("tile_extent (product)", texel_count(h.tile_extent), 1, max_tile_texels);
 }
 

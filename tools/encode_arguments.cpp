@@ -5,6 +5,7 @@
 #include "tools/memory_budget.h"
 #include "tools/parse.h"
 #include "tools/tool_switches_text.h"
+#include "format/limits.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -25,11 +26,13 @@ RateTarget make_rate(const EncodeArguments& a) {
     return {Kind::quality, a.quality.value_or(75)};
 }
 
-// Tiles may be as small as one likes but no axis above 32, so this is not parse_extent's business.
+// Tiles have limits of their own, so this is not parse_extent's business.
 Result<Extent4> parse_tile(const std::string& text) {
     auto tile = parse_extent(text);
-    if (tile.ok() && *std::max_element(tile->begin(), tile->end()) > 32)
-        return Status(ErrorCode::bad_argument, "'" + text + "' has a side above 32");
+    for (std::size_t axis = 0; tile.ok() && axis < 4; ++axis)
+        if ((*tile)[axis] > static_cast<std::uint32_t>(max_side_along(axis)))
+            return Status(ErrorCode::bad_argument,
+                          "'" + text + "' has a side above 64 along u or v, or 32 along s or t");
     return tile;
 }
 
@@ -53,7 +56,8 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->check(CLI::Range(0, 9))
         ->capture_default_str();
     app.add_option("--tools", a.tools, tool_switches_help())->type_name("LIST");
-    app.add_option("--tile", a.tile, "Largest tile UxVxSxT, sides 1..32 (default 32x32x8x8)");
+    app.add_option("--tile", a.tile, "Largest tile UxVxSxT, u and v to 64, s and t to 32 (32x32x8x8 or 64x64x4x4, "
+                   "whichever a trial finds smaller)");
     app.add_flag("--layers", a.layers,
                  "Put coarse levels first (at most 3 % more bytes): any beginning of the file then "
                  "shows the whole texture, see decode --allow-partial");

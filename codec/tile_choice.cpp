@@ -1,0 +1,111 @@
+#include "codec/tile_choice.h"
+
+#include "codec/background.h"
+#include "codec/copy_box.h"
+#include "codec/rate_control.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace tessera {
+namespace {
+
+// All have 65,536 texels. Small parallax and blur fit many views of a small place, large parallax and
+// smooth pictures few views of a large one. Effort 5, against 32x32x8x8: 64x64x4x4 saves 4 to 13 % of
+// the composed scene at 512x256x32x32 and costs 6 % of it at 128x64x32x32; 128x128x2x2, 128x64x4x2
+// and 64x32x8x4 were never the best (tests/regression/ablation.md).
+constexpr Extent4 usual_tile{32, 32, 8, 8};
+constexpr Extent4 wide_tile{64, 64, 4, 4};
+// What both shapes divide; the trial looks at such parts.
+constexpr Extent4 patch_extent{64, 64, 8, 8};
+constexpr std::uint64_t fewest_patches = 4, most_patches = 8;
+constexpr int most_effort = 5;
+constexpr double quality_of_trial = 58; // where the rate is a target, not a step
+
+// How much texels change from one to the next.
+std::uint64_t liveliness(std::span<const std::byte> texels, std::size_t texel_bytes) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = texel_bytes; i < texels.size(); ++i)
+        sum += texels[i] != texels[i - texel_bytes];
+    return sum;
+}
+
+// Parts of the texture, the liveliest of twice as many: the others are nearly all background.
+Result<Sample> read_patches(const EncodePlan& plan) {
+    EncodePlan cut = plan;
+    cut.grid = TileGrid(plan.colour.desc.size, patch_extent);
+    const std::uint64_t wanted =
+        std::clamp(cut.grid.tiles() / 16, fewest_patches, most_patches);
+    Result<Sample> sample = read_sample(cut, 2 * wanted);
+    TESSERA_TRY(sample.status());
+    std::vector<std::uint64_t> lively;
+    for (const std::vector<std::byte>& texels : sample->texels)
+        lively.push_back(liveliness(texels, plan.colour.desc.texel_bytes()));
+    std::vector<std::size_t> order(lively.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](auto a, auto b) { return lively[a] > lively[b]; });
+    order.resize(std::min<std::size_t>(order.size(), wanted));
+    Sample patches;
+    for (const std::size_t i : order) {
+        patches.boxes.push_back(sample->boxes[i]);
+        patches.texels.push_back(std::move(sample->texels[i]));
+    }
+    return patches;
+}
+
+Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const TextureDesc& desc) {
+    Sample sample;
+    for (std::size_t i = 0; i < patches.boxes.size(); ++i) {
+        const Box4& patch = patches.boxes[i];
+        const TileGrid grid(patch.extent(), tile_extent);
+        for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
+            Box4 box = grid.box(tile);
+            for (std::size_t axis = 0; axis < 4; ++axis) {
+                box.begin[axis] += patch.begin[axis];
+                box.end[axis] += patch.begin[axis];
+            }
+            std::vector<std::byte>& texels = sample.texels.emplace_back(desc.box_bytes(box));
+            copy_box(box, patch, patches.texels[i], box, texels, desc.texel_bytes());
+            sample.boxes.push_back(box);
+        }
+    }
+    return sample;
+}
+
+} // namespace
+
+Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
+    if (plan.options.tile_extent != Extent4{0, 0, 0, 0})
+        return plan.options.tile_extent;
+    const TextureDesc& desc = plan.colour.desc;
+    // With corrections hardly anything but noise is left to code, in whatever shape.
+    if (desc.size[axis_u] <= usual_tile[axis_u] || desc.size[axis_v] <= usual_tile[axis_v] ||
+        plan.options.rate.kind == RateTarget::Kind::max_error)
+        return usual_tile;
+    const Result<Sample> patches = read_patches(plan);
+    TESSERA_TRY(patches.status());
+
+    EncodePlan trial = plan;
+    trial.colour.background = find_background(*patches, desc);
+    trial.effort = EffortSettings::of(std::min(plan.options.effort, most_effort), plan.options.tools);
+    const RateTarget& rate = plan.options.rate;
+    const CodingParameters parameters = coding_parameters(
+        step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,
+                        desc.type),
+        trial);
+    Extent4 best = usual_tile;
+    double least = 0;
+    for (const Extent4& extent : {usual_tile, wide_tile}) {
+        const Result<PassResult> pass =
+            run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
+        TESSERA_TRY(pass.status());
+        const double cost = lagrangian_cost(trial, *pass);
+        if (extent == usual_tile || cost < least) {
+            least = cost;
+            best = extent;
+        }
+    }
+    return best;
+}
+
+} // namespace tessera
