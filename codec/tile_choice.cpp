@@ -18,7 +18,7 @@ constexpr Extent4 usual_tile{32, 32, 8, 8};
 constexpr Extent4 wide_tile{64, 64, 4, 4};
 // What both shapes divide; the trial looks at such parts.
 constexpr Extent4 patch_extent{64, 64, 8, 8};
-constexpr std::uint64_t fewest_patches = 4, most_patches = 8;
+constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
 constexpr int most_effort = 5;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 

@@ -286,7 +286,7 @@ TEST(Codec, TileExtentsAreKept) {
             << to_string(tile);
     }
     for (const Extent4& tile :
-         {Extent4{0, 1, 1, 1}, Extent4{33, 1, 1, 1}, Extent4{32, 32, 32, 32}}) {
+         {Extent4{0, 1, 1, 1}, Extent4{65, 1, 1, 1}, Extent4{1, 1, 33, 1}, Extent4{32, 32, 32, 32}}) {
         EncodeOptions options;
         options.tile_extent = tile;
         Bytes out;

@@ -635,7 +635,7 @@ TEST(Hostile, FieldsOutOfRange) {
         field(patched(48 + 4 * axis, (1u << 20) + 1), "size");
         field(patched(48 + 4 * axis, 0xFFFFFFFFu), "size");
         field(patched(64 + axis, u8{0}), "tile_extent");
-        field(patched(64 + axis, u8{33}), "tile_extent");
+        field(patched(64 + axis, axis < 2 ? u8{65} : u8{33}), "tile_extent");
     }
     field(patched(64, u32{0x20202020}), "tile_extent (product)");
     field(patched(68, u8{2}), "sample_type");

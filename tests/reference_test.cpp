@@ -289,6 +289,23 @@ TEST(Reference, ScenesOfTheCorpus) {
         expect_decodes(encode(rgba, rate, extents[1]), "RGBA" + describe(rate, extents[1]));
 }
 
+// Blocks longer than the frequencies that are coded of them.
+TEST(Reference, TilesOfUpTo64Texels) {
+    for (const char* name : {"waves", "coloured", "noise"})
+        for (const auto& [size, extent] : {std::pair{Extent4{70, 66, 5, 3}, Extent4{64, 64, 4, 4}},
+                                           {{63, 45, 3, 2}, {63, 45, 3, 2}},
+                                           {{64, 1, 6, 6}, {64, 1, 6, 6}},
+                                           {{3, 130, 4, 1}, {8, 64, 4, 1}}})
+            for (const RateTarget& rate : {RateTarget{Kind::quality, 50}, {Kind::quality, 95}}) {
+                CodeTexture texture = make_texture(name, size, 3, SampleType::unorm8);
+                expect_decodes(encode(texture, rate, extent),
+                               name + (" " + to_string(size)) + describe(rate, extent));
+            }
+    auto source = corpus::make_baked_source("composed", {80, 64, 6, 4}, 2, 1);
+    ASSERT_TRUE(source) << source.status().message();
+    expect_decodes(encode(**source, {Kind::quality, 55}, {64, 64, 4, 4}), "composed, wide tiles");
+}
+
 // Noise at the finest quality: the work of a tile fills several segments, tiles several pages.
 TEST(Reference, TilesOfManySegments) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})

@@ -136,7 +136,8 @@ Header read_header(Bytes file) {
     uint32_t tile_texels = 1;
     for (size_t a = 0; a < 4; ++a) {
         h.tile_extent[a] = u8(file, 64 + a);
-        require(h.tile_extent[a] >= 1 && h.tile_extent[a] <= 32, "header: tile_extent");
+        require(h.tile_extent[a] >= 1 && h.tile_extent[a] <= (a < 2 ? 64 : 32),
+                "header: tile_extent");
         tile_texels *= h.tile_extent[a];
     }
     require(tile_texels <= 65536, "header: tile_extent product");
@@ -765,12 +766,17 @@ struct Coefficient {
 };
 using Scan = std::vector<Coefficient>;
 
+// How many frequencies of an axis of n texels are coded.
+int coded_frequencies(int n) {
+    return std::min(n, 32);
+}
+
 Scan make_scan(const Vector4& n, const std::array<int, 4>& weight) {
     Scan scan;
-    for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v)
-                for (int u = 0; u < n[0]; ++u) {
+    for (int t = 0; t < coded_frequencies(n[3]); ++t)
+        for (int s = 0; s < coded_frequencies(n[2]); ++s)
+            for (int v = 0; v < coded_frequencies(n[1]); ++v)
+                for (int u = 0; u < coded_frequencies(n[0]); ++u) {
                     const Vector4 k{u, v, s, t};
                     int cost = 0;
                     for (size_t a = 0; a < 4; ++a)
@@ -857,7 +863,7 @@ const Scan& TileDecoder::scan_of(const Vector4& n) {
 void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a,
                                   int b) {
     ++nodes_;
-    const int split = stream.symbol(code_.split[a][b]);
+    const int split = stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
         blocks_.push_back({begin, size, -1, {}, -1, {}});
@@ -986,7 +992,8 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
             if (k > 0) {
                 const int e = std::min(k - 1, 2);
                 const int m = static_cast<int>(stream.raw(e));
-                length = std::min({(1 << (k - 1)) + (m << (k - 1 - e)), texels, 4096});
+                length = std::min((1 << (k - 1)) + (m << (k - 1 - e)),
+                                  static_cast<int>(scan_of(block.size).size()));
             }
             work += 1 + length;
             require(work <= 16000, "tile: the work of a segment");
@@ -1136,10 +1143,10 @@ int64_t dequantise(int64_t level, const Scale& scale, int offset) {
 // ----------------------------------------------------------------- 4.2, 4.3 basis, inverse transform
 
 struct Basis {
-    int32_t b[33][32][32]; // [n][k][x]
+    int32_t b[65][32][64]; // [n][k][x]
     Basis() {
-        for (int n = 1; n <= 32; ++n)
-            for (int k = 0; k < n; ++k)
+        for (int n = 1; n <= 64; ++n)
+            for (int k = 0; k < coded_frequencies(n); ++k)
                 for (int x = 0; x < n; ++x)
                     b[n][k][x] = static_cast<int32_t>(std::lround(
                         32768 * std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n))));
@@ -1149,8 +1156,8 @@ struct Basis {
 // One line: `values` at distance `stride` of each other.
 void inverse_line(int64_t* values, int n, size_t stride) {
     static const Basis basis;
-    uint32_t H[32] = {}, L[32] = {}; // modulo 2^32
-    for (int k = 0; k < n; ++k) {
+    uint32_t H[64] = {}, L[64] = {}; // modulo 2^32
+    for (int k = 0; k < coded_frequencies(n); ++k) {
         const int64_t in = std::clamp(values[static_cast<size_t>(k) * stride], -(int64_t{1} << 26),
                                       (int64_t{1} << 26) - 1);
         if (in == 0)

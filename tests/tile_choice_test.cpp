@@ -1,0 +1,66 @@
+// Which tiles the encoder cuts a texture into when nobody says.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "codec/memory_source.h"
+#include "tests/codec_test_support.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+constexpr Extent4 size{128, 64, 16, 16}, usual{32, 32, 8, 8}, wide{64, 64, 4, 4};
+
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}) {
+    options.rate = {RateTarget::Kind::quality, 60};
+    options.effort = 3;
+    Bytes file;
+    const auto report = encode_memory(texture, file, options);
+    EXPECT_TRUE(report) << report.status().message();
+    const auto source = wrap_memory(file);
+    const auto decoder = Decoder::open(*source);
+    EXPECT_TRUE(decoder) << decoder.status().message();
+    return decoder ? decoder->container().grid().tile_extent() : Extent4{};
+}
+
+// Waves as long as a tile of 64 texels, each view another picture.
+MemoryTexture blurred_views(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+        return 0.5 + 0.25 * std::sin(0.09 * u + 0.05 * v + 1.9 * s + 2.3 * t + c) +
+               0.25 * std::sin(0.04 * u - 0.08 * v + 2.9 * s - 1.3 * t);
+    });
+}
+
+// Spots of a few texels that look the same from everywhere.
+MemoryTexture painted_surface(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int, int, int c) {
+        return 0.5 + 0.5 * std::sin(1.3 * u + c) * std::sin(1.7 * v + 0.01 * u * u);
+    });
+}
+
+TEST(TileChoice, BlurredViewsGetWideTiles) {
+    MemoryTexture texture = blurred_views(size);
+    EXPECT_EQ(chosen_tile(texture), wide);
+}
+
+TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
+    MemoryTexture texture = painted_surface(size);
+    EXPECT_EQ(chosen_tile(texture), usual);
+}
+
+TEST(TileChoice, WhoeverAsksForATileGetsIt) {
+    MemoryTexture texture = blurred_views({70, 66, 5, 4});
+    EncodeOptions options;
+    options.tile_extent = {16, 64, 5, 2};
+    EXPECT_EQ(chosen_tile(texture, options), options.tile_extent);
+}
+
+TEST(TileChoice, SmallTexturesNeedNoTrial) {
+    MemoryTexture texture = blurred_views({64, 32, 8, 8});
+    EXPECT_EQ(chosen_tile(texture), usual);
+}
+
+} // namespace
+} // namespace tessera::test
