@@ -130,15 +130,15 @@ TEST(ShaderCore, PredictedTilesDecodeAsOnTheCpu) {
 }
 
 TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
-    const DecodeCase test =
-        encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1}, {RateTarget::Kind::quality, 50});
+    const DecodeCase test = encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1},
+                                         {RateTarget::Kind::quality, 50});
     Machine().load_tables(open(test.file).tables->words());
     for (int n = 1; n <= max_tile_side; ++n)
         for (int k = 0; k < std::min(n, max_frequencies); ++k)
             for (int x = 0; x < n; ++x)
-                ASSERT_EQ(static_cast<int>(
-                              shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
-                          basis(n)[k * n + x])
+                ASSERT_EQ(
+                    static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
+                    basis(n)[k * n + x])
                     << n << " " << k << " " << x;
     // The tables lie one behind the other.
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,

@@ -242,8 +242,7 @@ private:
             const ivec4 sides = tsr_sides_of(tsr_shape_of(place));
             const ivec4 origin = tsr_origin_of(place);
             for (int axis = 0; axis < 4; ++axis)
-                if (origin[axis] != block.origin[axis] ||
-                    sides[axis] != block.shape.n[axis])
+                if (origin[axis] != block.origin[axis] || sides[axis] != block.shape.n[axis])
                     return "block " + std::to_string(i) + " differs";
         }
         uint nodes = 0, blocks = 0;
