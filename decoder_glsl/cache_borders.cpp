@@ -41,6 +41,17 @@ void add_strip(const TileGrid& grid, const Extent4& tile, std::uint32_t slot, bo
 
 } // namespace
 
+CacheSlot cache_slot(const TileGrid& grid, bool borders) {
+    const auto side = [&](std::size_t axis) {
+        return std::min(grid.tile_extent()[axis], grid.size()[axis]);
+    };
+    const std::uint32_t more = borders ? 1 : 0;
+    CacheSlot slot{side(2) + more, side(3) + more, 0, 0};
+    slot.width = side(0) * slot.stride_s;
+    slot.height = side(1) * slot.stride_t;
+    return slot;
+}
+
 BorderList border_strips(const TileGrid& grid, std::span<const std::uint32_t> tiles,
                          const std::function<std::uint32_t(std::uint64_t tile)>& page_of) {
     std::set<std::uint64_t> changed;

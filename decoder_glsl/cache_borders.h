@@ -10,6 +10,16 @@
 
 namespace tessera {
 
+constexpr std::uint32_t most_slot_pixels = 2048; // along a side, what every device has
+
+// Pixels of a slot of the cache, which takes any tile of the grid, and from one angular image in it to
+// the next. `borders`: with room for one more texel along s and t.
+struct CacheSlot {
+    std::uint32_t stride_s, stride_t, width, height;
+    bool fits() const { return width <= most_slot_pixels && height <= most_slot_pixels; }
+};
+CacheSlot cache_slot(const TileGrid& grid, bool borders);
+
 struct BorderList {
     std::vector<std::uint32_t> words; // six a strip
     std::uint32_t most_pixels = 0;    // of one strip

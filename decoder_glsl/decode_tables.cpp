@@ -11,12 +11,16 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <string>
 
 namespace tessera {
 namespace {
 
 using namespace layout;
 using Words = std::vector<std::uint32_t>;
+
+static_assert(tsr_max_spatial_side == max_tile_side && tsr_max_angular_side == max_angular_side &&
+              tsr_max_frequencies == max_frequencies && tsr_depth_classes == depth_classes);
 
 std::uint32_t signed_word(std::int32_t value) {
     return static_cast<std::uint32_t>(value);
@@ -70,9 +74,12 @@ void put_transform_tables(Words& words) {
             for (const std::int32_t x : row)
                 words[at++] = signed_word(x);
     at = tsr_t_basis;
-    for (int n = 1; n <= max_tile_side; ++n)
-        for (int i = 0; i < n * n; ++i)
+    for (int n = 1; n <= max_tile_side; ++n) {
+        if (n == max_frequencies + 1)
+            at = tsr_t_wide_basis;
+        for (int i = 0; i < std::min(n, max_frequencies) * n; ++i)
             words[at++] = signed_word(basis(n)[i]);
+    }
 }
 
 // The background as a pixel of the textures; a half of -0 decodes to +0.
@@ -179,6 +186,10 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.predicts_ = coding->prediction;
     tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());
+    if (tables.ids_.size() > tsr_max_shapes)
+        return Status{ErrorCode::unsupported, reader.name() + ": blocks of " +
+                                                  std::to_string(tables.ids_.size()) +
+                                                  " shapes, more than the GPU decoder numbers"};
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
     put_header(header, *coding, words);

@@ -17,8 +17,8 @@ namespace tessera {
 class DecodeTables {
 public:
     // Reads section CODE; makes the scan tables of every block shape that a tile of the file can be
-    // split into (36 shapes, 2 MB for tiles of one shape; at most 576, some 50 MB). Errors:
-    // invalid_file (CODE); unsupported (tables above 128 MiB).
+    // split into (36 shapes, 2 MB for tiles of one shape; at most 672, some 15 MB). Errors:
+    // invalid_file (CODE); unsupported (more shapes than a place can hold, tables above 128 MiB).
     static Result<DecodeTables> make(const ContainerReader& reader);
 
     std::span<const std::uint32_t> words() const { return words_; }

@@ -138,11 +138,11 @@ private:
 
     // How many slots the budget leaves after everything else.
     Status plan_memory() {
-        const Extent4& tile = grid_.tile_extent();
-        stride_s_ = std::min(tile[2], grid_.size()[2]) + 1;
-        stride_t_ = std::min(tile[3], grid_.size()[3]) + 1;
-        slot_width_ = std::min(tile[0], grid_.size()[0]) * stride_s_;
-        slot_height_ = std::min(tile[1], grid_.size()[1]) * stride_t_;
+        const CacheSlot slot = cache_slot(grid_, borders_);
+        stride_s_ = slot.stride_s;
+        stride_t_ = slot.stride_t;
+        slot_width_ = slot.width;
+        slot_height_ = slot.height;
         slot_bytes_ =
             std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;

@@ -1,5 +1,6 @@
 #include "decoder_glsl/gl_sampled_texture.h"
 
+#include "decoder_glsl/cache_borders.h"
 #include "decoder_glsl/gl_device.h"
 #include "decoder_glsl/gl_residency.h"
 #include "decoder_glsl/shader_layout.h"
@@ -72,7 +73,8 @@ std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
         for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
             const std::uint32_t extent = grid.box(tile).extent()[axis];
             for (std::uint32_t place = 0; place < extent; ++place)
-                words.push_back(tile[axis] | (place << 16) | ((extent - 1) << 21));
+                words.push_back(tile[axis] | (place << tsr_axis_place_at) |
+                                ((extent - 1) << tsr_axis_extent_at));
         }
     }
     words[tsr_p_half] = reader.desc().type == SampleType::half16;
@@ -171,7 +173,10 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
 }
 
 Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
-                                              const SampledTextureOptions& options) {
+                                              const SampledTextureOptions& asked) {
+    SampledTextureOptions options = asked;
+    if (options.residency == Residency::on_feedback && !cache_slot(reader.grid(), true).fits())
+        options.hardware_filter = false; // it needs the borders
     auto prepared = prepare(reader, options);
     if (!prepared.ok())
         return prepared.status();

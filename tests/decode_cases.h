@@ -23,16 +23,19 @@ struct DecodeCase {
 };
 
 inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& desc, RateTarget rate,
-                               const Extent4& tile = {32, 32, 8, 8}) {
+                               const Extent4& tile = {32, 32, 8, 8},
+                               int effort = EncodeOptions().effort) {
     MemoryTexture source = named_texture(desc, texture);
     EncodeOptions options;
     options.rate = rate;
     options.threads = 2;
     options.tile_extent = tile;
+    options.effort = effort;
     DecodeCase made;
     made.name = texture + " " + to_string(desc.size) + " x" + std::to_string(desc.channels) +
                 (desc.type == SampleType::half16 ? " half" : "") + " rate " +
-                std::to_string(rate.value) + " tiles " + to_string(tile);
+                std::to_string(rate.value) + " tiles " + to_string(tile) + " effort " +
+                std::to_string(effort);
     const auto report = encode_memory(source, made.file, options);
     EXPECT_TRUE(report) << made.name << ": " << report.status().message();
     return made;
@@ -59,6 +62,18 @@ inline std::vector<DecodeCase> encoded_cases() {
                                  {Kind::quality, 50}, {32, 32, 8, 8}));
     cases.push_back(
         encoded_case("smooth", {{1, 1, 1, 1}, SampleType::half16, 4}, {Kind::quality, 75}));
+    // Sides above 32, without copies and with them.
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
+        const bool bytes = type == SampleType::unorm8;
+        cases.push_back(encoded_case("smooth", {{64, 64, 4, 4}, type, 3}, {Kind::quality, 70},
+                                     {64, 64, 4, 4}, bytes ? 5 : 3));
+        cases.push_back(encoded_case("grazing_ramp", {{125, 45, 4, 2}, type, 3},
+                                     {Kind::quality, 60}, {63, 45, 5, 3}, bytes ? 3 : 5));
+    }
+    cases.push_back(encoded_case("lambert", {{64, 1, 32, 32}, SampleType::unorm8, 3},
+                                 {Kind::quality, 70}, {64, 1, 32, 32}));
+    cases.push_back(encoded_case("noise", {{50, 33, 3, 2}, SampleType::unorm8, 3},
+                                 {Kind::max_error, 4}, {64, 64, 4, 4}, 3));
     return cases;
 }
 
@@ -128,6 +143,17 @@ inline std::vector<DecodeCase> random_cases() {
         random_case(++seed, SampleType::unorm8, 4, {2, 32, 32, 32}, {2, 32, 32, 32}, 0, 0.02, 3));
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 4, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.5, 0.9, 3));
+    // Sides above 32: whole blocks, blocks of many lengths, and trees of 11 levels.
+    cases.push_back(
+        random_case(++seed, SampleType::half16, 3, {64, 64, 2, 2}, {64, 64, 4, 4}, 0, 0.03, 8));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 4, {125, 45, 3, 2}, {63, 45, 5, 3}, 0.4, 0.03, 6));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 3, {64, 1, 32, 32}, {64, 1, 32, 32}, 0.8, 0.02, 4));
+    cases.push_back(
+        random_case(++seed, SampleType::half16, 1, {33, 51, 6, 4}, {33, 51, 6, 4}, 0.6, 0.05, 20));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 2, {64, 3, 32, 1}, {64, 2, 32, 1}, 0.99, 0.1, 4));
     return cases;
 }
 
@@ -145,6 +171,13 @@ inline std::vector<DecodeCase> predicted_cases() {
             cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17},
                                         0.98, 0.1, 18, 0.9));
         }
+    // Sides above 32.
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {125, 45, 5, 3}, {63, 45, 5, 3}, 0.7,
+                                0.02, 6, 0.7));
+    cases.push_back(random_case(++seed, SampleType::half16, 4, {64, 64, 4, 2}, {64, 64, 4, 4}, 0.7,
+                                0.01, 12, 0.7));
+    cases.push_back(random_case(++seed, SampleType::unorm8, 1, {64, 1, 32, 32}, {64, 1, 32, 32},
+                                0.9, 0.02, 6, 0.8));
     return cases;
 }
 

@@ -39,8 +39,9 @@ private:
 };
 
 // Rough in one half, smooth in a quarter, and background in the rest: tiles of all kinds.
-Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers = false) {
-    const TextureDesc desc{{80, 40, 20, 12}, type, channels};
+Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers = false,
+                 const Extent4& size = {80, 40, 20, 12}, const Extent4& tile = {32, 16, 8, 8}) {
+    const TextureDesc desc{size, type, channels};
     const double gain = type == SampleType::half16 ? 4 : 1;
     MemoryTexture texture(desc, [&](int u, int v, int s, int t, int c) {
         if (c == 3)
@@ -55,7 +56,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool la
     });
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
-    options.tile_extent = {32, 16, 8, 8};
+    options.tile_extent = tile;
     options.effort = 3; // without predictions, which on sample does not take
     options.threads = 2;
     options.layers = layers;
@@ -221,6 +222,42 @@ TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
         check(Residency::on_feedback, false, 256ull << 20);
         check(Residency::on_feedback, true, 48ull << 20);
     }
+}
+
+// Tiles of sides above 32, odd ones too; some too long for borders in a cache.
+TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
+    const auto check = [](const Bytes& bytes, bool predicted) {
+        SampledFile file(bytes);
+        SCOPED_TRACE("tiles " + to_string(file.reader().header().tile_extent));
+        const Judged judged = judge(file, 2000);
+        double range = 1; // halves are whatever random levels make
+        for (const glm::dvec4& colour : judged.expected)
+            for (int c = 0; c < 4; ++c)
+                range = std::max(range, std::abs(colour[c]));
+        for (const Residency residency :
+             {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+            if (residency == Residency::on_sample && predicted)
+                continue;
+            SCOPED_TRACE(name_of(residency));
+            const bool filter = residency != Residency::on_sample;
+            auto texture = SampledTexture::create(file.reader(), with(residency, filter));
+            ASSERT_TRUE(texture) << texture.status().message();
+            EXPECT_EQ(texture->damaged_tiles(), 0u);
+            EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)),
+                      range * (1.0 / 255 + (filter ? filter_precision : 0)));
+        }
+    };
+    check(mixed_file(SampleType::unorm8, 3, 60, false, {128, 64, 4, 4}, {64, 64, 4, 4}), false);
+    check(mixed_file(SampleType::half16, 4, 60, false, {125, 45, 6, 5}, {63, 45, 3, 3}), false);
+    check(mixed_file(SampleType::unorm8, 3, 60, false, {64, 2, 32, 32}, {64, 1, 32, 32}), false);
+    // Trees of 11 levels.
+    check(
+        random_case(61, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file,
+        false);
+    check(
+        random_case(62, SampleType::half16, 3, {125, 45, 6, 5}, {63, 45, 5, 3}, 0.6, 0.005, 4, 0.6)
+            .file,
+        true);
 }
 
 // A camera that looks at the middle of the sphere from `degrees` around it.

@@ -2,6 +2,7 @@
 // bytes.
 #include "codec/memory_source.h"
 #include "format/byte_source.h"
+#include "format/dct_basis.h"
 #include "tests/decode_cases.h"
 #include "tests/shader_oracle.h"
 
@@ -128,6 +129,24 @@ TEST(ShaderCore, PredictedTilesDecodeAsOnTheCpu) {
     RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
 }
 
+TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
+    const DecodeCase test = encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1},
+                                         {RateTarget::Kind::quality, 50});
+    Machine().load_tables(open(test.file).tables->words());
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int k = 0; k < std::min(n, max_frequencies); ++k)
+            for (int x = 0; x < n; ++x)
+                ASSERT_EQ(
+                    static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
+                    basis(n)[k * n + x])
+                    << n << " " << k << " " << x;
+    // The tables lie one behind the other.
+    EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
+              shaders::tsr_t_prediction);
+    EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
+              shaders::tsr_t_end);
+}
+
 // ---- Any bytes at all.
 
 // Textures of one tile or two, small enough to be decoded thousands of times: with corrections and
@@ -142,7 +161,8 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
     for (const File& file : {File{{{7, 5, 3, 2}, SampleType::unorm8, 3}, {7, 5, 3, 2}},
                              File{{{9, 6, 5, 4}, SampleType::half16, 4}, {5, 6, 5, 4}},
                              File{{{1, 1, 1, 1}, SampleType::unorm8, 2}, {1, 1, 1, 1}},
-                             File{{{4, 3, 17, 9}, SampleType::unorm8, 1}, {4, 3, 17, 9}}}) {
+                             File{{{4, 3, 17, 9}, SampleType::unorm8, 1}, {4, 3, 17, 9}},
+                             File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}}}) {
         Random random(++number);
         CodingParameters parameters;
         parameters.parameters = random_parameters(random);
@@ -288,6 +308,19 @@ public:
         return count;
     }
 
+    // Splits the node at the tile's first texel.
+    void split_first(Split kind) {
+        std::size_t at = 0;
+        while (nodes_[at].split != Split::none)
+            at = nodes_[at].first;
+        const Children made = children_of(nodes_[at].block, kind);
+        nodes_[at].split = kind;
+        nodes_[at].first = nodes_.size();
+        nodes_[at].count = made.count;
+        for (int child = 0; child < made.count; ++child)
+            nodes_.push_back({made.block[static_cast<std::size_t>(child)], Split::none, 0, 0});
+    }
+
     struct Run {
         int length = 0;     // coded
         bool dense = false; // every level of it, else the last one only, is not 0
@@ -398,6 +431,31 @@ TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
         EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {true, false}), "");
         EXPECT_EQ(file.accepted(), too_many ? 0u : 1u);
     }
+}
+
+// Every side cut until all blocks are single texels: 11 levels, the deepest that a tree can have.
+TEST(ShaderCore, TheDeepestTreeIsKeptAsOnTheCpu) {
+    for (const bool spatial_first : {true, false}) {
+        ShaderOracle file = file_of_one_tile({1, 64, 1, 32}, 1);
+        HandMadeTile tile(shape_of(1, 64, 1, 32));
+        const Split first = spatial_first ? Split::spatial : Split::angular;
+        const Split second = spatial_first ? Split::angular : Split::spatial;
+        ASSERT_EQ(tile.split(spatial_first ? 63 : 31, 2, first), 0);
+        tile.split(4096, 2, second);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {true, false}), "");
+        EXPECT_EQ(file.accepted(), 1u);
+    }
+}
+
+// Sides of 9 and 17 have the longest row of siblings that wait for their turn.
+TEST(ShaderCore, TheWidestTreeIsDecodedAsOnTheCpu) {
+    ShaderOracle file = file_of_one_tile({9, 17, 17, 17}, 1);
+    HandMadeTile tile(shape_of(9, 17, 17, 17));
+    for (int level = 0; level < 5; ++level) // the first child of the first child, and so on
+        for (const Split kind : {Split::spatial, Split::angular})
+            tile.split_first(kind);
+    EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {true, false}), "");
+    EXPECT_EQ(file.accepted(), 1u);
 }
 
 // Views that copy each other in a row or in a plane, 15 deep at most; on the way values reach the

@@ -239,10 +239,10 @@ private:
         for (uint i = 0; i < levels.blocks.size(); ++i) {
             const Block& block = levels.blocks[i];
             const uint place = tsr_work[tsr_block_at(slot, i) + tsr_k_place];
-            const ivec4 sides = tsr_sides_of(place >> 20);
+            const ivec4 sides = tsr_sides_of(tsr_shape_of(place));
+            const ivec4 origin = tsr_origin_of(place);
             for (int axis = 0; axis < 4; ++axis)
-                if (((place >> (5 * axis)) & 31u) != block.origin[axis] ||
-                    sides[axis] != block.shape.n[axis])
+                if (origin[axis] != block.origin[axis] || sides[axis] != block.shape.n[axis])
                     return "block " + std::to_string(i) + " differs";
         }
         uint nodes = 0, blocks = 0;

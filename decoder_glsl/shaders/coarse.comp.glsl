@@ -32,7 +32,7 @@ void main() {
                          int(page >> 20));
     vec4 sum = vec4(0.0);
     int texels = count.x * count.y * count.z * count.w;
-    // At most 8 x 8 x 16 x 16 texels, of tiles of at most 65,536.
+    // At most 4,096 texels, in the parts of a tile of 1 x 64 x 32 x 32.
     for (int i = 0; i < min(texels, 8192); ++i) {
         ivec4 at = begin + ivec4(i % count.x, i / count.x % count.y,
                                  i / (count.x * count.y) % count.z,

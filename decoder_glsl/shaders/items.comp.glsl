@@ -8,7 +8,7 @@
 
 // `room`: items that this invocation may still make; blocks of a sound tile never need more.
 void tsr_cut_block(uint tile, uint block, uint place, uint rest, TSR_INOUT(uint) room) {
-    TsrPatch patch_of = tsr_patch(place >> 20, rest);
+    TsrPatch patch_of = tsr_patch(tsr_shape_of(place), rest);
     uint positions = uint(patch_of.sides.x * patch_of.sides.y);
     uint size = uint(patch_of.positions);
     uint items = min((positions + size - 1u) / size, room);
@@ -35,7 +35,7 @@ void tsr_cut_tile(uint tile, uint lane) {
     if (tsr_work_word(state + uint(tsr_st_damaged)) != 0u) {
         if (lane == 0u && wave == 0u) {
             uint at = tsr_block_at(tile, 0u);
-            uint place = tsr_tile(tile, tsr_tile_shape) << 20;
+            uint place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
             tsr_set_work(at + uint(tsr_k_place), place);
             tsr_set_work(at + uint(tsr_k_counts), 0u);
             tsr_set_work(at + uint(tsr_k_rest), 0u);

@@ -7,6 +7,11 @@ const int tsr_max_blocks = 4096;
 const int tsr_max_nodes = 8192;
 const int tsr_max_work = 16000;
 const int tsr_max_coded = 4096;
+const int tsr_max_spatial_side = 64;
+const int tsr_max_angular_side = 32;
+const int tsr_max_frequencies = 32;    // coded along an axis
+const int tsr_max_depth = 11;          // splits above a leaf: 6 spatial ones, 5 angular ones
+const int tsr_depth_classes = 6;       // of either pair, the deepest in one
 const int tsr_correction_chunk = 4096; // texels
 
 // ---- Binding 0, tables: one a file, read only.
@@ -28,15 +33,16 @@ const int tsr_t_magnitude = 1376;    // [2][66] symbol tables
 const int tsr_t_first_length = 2960; // [9]
 const int tsr_t_other_length = 3068; // [14]
 const int tsr_t_correction = 3236;   // [21]
-const int tsr_t_split = 3488;        // [6][6] words c[1] | c[2] << 16
+const int tsr_t_split = 3488;        // [depth classes][depth classes] words c[1] | c[2] << 16
 const int tsr_t_kind = 3524;         // [2] likewise: the kind of a block's colour
 const int tsr_t_rotation = 3528;     // [49][9] signed
-const int tsr_t_basis = 3976;        // b(n, k, x) at (n - 1) n (2 n - 1) / 6 + k n + x, signed
+const int tsr_t_basis = 3976;        // b(n, k, x) of n <= 32, signed: see tsr_basis_of
 const int tsr_t_prediction = 15416;        // [6] symbol tables
 const int tsr_t_displacement = 15488;      // [2]
 const int tsr_t_displacement_kind = 15512; // [2] words c[1] | c[2] << 16
 const int tsr_t_copying_length = 15514;    // [9] tsr_t_first_length of blocks that copy something
-const int tsr_t_end = 15622;         // shape records and their scans follow
+const int tsr_t_wide_basis = 15622;        // b(n, k, x) of n = 33..64, the coded frequencies only
+const int tsr_t_end = 65286;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
 // neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
@@ -128,10 +134,17 @@ const int tsr_st_damaged = 4; // 0: sound; else a bit for what was wrong
 const int tsr_st_levels = 5;  // coefficients of the tile
 const int tsr_st_largest = 6; // most coefficients of one block
 const int tsr_block_words = 4;
-const int tsr_k_place = 0; // origin (5 bits each, u lowest) | shape << 20
+const int tsr_k_place = 0; // origin and shape, see tsr_place_*
 const int tsr_k_first = 1; // its first level, counted in its segment
 const int tsr_k_counts = 2; // of planes 0 to 2 | of plane 3 << 16
 const int tsr_k_rest = 3;   // colour | largest ks << 8 | largest kt << 16 | segment of the tile << 24
+// A place: the origin in the tile, 6 bits of u and v and 5 of s and t, and the shape. Where each begins;
+// the host sees to it that a file has no more shapes than the rest of the word counts.
+const int tsr_place_v = 6;
+const int tsr_place_s = 12;
+const int tsr_place_t = 17;
+const int tsr_place_shape = 22;
+const int tsr_max_shapes = 1024;
 // An item is a run of positions of one block: tile << 12 | block, then its first position and the
 // number of positions << 16. Every item but a block's last covers 64 texels or more, so a tile has at
 // most its blocks + (65,536 - blocks) / 64.

@@ -103,7 +103,7 @@ void tsr_order_level(uint slot) {
     uint frequency = own_key >> 12;
     int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
-    uint shape = tsr_work_word(block + uint(tsr_k_place)) >> 20;
+    uint shape = tsr_shape_of(tsr_work_word(block + uint(tsr_k_place)));
     bool rotated = colour != 0 && own_plane < 3u;
     int scales = tsr_s_scales + axes;
     ivec3 x = ivec3(0);

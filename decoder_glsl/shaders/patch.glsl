@@ -20,7 +20,7 @@ TsrPatch tsr_patch(uint shape, uint rest) {
     p.planes = clamp(int(tsr_table(tsr_t_planes)), 1, 4);
     p.support_s = min(int((rest >> 8) & 31u) + 1, max(p.sides.z, 1));
     p.support_t = min(int((rest >> 16) & 31u) + 1, max(p.sides.w, 1));
-    // Sides are at most 32, so one position always fits: 4 * 32 * (32 + 32) = 8192.
+    // Sides along s and t are at most 32, so one position always fits: 4 * 32 * (32 + 32) = 8192.
     int words = p.planes * p.support_t * (p.support_s + max(p.sides.z, 1));
     p.positions = clamp(tsr_patch_words / words, 1, 64);
     // 64 invocations share the positions of later stages evenly, or nearly so.

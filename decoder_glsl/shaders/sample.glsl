@@ -66,10 +66,10 @@ int tsr_axis_tile(uint word) {
     return int(word & 0xFFFFu);
 }
 int tsr_axis_place(uint word) {
-    return int((word >> 16) & 31u);
+    return int(word >> tsr_axis_place_at) & (tsr_max_spatial_side - 1);
 }
 int tsr_axis_extent(uint word) {
-    return int((word >> 21) & 31u) + 1;
+    return (int(word >> tsr_axis_extent_at) & (tsr_max_spatial_side - 1)) + 1;
 }
 
 vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {

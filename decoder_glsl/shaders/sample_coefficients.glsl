@@ -27,7 +27,7 @@ TsrBlock tsr_find_block(uint tile, ivec4 sides, ivec4 at) {
     b.origin = ivec4(0);
     b.sides = sides;
     uint node = tsr_directory[nodes];
-    for (int depth = 0; depth < 11 && (node >> 31) == 0u; ++depth) {
+    for (int depth = 0; depth < tsr_max_depth && (node >> 31) == 0u; ++depth) {
         bool spatial = (node >> 28) == 1u;
         ivec2 side = spatial ? ivec2(b.sides.x, b.sides.y) : ivec2(b.sides.z, b.sides.w);
         ivec2 from = spatial ? ivec2(b.origin.x, b.origin.y) : ivec2(b.origin.z, b.origin.w);

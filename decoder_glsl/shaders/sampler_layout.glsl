@@ -21,8 +21,11 @@ const int tsr_p_page_at = 24; // word of the page table
 const int tsr_sampler_words = 32;
 
 // An axis has a word a texel, so that sampling divides nothing:
-//   its tile | its place in the tile << 16 | the tile's extent - 1 << 21;
+//   its tile | its place in the tile << 16 | the tile's extent - 1 << 22;
 // u and v of a plain texture: its pixel in the layer | its fold << 16.
+
+const int tsr_axis_place_at = 16; // bits, six each
+const int tsr_axis_extent_at = 22;
 
 // A page is where the slot of a tile lies, in slots: column | row << 10 | layer << 20; or missing or
 // background (layout.glsl), which are larger than any slot's.

@@ -95,11 +95,10 @@ TsrItem tsr_item(uint number) {
     uint place = tsr_work_word(block + uint(tsr_k_place));
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
     uint rest = tsr_work_word(block + uint(tsr_k_rest));
-    item.patch_of = tsr_patch(place >> 20, rest);
-    item.first = min(range & 0xFFFFu, 1023u);
+    item.patch_of = tsr_patch(tsr_shape_of(place), rest);
+    item.first = min(range & 0xFFFFu, uint(tsr_max_spatial_side * tsr_max_spatial_side - 1));
     item.positions = min(int(range >> 16), item.patch_of.positions);
-    item.origin = ivec4(int(place & 31u), int((place >> 5) & 31u), int((place >> 10) & 31u),
-                        int((place >> 15) & 31u));
+    item.origin = tsr_origin_of(place);
     item.copies = tsr_copy(item.tile, item.block, tsr_copy_how) & 3u;
     item.move = tsr_copy(item.tile, item.block, tsr_copy_move);
     uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);

@@ -6,6 +6,9 @@
 
 // b(n, k, x): word of k = 0, x = 0.
 int tsr_basis_of(int n) {
+    if (n > tsr_max_frequencies) // a table of n has only the rows of the coded frequencies
+        return tsr_t_wide_basis + tsr_max_frequencies / 2 *
+                                      (n * (n - 1) - (tsr_max_frequencies + 1) * tsr_max_frequencies);
     return tsr_t_basis + ((n - 1) * n * (2 * n - 1)) / 6;
 }
 uint tsr_basis(int basis, int n, int k, int x) {

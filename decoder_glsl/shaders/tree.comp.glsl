@@ -2,26 +2,29 @@
 #include "rans.glsl"
 
 struct TsrNode {
-    uint place;  // origin | shape << 20, as in tsr_k_place
+    uint place;  // as in tsr_k_place
     uint depths; // spatial | angular << 4 | slot of its own in the kept tree << 8
 };
 
 // Child number `child` of a node split along both axes of a pair, or along the only one of them that
 // is longer than 1. `first_slot` is where the children's slots begin.
 TsrNode tsr_child(TsrNode parent, int split, uint child, uint first_slot) {
-    uint shape = parent.place >> 20;
+    uint shape = tsr_shape_of(parent.place);
     ivec4 sides = tsr_sides_of(shape);
     int side_a = split == 1 ? sides.x : sides.z;
     int side_b = split == 1 ? sides.y : sides.w;
     uint a = side_a > 1 ? child & 1u : 0u;
     uint b = side_a > 1 ? child >> 1 : child;
     // The first half of a side is the larger one.
-    uint moved = a * uint((side_a + 1) / 2) + ((b * uint((side_b + 1) / 2)) << 5);
+    uint moved_a = a * uint((side_a + 1) / 2);
+    uint moved_b = b * uint((side_b + 1) / 2);
+    uint moved = split == 1 ? moved_a + (moved_b << tsr_place_v)
+                            : (moved_a << tsr_place_s) + (moved_b << tsr_place_t);
     uint ids = tsr_shape(shape, tsr_s_children + 2 * (split - 1) + int(child >> 1));
     uint id = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
     TsrNode node;
-    node.place = (((parent.place & 0xFFFFFu) + (moved << (split == 1 ? 0u : 10u))) & 0xFFFFFu) |
-                 (id << 20);
+    uint origins = tsr_first_place(1u) - 1u;
+    node.place = (((parent.place & origins) + moved) & origins) | tsr_first_place(id);
     node.depths = (parent.depths & 255u) + (split == 1 ? 1u : 16u) + ((first_slot + child) << 8);
     return node;
 }
@@ -50,8 +53,9 @@ void tsr_pass_displacement(TSR_INOUT(TsrRans) r, int direction) {
 // tree, knows it, and has the depths of the copies besides. `copies`: whether the last leaf that has
 // a prediction copies something.
 void tsr_pass_prediction(TSR_INOUT(TsrRans) r, uint place, TSR_INOUT(bool) copies) {
-    bool along_s = (place & 0x7C00u) != 0u;
-    bool along_t = (place & 0xF8000u) != 0u;
+    ivec4 origin = tsr_origin_of(place);
+    bool along_s = origin.z != 0;
+    bool along_t = origin.w != 0;
     if (!along_s && !along_t)
         return;
     int context = (along_s ? (along_t ? 4 : 0) : 2) + (copies ? 1 : 0);
@@ -68,9 +72,9 @@ void tsr_decode_tree(uint tile) {
         return;
     uint segment = tsr_tile(tile, tsr_tile_segment);
     TsrRans r = tsr_begin(tsr_segment(segment, tsr_seg_byte), tsr_segment(segment, tsr_seg_size));
-    // Younger siblings wait here for the subtrees of the elder: at most 3 a level, of 10 levels.
+    // Younger siblings wait here for the subtrees of the elder: 3 a level that cuts two sides, else 1.
     TsrNode stack[36];
-    stack[0].place = tsr_tile(tile, tsr_tile_shape) << 20;
+    stack[0].place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
     stack[0].depths = 0u;
     int waiting = 1;
     uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
@@ -82,9 +86,10 @@ void tsr_decode_tree(uint tile) {
     for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {
         TSR_LOOP;
         TsrNode node = stack[waiting - 1];
-        uint spatial = min(node.depths & 15u, 5u);
-        uint angular = min((node.depths >> 4) & 15u, 5u);
-        int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * 6u + angular);
+        uint classes = uint(tsr_depth_classes);
+        uint spatial = min(node.depths & 15u, classes - 1u);
+        uint angular = min((node.depths >> 4) & 15u, classes - 1u);
+        int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * classes + angular);
         nodes += 1u;
         if (split == 0) {
             if (blocks >= room)
@@ -98,13 +103,14 @@ void tsr_decode_tree(uint tile) {
             continue;
         }
         int children = tsr_s_children + 2 * (split - 1);
-        uint ids = tsr_shape(node.place >> 20, children);
-        // Sides of 1 cannot be split; no stack of a legal tree grows past 31.
+        uint ids = tsr_shape(tsr_shape_of(node.place), children);
+        // Sides of 1 cannot be split; with at most 65,536 texels in a tile, no
+        // stack of a legal tree grows past 29 (sides of 9, 17, 17, 17).
         if ((ids & 0xFFFFu) == 0xFFFFu || waiting > 32)
             break;
         tsr_store_node(tile, node.depths >> 8, (uint(split) << 28) | slots);
         waiting -= 1;
-        bool four = (tsr_shape(node.place >> 20, children + 1) & 0xFFFFu) != 0xFFFFu;
+        bool four = (tsr_shape(tsr_shape_of(node.place), children + 1) & 0xFFFFu) != 0xFFFFu;
         if (four) {
             stack[waiting] = tsr_child(node, split, 3u, slots);
             stack[waiting + 1] = tsr_child(node, split, 2u, slots);
