@@ -1,0 +1,46 @@
+#include "codec/copy_trial.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t most_tiles = 16;
+
+} // namespace
+
+Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
+                               const PassResult& plain) {
+    std::vector<std::size_t> order(sample.tiles.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return plain.tiles[a].payload_bytes > plain.tiles[b].payload_bytes;
+    });
+    order.resize(std::min(order.size(), most_tiles));
+    Sample heavy;
+    for (const std::size_t i : order) {
+        heavy.tiles.push_back(sample.tiles[i]);
+        heavy.texels.push_back(sample.texels[i]);
+    }
+    CodingParameters parameters = plain.walked;
+    parameters.smooth_copies = true;
+    const Result<PassResult> smooth = run_pass(plan, parameters, heavy);
+    if (!smooth)
+        return smooth.status();
+
+    // Steps are such that an error of one in any plane of YCoCg counts three times over RGB.
+    const double step = parameters.step[0].value();
+    const double unit =
+        step * step * (plan.colour.transform == ColourTransform::ycocg_r ? 3.0 : 1.0);
+    const auto cost = [&](const CodedTile& tile) {
+        return static_cast<double>(tile.squared_error) / unit +
+               static_cast<double>(plan.effort.quantizer.lambda) * 8.0 * tile.payload_bytes;
+    };
+    double saved = 0;
+    for (std::size_t i = 0; i < order.size(); ++i)
+        saved += cost(plain.tiles[order[i]]) - cost(smooth->tiles[i]);
+    return saved > 0;
+}
+
+} // namespace tessera
