@@ -226,7 +226,10 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             else
                 options.tools.set(tool, false);
             const Encoded encoded = encode(texture, options);
-            EXPECT_NE(encoded.file, full.file) << name;
+            // Whether copies are smoothed is left to a trial: prediction_test.cpp.
+            if (none || tool != CodingTool::smooth) {
+                EXPECT_NE(encoded.file, full.file) << name;
+            }
             const Bytes texels = decode_all(encoded.file, texture.desc());
             const Difference d = difference(texture.texels, texels, type);
             EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
