@@ -171,6 +171,7 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         std::uint8_t* before = before_.data() + at * states;
         std::int32_t* level = level_.data() + at * states;
         next_cost.fill(infinite);
+        std::fill_n(before, states, std::uint8_t{0}); // those out of reach, too: no leftovers
         for (int s = 0; s < states; ++s) {
             const float so_far = cost[static_cast<std::size_t>(s)];
             if (so_far >= infinite)
@@ -219,10 +220,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                     seen_[back * states + s] = old[before[s]];
             }
         for (std::size_t s = 0; s < states; ++s) {
-            if (cost[s] >= infinite) {
-                before[s] = 0;
+            if (cost[s] >= infinite)
                 level[s] = 0;
-            }
             seen_[at * states + s] = static_cast<std::uint16_t>(
                 amplitude_of(amplitude_code(amplitude_of_level(level[s], dependent))));
             if (negative)

@@ -251,7 +251,8 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     if (grids_[0].activity[0] < flat_activity * options_.lambda || angular_depths_ == 0)
         return false;
     reset_choices();
-    displacements_.begin(shape_, source_[0], reconstructed.plane[0]);
+    displacements_.begin(shape_, source_[0], reconstructed.plane[0],
+                         coding_.parameters.smooth_copies);
     for (int a = 1; a <= angular_depths_; ++a)
         try_copies(a, reconstructed);
     combine();
@@ -326,8 +327,8 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
 
 void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction& prediction,
                                       int plane, const TilePlanes& reconstructed, float* values) {
-    predict_plane(block, prediction, shape_, reconstructed.plane[static_cast<std::size_t>(plane)],
-                  predicted_);
+    predict_plane(block, prediction, coding_, shape_,
+                  reconstructed.plane[static_cast<std::size_t>(plane)], predicted_);
     for (const std::int32_t value : predicted_)
         *values++ -= static_cast<float>(value);
 }

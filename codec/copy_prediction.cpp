@@ -12,16 +12,19 @@ namespace {
 // One view of a plane that is copied from, moved by whole and half texels.
 class MovedView {
 public:
-    MovedView(const std::int32_t* view, const BlockShape& tile, int half_u, int half_v)
+    MovedView(const std::int32_t* view, const BlockShape& tile, int half_u, int half_v, bool smooth)
         : view_(view), width_(tile.n[0]), height_(tile.n[1]), u_(half_u >> 1), v_(half_v >> 1),
-          between_u_((half_u & 1) != 0), between_v_((half_v & 1) != 0) {}
+          filter_(copy_filter(smooth, half_u, half_v)), before_(smooth ? 1 : 0),
+          first_(smooth && (half_v & 1) == 0 ? 0 : 1), last_(smooth || (half_v & 1) != 0 ? 2 : 1) {}
 
-    // Adds four times the values at (u .. u + n - 1, v) to `sums`.
+    // Adds the filter's sums at (u .. u + n - 1, v) to `sums`.
     void add_row(int u, int v, int n, std::int32_t* sums) {
-        const std::int32_t* upper = row(u + u_, v + v_, n + 1, buffer_[0].data());
-        const std::int32_t* lower =
-            between_v_ ? row(u + u_, v + v_ + 1, n + 1, buffer_[1].data()) : upper;
-        kernels().add_half_texels(upper, lower, between_u_, n, sums);
+        const std::int32_t* rows[3] = {};
+        for (int i = first_; i <= last_; ++i)
+            rows[i] = row(u + u_ - before_, v + v_ - 1 + i, before_ + n + 1,
+                          buffer_[static_cast<std::size_t>(i)].data()) +
+                      before_;
+        kernels().add_copies(rows, filter_, n, sums);
     }
 
 private:
@@ -36,9 +39,9 @@ private:
     }
 
     const std::int32_t* const view_;
-    const int width_, height_, u_, v_;
-    const bool between_u_, between_v_;
-    std::array<std::array<std::int32_t, max_tile_side + 1>, 2> buffer_;
+    const int width_, height_, u_, v_, filter_;
+    const int before_, first_, last_; // texels before the first, rows: what the filter reads
+    std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
 
 // The value of a predicted tile's planes stays within what 16 (20) bits hold, copies of copies too.
@@ -46,21 +49,24 @@ std::int32_t limit_of(SampleType type) {
     return type == SampleType::unorm8 ? 1 << 15 : 1 << 18;
 }
 
-// Calls visit(sums, s, t, v) for every row of a block; sums >> shift_of(prediction) are its predicted
-// values.
+int shift_of(const BlockPrediction& prediction, bool smooth) {
+    return copy_shift(smooth) + (prediction.from == CopyFrom::both ? 1 : 0);
+}
+
+// Calls visit(sums, s, t, v) for every row of a block; sums >> shift_of() are its predicted values.
 template <class Visit>
-void for_each_row(const Block& block, const BlockPrediction& prediction, const BlockShape& tile,
-                  const std::vector<std::int32_t>& plane, Visit visit) {
+void for_each_row(const Block& block, const BlockPrediction& prediction, bool smooth,
+                  const BlockShape& tile, const std::vector<std::int32_t>& plane, Visit visit) {
     const auto& n = block.shape.n;
     const int page = tile.n[0] * tile.n[1];
-    const std::int32_t rounding = prediction.from == CopyFrom::both ? 4 : 2;
+    const std::int32_t rounding = 1 << (shift_of(prediction, smooth) - 1);
     std::array<std::int32_t, max_tile_side> sums;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s) {
             const int at_s = block.origin[2] + s, at_t = block.origin[3] + t;
             const auto view = [&](int from_s, int from_t, int steps, const Displacement& d) {
                 return MovedView(plane.data() + (from_t * tile.n[2] + from_s) * page, tile,
-                                 steps * d.u, steps * d.v);
+                                 steps * d.u, steps * d.v, smooth);
             };
             std::optional<MovedView> along_s, along_t;
             if (prediction.copies_along(0))
@@ -78,28 +84,27 @@ void for_each_row(const Block& block, const BlockPrediction& prediction, const B
         }
 }
 
-int shift_of(const BlockPrediction& prediction) {
-    return prediction.from == CopyFrom::both ? 3 : 2;
-}
-
 } // namespace
 
-void predict_plane(const Block& block, const BlockPrediction& prediction, const BlockShape& tile,
-                   const std::vector<std::int32_t>& plane, std::vector<std::int32_t>& out) {
-    const int n = block.shape.n[0], shift = shift_of(prediction);
+void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
+                   const BlockShape& tile, const std::vector<std::int32_t>& plane,
+                   std::vector<std::int32_t>& out) {
+    const bool smooth = coding.parameters.smooth_copies;
+    const int n = block.shape.n[0], shift = shift_of(prediction, smooth);
     out.resize(static_cast<std::size_t>(block.shape.texels()));
     std::int32_t* to = out.data();
-    for_each_row(block, prediction, tile, plane, [&](const std::int32_t* sums, int, int, int) {
-        for (int u = 0; u < n; ++u)
-            *to++ = sums[u] >> shift;
-    });
+    for_each_row(block, prediction, smooth, tile, plane,
+                 [&](const std::int32_t* sums, int, int, int) {
+                     for (int u = 0; u < n; ++u)
+                         *to++ = sums[u] >> shift;
+                 });
 }
 
-void finish_predicted(const Block& block, const BlockPrediction& prediction, SampleType type,
-                      const BlockShape& tile, bool has_difference,
+void finish_predicted(const Block& block, const BlockPrediction& prediction,
+                      const TileCoding& coding, const BlockShape& tile, bool has_difference,
                       std::vector<std::int32_t>& plane) {
     const auto& n = block.shape.n;
-    const std::int32_t limit = limit_of(type);
+    const std::int32_t limit = limit_of(coding.type);
     const auto row = [&](int s, int t, int v) {
         return plane.data() +
                (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
@@ -115,8 +120,9 @@ void finish_predicted(const Block& block, const BlockPrediction& prediction, Sam
                     kernels().add_within(row(s, t, v), nothing.data(), 0, n[0], limit);
         return;
     }
-    const int shift = shift_of(prediction);
-    for_each_row(block, prediction, tile, plane,
+    const bool smooth = coding.parameters.smooth_copies;
+    const int shift = shift_of(prediction, smooth);
+    for_each_row(block, prediction, smooth, tile, plane,
                  [&](const std::int32_t* sums, int s, int t, int v) {
                      std::int32_t* to = row(s, t, v);
                      // Means of clamped values need no clamp.

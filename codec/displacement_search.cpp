@@ -17,15 +17,21 @@ float sum_over(const float* sums, const Segment& u) {
 } // namespace
 
 void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
-                               const std::vector<std::int32_t>& reconstructed) {
+                               const std::vector<std::int32_t>& reconstructed, bool smooth) {
     tile_ = tile;
     source_ = source.data();
-    make_phases(reconstructed);
+    make_phases(reconstructed, smooth);
 }
 
-void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed) {
+void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed, bool smooth) {
     const int nu = tile_.n[0], nv = tile_.n[1], width = 3 * nu;
     const int views = tile_.n[2] * tile_.n[3];
+    const float scale = 1.0f / static_cast<float>(1 << copy_shift(smooth));
+    // A filter's sums one texel past an edge are those everywhere beyond it; they take two more.
+    std::array<std::array<std::int32_t, max_tile_side + 4>, 3> padded;
+    std::array<const std::int32_t*, 3> rows;
+    for (std::size_t i = 0; i < 3; ++i)
+        rows[i] = padded[i].data() + 1;
     for (int half_v = 0; half_v < 2; ++half_v)
         for (int half_u = 0; half_u < 2; ++half_u) {
             std::vector<float>& out = phase_[static_cast<std::size_t>(half_v)]
@@ -34,15 +40,24 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
             float* to = out.data();
             for (int view = 0; view < views; ++view)
                 for (int v = 0; v < nv; ++v, to += width) {
-                    const std::int32_t* a = reconstructed.data() + (view * nv + v) * nu;
-                    const std::int32_t* b =
-                        reconstructed.data() + (view * nv + std::min(v + half_v, nv - 1)) * nu;
-                    for (int u = 0; u < nu; ++u) {
-                        const int next = std::min(u + half_u, nu - 1);
-                        to[nu + u] = 0.25f * static_cast<float>((a[u] + a[next]) + (b[u] + b[next]));
+                    for (int i = 0; i < 3; ++i) {
+                        const std::int32_t* from =
+                            reconstructed.data() +
+                            (view * nv + std::clamp(v - 1 + i, 0, nv - 1)) * nu;
+                        std::int32_t* row = padded[static_cast<std::size_t>(i)].data();
+                        std::fill_n(row, 2, from[0]);
+                        std::copy_n(from, nu, row + 2);
+                        std::fill_n(row + 2 + nu, 2, from[nu - 1]);
                     }
-                    std::fill_n(to, nu, 0.5f * static_cast<float>(a[0] + b[0]));
-                    std::fill_n(to + 2 * nu, nu, 0.5f * static_cast<float>(a[nu - 1] + b[nu - 1]));
+                    std::array<std::int32_t, max_tile_side + 2> sums{};
+                    kernels().add_copies(rows.data(), copy_filter(smooth, half_u, half_v), nu + 2,
+                                         sums.data());
+                    std::fill_n(to, nu, scale * static_cast<float>(sums[0]));
+                    for (int u = 0; u < nu; ++u)
+                        to[nu + u] =
+                            scale * static_cast<float>(sums[static_cast<std::size_t>(u) + 1]);
+                    std::fill_n(to + 2 * nu, nu,
+                                scale * static_cast<float>(sums[static_cast<std::size_t>(nu) + 1]));
                 }
         }
 }

@@ -212,13 +212,13 @@ std::uint64_t PassResult::payload_bytes() const {
     return bytes;
 }
 
-double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
-    // An error of the first plane of YCoCg moves three samples.
+double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameters,
+                       const CodedTile& tile) {
+    // Steps are such that an error of one in any plane of YCoCg counts three times over RGB.
     const double samples = plan.colour.transform == ColourTransform::ycocg_r ? 3 : 1;
-    const double step = pass.parameters.step[0].value();
-    return pass.totals.squared_error / (samples * step * step) +
-           8.0 * static_cast<double>(plan.effort.quantizer.lambda) *
-               static_cast<double>(pass.payload_bytes());
+    const double step = parameters.step[0].value();
+    return static_cast<double>(tile.squared_error) / (samples * step * step) +
+           8.0 * static_cast<double>(plan.effort.quantizer.lambda) * tile.payload_bytes;
 }
 
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {

@@ -77,9 +77,10 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample);
 
-// Squared error in steps of the first plane, and what the bytes are worth: less is better, for passes
-// over the same texels with the same steps.
-double lagrangian_cost(const EncodePlan& plan, const PassResult& pass);
+// A tile's squared error in steps of the first plane, and what its bytes are worth: less is better,
+// among ways to code the same texels with the same steps.
+double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameters,
+                       const CodedTile& tile);
 
 // Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
 // its texels differ) unless the options say no. Needs pass.payloads.

@@ -35,6 +35,15 @@ constexpr int forward_order(int n, int i) {
     return !butterfly ? i : i < half ? 2 * i : 2 * (i - half) + 1;
 }
 
+// A filter that copies go through (FORMAT.md 4.6): f + 2 g, plus 4 for smooth ones; and how many bits
+// its sums lie above the values.
+constexpr int copy_filter(bool smooth, int half_u, int half_v) {
+    return (smooth ? 4 : 0) + 2 * (half_v & 1) + (half_u & 1);
+}
+constexpr int copy_shift(bool smooth) {
+    return smooth ? 4 : 2;
+}
+
 struct Kernels {
     const char* name;
 
@@ -50,10 +59,9 @@ struct Kernels {
     void (*round_rows)(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride,
                        int shift);
 
-    // sums[i] += four times the texel half-way between neighbours (FORMAT.md 4.6): two rows, and along
-    // them i and, if between, i + 1.
-    void (*add_half_texels)(const std::int32_t* upper, const std::int32_t* lower, bool between,
-                            int n, std::int32_t* sums);
+    // sums[i] += C of FORMAT.md 4.6 from rows j - 1, j, j + 1. Smooth filters read texels -1..n of
+    // them, plain ones 0..n, and neither a row that its filter does without.
+    void (*add_copies)(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums);
 
     // values[i] = values[i] + (sums[i] >> shift), within -limit .. limit - 1.
     void (*add_within)(std::int32_t* values, const std::int32_t* sums, int shift, int n,

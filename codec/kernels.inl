@@ -145,14 +145,37 @@ inline float one_cost(float a2, float base, float slope) {
     return a2 < coded ? a2 : coded;
 }
 
-void add_half_texels(const std::int32_t* upper, const std::int32_t* lower, bool between, int n,
-                     std::int32_t* sums) {
-    if (between)
-        for (int i = 0; i < n; ++i)
-            sums[i] += (upper[i] + upper[i + 1]) + (lower[i] + lower[i + 1]);
+// FORMAT.md 4.6, by copy_filter(): weights in rows j - 1, j, j + 1 of texels i - 1, i, i + 1.
+constexpr std::int32_t copy_weights[8][3][3] = {
+    {{0, 0, 0}, {0, 4, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 2, 2}, {0, 0, 0}},
+    {{0, 0, 0}, {0, 2, 0}, {0, 2, 0}}, {{0, 0, 0}, {0, 1, 1}, {0, 1, 1}},
+    {{0, 2, 0}, {2, 8, 2}, {0, 2, 0}}, {{0, 1, 1}, {0, 6, 6}, {0, 1, 1}},
+    {{0, 0, 0}, {1, 6, 1}, {1, 6, 1}}, {{0, 0, 0}, {0, 4, 4}, {0, 4, 4}}};
+
+template <std::int32_t weight> inline std::int32_t weighted(const std::int32_t* row, int i) {
+    if constexpr (weight == 0)
+        return 0; // the texel need not exist
     else
-        for (int i = 0; i < n; ++i)
-            sums[i] += 2 * (upper[i] + lower[i]);
+        return weight * row[i];
+}
+
+template <int filter>
+void add_filtered(const std::int32_t* const rows[3], int n, std::int32_t* sums) {
+    const std::int32_t *above = rows[0], *row = rows[1], *below = rows[2];
+    constexpr auto& w = copy_weights[filter];
+    for (int i = 0; i < n; ++i)
+        sums[i] += weighted<w[0][0]>(above, i - 1) + weighted<w[0][1]>(above, i) +
+                   weighted<w[0][2]>(above, i + 1) + weighted<w[1][0]>(row, i - 1) +
+                   weighted<w[1][1]>(row, i) + weighted<w[1][2]>(row, i + 1) +
+                   weighted<w[2][0]>(below, i - 1) + weighted<w[2][1]>(below, i) +
+                   weighted<w[2][2]>(below, i + 1);
+}
+
+void add_copies(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums) {
+    constexpr void (*add[8])(const std::int32_t* const[3], int, std::int32_t*) = {
+        add_filtered<0>, add_filtered<1>, add_filtered<2>, add_filtered<3>,
+        add_filtered<4>, add_filtered<5>, add_filtered<6>, add_filtered<7>};
+    add[filter](rows, n, sums);
 }
 
 void add_within(std::int32_t* values, const std::int32_t* sums, int shift, int n,
@@ -413,7 +436,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 
 constexpr Kernels make_kernels(const char* name) {
     return {name,           inverse_rows, inverse_planes, round_rows,
-            add_half_texels, add_within, store_ycocg8, forward_rows,   forward_planes,
+            add_copies,     add_within,   store_ycocg8,   forward_rows,   forward_planes,
             forward_image,  add_squared_differences,      coding_cost};
 }
 

@@ -1,5 +1,6 @@
 #include "codec/rate_control.h"
 
+#include "codec/copy_trial.h"
 #include "codec/table_fit.h"
 
 #include <algorithm>
@@ -54,7 +55,10 @@ class RateSearch {
 public:
     RateSearch(const EncodePlan& plan, const Sample& sample, const FileBytes& file_bytes)
         : plan_(plan), sample_(sample), file_bytes_(file_bytes),
-          texels_(texel_count(plan.grid.size())) {}
+          texels_(texel_count(plan.grid.size())) {
+        if (!plan.effort.try_smooth || plan.colour.corrections)
+            smooth_ = false;
+    }
 
     Result<RateOutcome> run() {
         using Kind = RateTarget::Kind;
@@ -75,14 +79,22 @@ public:
     }
 
 private:
-    // A whole pass, preceded by one over the sample to learn the tables, and recoded under tables
-    // fitted to all of it. Of one that a journal knows to be finished only the totals come back.
+    // A whole pass, preceded by one over the sample to learn the tables (and, once, whether to smooth
+    // copies), and recoded under tables fitted to all of it. Of one that a journal knows to be
+    // finished only the totals come back.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
-        if (plan_.effort.fit_tables) {
+        if (plan_.effort.fit_tables || !smooth_) {
             const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
             if (!trained)
                 return trained.status();
-            parameters.parameters = fit_parameters(trained->totals.statistics);
+            if (!smooth_) {
+                const Result<bool> pays = smooth_copies_pay(plan_, sample_, *trained);
+                if (!pays)
+                    return pays.status();
+                smooth_ = parameters.smooth_copies = *pays;
+            }
+            if (plan_.effort.fit_tables)
+                parameters.parameters = fit_parameters(trained->totals.statistics);
         }
         if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
             const Result<PassResult> first = finished_or(
@@ -140,7 +152,9 @@ private:
     }
 
     CodingParameters for_step(double step) const {
-        return coding_parameters(step, plan_);
+        CodingParameters parameters = coding_parameters(step, plan_);
+        parameters.smooth_copies = smooth_.value_or(false);
+        return parameters;
     }
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
 
@@ -272,6 +286,9 @@ private:
     const FileBytes& file_bytes_;
     const std::uint64_t texels_;
     unsigned passes_ = 0;
+    // Empty until a trial at the step of the first whole pass has told; the same for all passes, so
+    // that a search for a step sees no jumps.
+    std::optional<bool> smooth_;
 };
 
 } // namespace

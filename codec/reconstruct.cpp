@@ -211,7 +211,7 @@ void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCo
     if (levels.predictions.empty())
         return;
     for (int p = 0; p < coding.planes; ++p)
-        finish_predicted(levels.blocks[block], levels.predictions[block], coding.type, levels.shape,
+        finish_predicted(levels.blocks[block], levels.predictions[block], coding, levels.shape,
                          reconstruction.has_levels(p), planes.plane[static_cast<std::size_t>(p)]);
 }
 

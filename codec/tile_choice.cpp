@@ -99,7 +99,9 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         const Result<PassResult> pass =
             run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
         TESSERA_TRY(pass.status());
-        const double cost = lagrangian_cost(trial, *pass);
+        double cost = 0;
+        for (const CodedTile& tile : pass->tiles)
+            cost += lagrangian_cost(trial, parameters, tile);
         if (extent == usual_tile || cost < least) {
             least = cost;
             best = extent;

@@ -58,6 +58,8 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
         settings.search.copies = {};
     settings.search.copies.both = tools.is_on(CodingTool::both, true);
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
+    settings.try_smooth =
+        settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
     settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 2 : 1;
     settings.second_pass = effort >= 8 && settings.fit_tables;
     return settings;

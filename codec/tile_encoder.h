@@ -23,6 +23,7 @@ struct EffortSettings {
     bool rotate_colours = true; // try rotated colour axes for every block
     bool ycocg = true;          // code YCoCg, not RGB
     bool fit_tables = true;     // to the sample, and to all tiles
+    bool try_smooth = true;     // whether copies are smoothed is found by a trial
     int copy_rounds = 1;        // of the search for blocks that copy
     bool second_pass = false;   // decide again under the tables of the first pass
 

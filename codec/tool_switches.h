@@ -19,6 +19,7 @@ enum class CodingTool : std::uint8_t {
     rdo,
     fitted_tables,
     grids,
+    smooth,
 };
 
 struct CodingToolInfo {
@@ -27,7 +28,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 10> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 11> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::both, "both", "... from two directions at once"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
@@ -41,6 +42,7 @@ inline constexpr std::array<CodingToolInfo, 10> coding_tools = {{
      "either"},
     {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
+    {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
 }};
 
 // What was asked for on top of an effort. By itself nothing.

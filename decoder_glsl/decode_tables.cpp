@@ -108,6 +108,7 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
         words[tsr_t_background + i] = signed_word(planes[i]);
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
     words[tsr_t_predicts] = coding.prediction;
+    words[tsr_t_smooth] = coding.smooth_copies;
     words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];

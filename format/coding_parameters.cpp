@@ -81,7 +81,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
     put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u) |
-            (coding.dependent ? 4u : 0u),
+            (coding.dependent ? 4u : 0u) | (coding.smooth_copies ? 8u : 0u),
         1);
 
     RansEncoder encoder;
@@ -131,11 +131,14 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 7)
+    if (flags > 15)
         return damaged("unknown flags");
     coding.colour_rotation = (flags & 1) != 0;
     coding.prediction = (flags & 2) != 0;
     coding.dependent = (flags & 4) != 0;
+    coding.smooth_copies = (flags & 8) != 0;
+    if (coding.smooth_copies && !coding.prediction)
+        return damaged("smooth copies without predictions");
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;

@@ -18,6 +18,7 @@ struct CodingParameters {
     StepCode rotated_step;        // of the first three planes of blocks with rotated colour
     bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
     bool prediction = false;      // blocks say what they copy (required feature 4)
+    bool smooth_copies = false;   // copies go through the smooth filter of 4.6; with prediction only
     bool dependent = false;       // levels depend on the ones before: format/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;

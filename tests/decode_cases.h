@@ -87,6 +87,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.parameters = random_parameters(random);
     parameters.colour_rotation = channels >= 3;
     parameters.prediction = copies > 0;
+    parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
     parameters.dependent = seed % 2 == 1;
     for (StepCode& step : parameters.step)
         step.bits = static_cast<std::uint16_t>((random.range(0, 8) << 11) | random.range(0, 2047));

@@ -405,6 +405,8 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
         code = step();
     coding.rotated_step = step();
     coding.colour_rotation = random.chance(0.5);
+    coding.prediction = random.chance(0.5);
+    coding.smooth_copies = coding.prediction && random.chance(0.5);
     coding.dependent = random.chance(0.5);
     for (auto& offsets : coding.offsets)
         for (std::uint8_t& offset : offsets)
@@ -442,6 +444,8 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->step, want.step);
         EXPECT_EQ(got->rotated_step, want.rotated_step);
         EXPECT_EQ(got->colour_rotation, want.colour_rotation);
+        EXPECT_EQ(got->prediction, want.prediction);
+        EXPECT_EQ(got->smooth_copies, want.smooth_copies);
         EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->offsets, want.offsets);
         EXPECT_EQ(got->scan_weights, want.scan_weights);
@@ -450,6 +454,19 @@ TEST(CodingParameters, RoundTrip) {
     }
     // Defaults cost nothing beyond the fixed part.
     EXPECT_LE(write_coding_parameters({}).size(), 24u);
+}
+
+TEST(CodingParameters, SmoothCopiesNeedPredictions) {
+    constexpr std::size_t flags = 23;
+    Bytes bytes = write_coding_parameters({});
+    for (const int value : {8, 12, 16, 24}) {
+        bytes[flags] = static_cast<std::byte>(value);
+        EXPECT_FALSE(read_coding_parameters(bytes)) << value;
+    }
+    bytes[flags] = std::byte{10};
+    const Result<CodingParameters> both = read_coding_parameters(bytes);
+    ASSERT_TRUE(both) << both.status().message();
+    EXPECT_TRUE(both->smooth_copies);
 }
 
 TEST(CodingParameters, DamageIsRefusedOrHarmless) {

@@ -138,6 +138,75 @@ test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
             }};
 }
 
+struct Encoded {
+    EncodeReport report;
+    Bytes file;
+    bool smooth = false;
+};
+
+Encoded encode(test::MemoryTexture& source, const EncodeOptions& options) {
+    Encoded encoded;
+    const auto report = encode_memory(source, encoded.file, options);
+    EXPECT_TRUE(report.ok()) << report.status().message();
+    if (!report.ok())
+        return encoded;
+    encoded.report = *report;
+    const auto bytes = wrap_memory(encoded.file);
+    const auto reader = ContainerReader::open(*bytes);
+    EXPECT_TRUE(reader.ok());
+    const auto coding = read_coding_parameters(reader->codec_parameters());
+    EXPECT_TRUE(coding.ok());
+    encoded.smooth = coding->smooth_copies;
+    return encoded;
+}
+
+// A picture of coarse detail that moves by two texels a view, under noise that does not.
+test::MemoryTexture noisy_moving_picture() {
+    test::Random random(3);
+    return {{{32, 32, 8, 8}, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
+                const double x = u + 2 * s, y = v + 2 * t;
+                return 0.5 + 0.25 * std::sin(x * 0.5 + c) * std::cos(y * 0.4) +
+                       0.12 * (random.unit() - 0.5);
+            }};
+}
+
+TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
+    test::MemoryTexture source = noisy_moving_picture();
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::psnr, 32};
+    options.tile_extent = {16, 16, 4, 4};
+    options.threads = 1;
+    const Encoded smooth = encode(source, options);
+    EXPECT_TRUE(smooth.smooth);
+    options.threads = 3;
+    EXPECT_EQ(encode(source, options).file, smooth.file);
+    options.tools.set(CodingTool::smooth, false);
+    const Encoded plain = encode(source, options);
+    EXPECT_FALSE(plain.smooth);
+    EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
+
+    const auto bytes = wrap_memory(smooth.file);
+    const auto decoder = Decoder::open(*bytes);
+    ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+    const Box4 whole = Box4::whole(decoder->desc().size);
+    Bytes texels(decoder->desc().box_bytes(whole));
+    ASSERT_TRUE(decoder->decode_box(whole, texels).ok());
+    std::string error;
+    const auto expected = tessera_reference::decode(smooth.file, error);
+    ASSERT_TRUE(expected) << error;
+    EXPECT_EQ(texels, expected->texels);
+}
+
+TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
+    test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::quality, 60};
+    EXPECT_FALSE(encode(fine, options).smooth);
+    options.effort = 3; // without copies there is nothing to smooth
+    options.tools.set(CodingTool::smooth, true);
+    EXPECT_FALSE(encode(noisy, options).smooth);
+}
+
 TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
     for (const auto& [along_s, along_t] :
          {std::pair{std::array{4, 0}, std::array{0, 4}}, std::pair{std::array{-6, 2}, std::array{2, 5}}}) {

@@ -531,6 +531,23 @@ TEST(Reference, ChangedHeadersAndCodes) {
     EXPECT_GT(accepted, 1000);
 }
 
+TEST(Reference, SmoothCopiesNeedPredictions) {
+    Parts parts = parts_of("waves", {9, 8, 3, 4}, 3, SampleType::unorm8, {Kind::quality, 70});
+    const std::size_t flags = 23;
+    const std::uint64_t before = Parts::number(parts.section("CODE"), flags, 1);
+    ASSERT_EQ(before & 2, 2u); // predictions
+    const auto with = [&](std::uint64_t value, std::uint64_t features) {
+        Parts::put(parts.section("CODE"), flags, value, 1);
+        Parts::put(parts.header, 16, features, 8);
+        return expect_agreement(parts.seal(), "flags " + std::to_string(value)).accepted;
+    };
+    EXPECT_TRUE(with(before | 8, feature_prediction));
+    EXPECT_TRUE(with(before & ~std::uint64_t{8}, feature_prediction));
+    EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, 0));
+    EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, feature_prediction));
+    EXPECT_FALSE(with(before | 16, feature_prediction));
+}
+
 // Steps from one end of their range to the other: shifts, limits, overflow.
 TEST(Reference, ChangedSteps) {
     std::mt19937 engine(4);

@@ -172,6 +172,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
         parameters.prediction = true;
+        parameters.smooth_copies = number % 4 >= 2;
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, false)));
     }
@@ -475,6 +476,7 @@ TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
             CodingParameters parameters;
             parameters.step.fill(StepCode::nearest(30000));
             parameters.prediction = true;
+            parameters.smooth_copies = views.s % 2 == 1;
             ShaderOracle file(empty_file({size, type, 3}, size, parameters, false));
             HandMadeTile tile(shape_of(6, 5, views.s, views.t));
             tile.split(4096, 4, Split::angular);

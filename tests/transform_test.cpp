@@ -415,6 +415,24 @@ TEST_F(KernelPaths, RoundingIsEqual) {
         }
 }
 
+TEST_F(KernelPaths, CopiesAreEqual) {
+    Random random(12);
+    constexpr std::size_t most = max_tile_side;
+    for (int filter = 0; filter < 8; ++filter)
+        for (int n = 1; n <= max_tile_side; ++n) {
+            std::vector<std::vector<std::int32_t>> texels(3);
+            for (auto& row : texels)
+                for (std::size_t i = 0; i < most + 2; ++i)
+                    row.push_back(random.range(-(1 << 18), (1 << 18) - 1));
+            const std::int32_t* const rows[3] = {texels[0].data() + 1, texels[1].data() + 1,
+                                                 texels[2].data() + 1};
+            std::vector<std::int32_t> a(most, 5), b(most, 5);
+            kernels_scalar.add_copies(rows, filter, n, a.data());
+            kernels_avx2.add_copies(rows, filter, n, b.data());
+            ASSERT_EQ(a, b) << filter << " " << n;
+        }
+}
+
 TEST_F(KernelPaths, ColourStoresAreEqual) {
     Random random(13);
     for (const int texels : {1, 5, 8, 16, 35, 64})

@@ -8,6 +8,7 @@ struct TsrFormat {
     bool half_floats; // else unorm8
     int planes;
     bool ycocg;
+    bool smooth_copies;
     int fraction; // bits of a transform output below a code
     ivec4 background; // planes
     int smallest;     // code
@@ -19,6 +20,7 @@ TsrFormat tsr_format() {
     f.half_floats = tsr_table(tsr_t_sample_type) != 0u;
     f.planes = int(tsr_table(tsr_t_planes));
     f.ycocg = tsr_table(tsr_t_colour) == 1u;
+    f.smooth_copies = tsr_table(tsr_t_smooth) != 0u;
     f.fraction = int(tsr_table(tsr_t_fraction));
     f.background = ivec4(int(tsr_table(tsr_t_background)), int(tsr_table(tsr_t_background + 1)),
                          int(tsr_table(tsr_t_background + 2)),

@@ -27,6 +27,7 @@ const int tsr_t_background_texel = 14; // two words: the texel as it is stored, 
 const int tsr_t_dependent = 16; // 1: dependent quantisation
 const int tsr_t_shapes = 17;    // word of the first shape record
 const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
+const int tsr_t_smooth = 19;    // 1: smooth copies
 const int tsr_t_zero = 32;      // frequencies of 0: [2][7][6][16]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
 const int tsr_t_magnitude = 1376;    // [2][66] symbol tables

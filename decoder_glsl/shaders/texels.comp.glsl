@@ -366,30 +366,46 @@ void tsr_keep_value(TsrItem item, ivec4 value, int u, int v, int s, int t) {
         tsr_set_work(at + 3u * stride, word.w);
 }
 
-// Twice the values between texels u and u + 1 of a row, where `between` is 1, or at u.
-ivec4 tsr_two_along(TsrItem item, int u, int between, int v, int s, int t) {
-    ivec4 first = tsr_value(item, u, v, s, t);
-    return first + (between != 0 ? tsr_value(item, u + 1, v, s, t) : first);
-}
-
-// Four times what `steps` displacements away in the view (s, t) lies; `move`: u, v in signed bytes.
-ivec4 tsr_four_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
+// What `steps` displacements away in the view (s, t) lies, times 4 or, smooth, 16 (C of FORMAT.md 4.6);
+// `move`: u, v in signed bytes. First come the texels that it lies on or between, then those beside.
+ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
     int x = 2 * u + steps * (int(move << 24u) >> 24);
     int y = 2 * v + steps * (int(move << 16u) >> 24);
-    ivec4 upper = tsr_two_along(item, x >> 1, x & 1, y >> 1, s, t);
-    return upper + ((y & 1) != 0 ? tsr_two_along(item, x >> 1, x & 1, (y >> 1) + 1, s, t) : upper);
+    int f = x & 1;
+    int g = y & 1;
+    int halves = f + g;
+    int between = 1 << halves;
+    int taps = item.format.smooth_copies && halves < 2 ? 5 + halves : between;
+    int weight = item.format.smooth_copies ? 8 - 2 * halves : 4 >> halves;
+    ivec4 sum = ivec4(0);
+    for (int k = 0; k < taps; ++k) {
+        TSR_LOOP;
+        int a = k & f;
+        int b = k >> f;
+        if (k >= between) {
+            int m = k - between;
+            int side = (m & 2) - 1;
+            int along = (m & 1) * halves; // which of the two that it lies between
+            bool vertical = halves == 0 ? (m & 1) != 0 : f != 0;
+            a = vertical ? along : side;
+            b = vertical ? side : along;
+        }
+        sum += (k < between ? weight : 2 - halves) *
+               tsr_value(item, (x >> 1) + a, (y >> 1) + b, s, t);
+    }
+    return sum;
 }
 
 // The values of a texel of a predicted tile: with what its block copies, clamped, and kept for others.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     ivec4 sum = ivec4(0);
     if ((item.copies & 1u) != 0u)
-        sum += tsr_four_moved(item, item.move, s - item.origin.z + 1, u, v,
-                              max(item.origin.z - 1, 0), t);
+        sum += tsr_moved(item, item.move, s - item.origin.z + 1, u, v, max(item.origin.z - 1, 0), t);
     if ((item.copies & 2u) != 0u)
-        sum += tsr_four_moved(item, item.move >> 16, t - item.origin.w + 1, u, v, s,
-                              max(item.origin.w - 1, 0));
-    ivec4 copied = item.copies == 3u ? (sum + 4) >> 3 : (sum + 2) >> 2;
+        sum += tsr_moved(item, item.move >> 16, t - item.origin.w + 1, u, v, s,
+                         max(item.origin.w - 1, 0));
+    int shift = (item.format.smooth_copies ? 4 : 2) + (item.copies == 3u ? 1 : 0);
+    ivec4 copied = (sum + (1 << (shift - 1))) >> shift;
     int limit = item.format.half_floats ? 1 << 18 : 1 << 15;
     ivec4 value = clamp(values + copied, -limit, limit - 1);
     tsr_keep_value(item, value, u, v, s, t);

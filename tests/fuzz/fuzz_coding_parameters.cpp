@@ -7,6 +7,8 @@ namespace tessera::fuzz {
 std::vector<Bytes> seeds() {
     CodingParameters changed;
     changed.colour_rotation = true;
+    changed.prediction = true;
+    changed.smooth_copies = true;
     changed.dependent = true;
     changed.correction_error = 3;
     for (std::size_t i = 0; i < changed.parameters.size(); i += 7)

@@ -40,6 +40,7 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     parameters.offsets = {{{3, 9}, {31, 0}}};
     parameters.colour_rotation = setting % 4 >= 2;
     parameters.prediction = predictions;
+    parameters.smooth_copies = predictions && setting % 3 == 1;
     parameters.dependent = setting % 2 == 1;
     parameters.correction_error = static_cast<std::uint16_t>(setting == 5 ? 65535 : setting);
     test::Random random(setting);

@@ -559,6 +559,7 @@ struct Code {
     bool has_colour_symbols = false;
     bool has_predictions = false;
     bool dependent = false;
+    bool smooth_copies = false;
 
     uint32_t zero[2][7][6][16]; // frequencies of 0
     Table magnitude[2][66];
@@ -620,10 +621,12 @@ Code read_code(Bytes section) {
         d[i] = frequency(u8(section, 20 + i));
     }
     const int flags = u8(section, 23);
-    require(flags <= 7, "CODE: flags");
+    require(flags <= 15, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.dependent = flags & 4;
+    code.smooth_copies = flags & 8;
+    require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
 
     // The differences to the defaults.
     Stream stream(section.subspan(24));
@@ -956,18 +959,35 @@ std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4&
             from[a] = a == 2 + direction ? block.begin[a] - 1 : block.begin[a] + at[a];
         const auto i = static_cast<int>(floor_div(x, 2)), j = static_cast<int>(floor_div(y, 2));
         const int f = x - 2 * i, g = y - 2 * j;
-        for (int b = 0; b < 2; ++b)
-            for (int a = 0; a < 2; ++a) {
-                const int weight = (a == 0 ? 2 - f : f) * (b == 0 ? 2 - g : g);
-                from[0] = std::clamp(i + a, 0, size_[0] - 1);
-                from[1] = std::clamp(j + b, 0, size_[1] - 1);
-                for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p)
-                    sums[p] += weight * plane_values_[p][place(from, size_)];
+        const auto add = [&](int weight, int a, int b) {
+            from[0] = std::clamp(a, 0, size_[0] - 1);
+            from[1] = std::clamp(b, 0, size_[1] - 1);
+            for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p)
+                sums[p] += weight * plane_values_[p][place(from, size_)];
+        };
+        if (!code_.smooth_copies) {
+            for (int b = 0; b < 2; ++b)
+                for (int a = 0; a < 2; ++a)
+                    add((a == 0 ? 2 - f : f) * (b == 0 ? 2 - g : g), i + a, j + b);
+        } else if (f == 0 && g == 0) {
+            add(8, i, j);
+            for (const int step : {-1, 1}) {
+                add(2, i + step, j);
+                add(2, i, j + step);
             }
+        } else if (f == 1 && g == 1) {
+            for (const int b : {j, j + 1})
+                for (const int a : {i, i + 1})
+                    add(4, a, b);
+        } else {
+            for (const int half : {0, 1})
+                for (const int step : {-1, 0, 1})
+                    add(step == 0 ? 6 : 1, i + (f == 1 ? half : step), j + (f == 1 ? step : half));
+        }
     }
-    const bool both = block.copy[0] && block.copy[1];
+    const int parts = (code_.smooth_copies ? 16 : 4) * (block.copy[0] && block.copy[1] ? 2 : 1);
     for (int64_t& sum : sums)
-        sum = both ? floor_div(sum + 4, 8) : floor_div(sum + 2, 4);
+        sum = floor_div(sum + parts / 2, parts);
     return sums;
 }
 
