@@ -11,9 +11,8 @@ namespace tessera {
 namespace {
 
 // All have 65,536 texels. Small parallax and blur fit many views of a small place, large parallax and
-// smooth pictures few views of a large one. Effort 5, against 32x32x8x8: 64x64x4x4 saves 4 to 13 % of
-// the composed scene at 512x256x32x32 and costs 6 % of it at 128x64x32x32; 128x128x2x2, 128x64x4x2
-// and 64x32x8x4 were never the best (tests/regression/ablation.md).
+// smooth pictures few views of a large one. Sizes other than these two were never the best
+// (tests/regression/ablation.md).
 constexpr Extent4 usual_tile{32, 32, 8, 8};
 constexpr Extent4 wide_tile{64, 64, 4, 4};
 // What both shapes divide; the trial looks at such parts.
