@@ -49,7 +49,8 @@ struct EncodeOptions {
                                            // changes the bytes.
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
-    // Largest tile: 1..64 along u and v, 1..32 along s and t; all 0: 32x32x8x8 or 64x64x4x4, by trial.
+    // Largest tile: 1..64 along u and v, 1..32 along s and t; all 0: 32x32x8x8,
+    // or by trial 64x64x4x4, without `layers`.
     Extent4 tile_extent{0, 0, 0, 0};
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent

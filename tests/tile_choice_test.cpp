@@ -50,6 +50,13 @@ TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
     EXPECT_EQ(chosen_tile(texture), usual);
 }
 
+TEST(TileChoice, LayersKeepViewsSmall) {
+    MemoryTexture texture = blurred_views(size);
+    EncodeOptions options;
+    options.layers = true;
+    EXPECT_EQ(chosen_tile(texture, options), usual);
+}
+
 TEST(TileChoice, WhoeverAsksForATileGetsIt) {
     MemoryTexture texture = blurred_views({70, 66, 5, 4});
     EncodeOptions options;

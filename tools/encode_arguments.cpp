@@ -56,8 +56,8 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->check(CLI::Range(0, 9))
         ->capture_default_str();
     app.add_option("--tools", a.tools, tool_switches_help())->type_name("LIST");
-    app.add_option("--tile", a.tile, "Largest tile UxVxSxT, u and v to 64, s and t to 32 (32x32x8x8 or 64x64x4x4, "
-                   "whichever a trial finds smaller)");
+    app.add_option("--tile", a.tile, "Largest tile UxVxSxT, u and v to 64, s and t to 32 (32x32x8x8, or 64x64x4x4 "
+                   "where a trial finds it smaller; with --layers always the former)");
     app.add_flag("--layers", a.layers,
                  "Put coarse levels first (at most 3 % more bytes): any beginning of the file then "
                  "shows the whole texture, see decode --allow-partial");
