@@ -18,6 +18,7 @@ constexpr Extent4 wide_tile{64, 64, 4, 4};
 // What both shapes divide; the trial looks at such parts.
 constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
+constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr int most_effort = 5;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
@@ -33,8 +34,10 @@ std::uint64_t liveliness(std::span<const std::byte> texels, std::size_t texel_by
 Result<Sample> read_patches(const EncodePlan& plan) {
     EncodePlan cut = plan;
     cut.grid = TileGrid(plan.colour.desc.size, patch_extent);
-    const std::uint64_t wanted =
-        std::clamp(cut.grid.tiles() / 16, fewest_patches, most_patches);
+    const std::uint64_t affordable =
+        most_patch_bytes / (2 * texel_count(patch_extent) * plan.colour.desc.texel_bytes());
+    const std::uint64_t wanted = std::clamp(cut.grid.tiles() / 16, fewest_patches,
+                                            std::max(fewest_patches, std::min(most_patches, affordable)));
     Result<Sample> sample = read_sample(cut, 2 * wanted);
     TESSERA_TRY(sample.status());
     std::vector<std::uint64_t> lively;
