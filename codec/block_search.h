@@ -8,6 +8,7 @@
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
@@ -77,10 +78,10 @@ private:
     }
     bool is_tried(int spatial, int angular) const {
         // A tile that cannot be cut so deep tries its deepest cut instead.
-        for (int s = spatial; s < 8; s = s < spatial_depths_ ? 8 : s + 1)
-            for (int a = angular; a < 8; a = a < angular_depths_ ? 8 : a + 1)
-                if ((options_.grids >> (s * 8 + a) & 1) != 0)
-                    return true;
+        for (int grid = 0; grid < 64; ++grid)
+            if ((options_.grids >> grid & 1) != 0 && std::min(grid / 8, spatial_depths_) == spatial &&
+                std::min(grid % 8, angular_depths_) == angular)
+                return true;
         return false;
     }
 

@@ -1,7 +1,6 @@
 #include "codec/copy_trial.h"
 
-#include <algorithm>
-#include <numeric>
+#include "codec/sample_tiles.h"
 
 namespace tessera {
 namespace {
@@ -12,12 +11,10 @@ constexpr std::size_t most_tiles = 16;
 
 Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
                                const PassResult& plain) {
-    std::vector<std::size_t> order(sample.boxes.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return plain.tiles[a].payload_bytes > plain.tiles[b].payload_bytes;
-    });
-    order.resize(std::min(order.size(), most_tiles));
+    std::vector<std::uint64_t> bytes;
+    for (const CodedTile& tile : plain.tiles)
+        bytes.push_back(tile.payload_bytes);
+    const std::vector<std::size_t> order = largest_values(bytes, most_tiles);
     Sample heavy;
     for (const std::size_t i : order) {
         heavy.boxes.push_back(sample.boxes[i]);

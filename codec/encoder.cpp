@@ -22,7 +22,7 @@ Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
     if (options.effort < 0 || options.effort > 9)
         return bad("effort must be 0 to 9");
     std::uint64_t tile = 1;
-    const bool by_trial = options.tile_extent == Extent4{0, 0, 0, 0};
+    const bool by_trial = options.tile_extent == tile_by_trial;
     for (std::size_t axis = 0; axis < 4; ++axis) {
         const std::uint32_t side = options.tile_extent[axis];
         if ((side < 1 && !by_trial) || side > static_cast<std::uint32_t>(max_side_along(axis)))

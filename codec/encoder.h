@@ -39,6 +39,10 @@ enum class JournalUse {
     resume, // the same, but goes on with what was left, if anything; the file comes out the same
 };
 
+// 32x32x8x8 or, where a trial on parts of the texture finds it cheaper, 64x64x4x4; never the latter with
+// `layers` or a maximum error.
+constexpr Extent4 tile_by_trial{0, 0, 0, 0};
+
 struct EncodeOptions {
     RateTarget rate;
     int effort = 5;                    // 0 fastest .. 9 smallest
@@ -49,9 +53,7 @@ struct EncodeOptions {
                                            // changes the bytes.
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
-    // Largest tile: 1..64 along u and v, 1..32 along s and t; all 0: 32x32x8x8,
-    // or by trial 64x64x4x4, without `layers`.
-    Extent4 tile_extent{0, 0, 0, 0};
+    Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent
     Description description;           // proxy, maps, transfer, primaries

@@ -23,12 +23,12 @@ struct PlaneSet {
     std::int32_t background[3];
 };
 
-// Frequencies that forward_image computes along a side: sides of 32 keep 16, as a block that needs
+// Frequencies that forward_image computes along a side: long ones keep half, as a block that needs
 // more is always cheaper when cut.
 constexpr int forward_kept(int n) {
     return n >= 32 ? (n + 1) / 2 : n;
 }
-// Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32), the even ones first.
+// Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32, 64), the even ones first.
 constexpr int forward_order(int n, int i) {
     const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32 || n == 64;
     const int half = forward_kept(n) / 2;

@@ -1,6 +1,7 @@
 #include "codec/sample_tiles.h"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_set>
 
 namespace tessera {
@@ -37,6 +38,14 @@ std::vector<std::uint64_t> choose_numbers(std::uint64_t count, std::uint64_t wan
     std::vector<std::uint64_t> numbers(chosen.begin(), chosen.end());
     std::sort(numbers.begin(), numbers.end());
     return numbers;
+}
+
+std::vector<std::size_t> largest_values(std::span<const std::uint64_t> values, std::size_t wanted) {
+    std::vector<std::size_t> places(values.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::ranges::stable_sort(places, [&](auto a, auto b) { return values[a] > values[b]; });
+    places.resize(std::min(places.size(), wanted));
+    return places;
 }
 
 } // namespace tessera

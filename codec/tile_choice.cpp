@@ -3,9 +3,9 @@
 #include "codec/background.h"
 #include "codec/copy_box.h"
 #include "codec/rate_control.h"
+#include "codec/sample_tiles.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace tessera {
 namespace {
@@ -19,6 +19,7 @@ constexpr Extent4 wide_tile{64, 64, 4, 4};
 constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
+static_assert(most_patch_bytes >= 2 * fewest_patches * texel_count(patch_extent) * 8);
 constexpr int most_effort = 5;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
@@ -36,19 +37,15 @@ Result<Sample> read_patches(const EncodePlan& plan) {
     cut.grid = TileGrid(plan.colour.desc.size, patch_extent);
     const std::uint64_t affordable =
         most_patch_bytes / (2 * texel_count(patch_extent) * plan.colour.desc.texel_bytes());
-    const std::uint64_t wanted = std::clamp(cut.grid.tiles() / 16, fewest_patches,
-                                            std::max(fewest_patches, std::min(most_patches, affordable)));
+    const std::uint64_t wanted =
+        std::clamp(cut.grid.tiles() / 16, fewest_patches, std::min(most_patches, affordable));
     Result<Sample> sample = read_sample(cut, 2 * wanted);
     TESSERA_TRY(sample.status());
     std::vector<std::uint64_t> lively;
     for (const std::vector<std::byte>& texels : sample->texels)
         lively.push_back(liveliness(texels, plan.colour.desc.texel_bytes()));
-    std::vector<std::size_t> order(lively.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, [&](auto a, auto b) { return lively[a] > lively[b]; });
-    order.resize(std::min<std::size_t>(order.size(), wanted));
     Sample patches;
-    for (const std::size_t i : order) {
+    for (const std::size_t i : largest_values(lively, wanted)) {
         patches.boxes.push_back(sample->boxes[i]);
         patches.texels.push_back(std::move(sample->texels[i]));
     }
@@ -77,14 +74,15 @@ Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const T
 } // namespace
 
 Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
-    if (plan.options.tile_extent != Extent4{0, 0, 0, 0})
+    if (plan.options.tile_extent != tile_by_trial)
         return plan.options.tile_extent;
     const TextureDesc& desc = plan.colour.desc;
     // With corrections hardly anything but noise is left to code, in whatever shape. What layers are
     // for is fetched view by view, and an observer outside a sphere sees many directions of a wide
     // place: wide tiles make a file of the composed scene 8 % smaller, but each of four of the
     // paper's five views 60 to 100 % larger (512x256x32x32, 40 dB).
-    if (plan.options.layers || desc.size[axis_u] <= usual_tile[axis_u] || desc.size[axis_v] <= usual_tile[axis_v] ||
+    if (plan.options.layers || desc.size[axis_u] <= usual_tile[axis_u] ||
+        desc.size[axis_v] <= usual_tile[axis_v] ||
         plan.options.rate.kind == RateTarget::Kind::max_error)
         return usual_tile;
     const Result<Sample> patches = read_patches(plan);
@@ -92,7 +90,8 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
 
     EncodePlan trial = plan;
     trial.colour.background = find_background(*patches, desc);
-    trial.effort = EffortSettings::of(std::min(plan.options.effort, most_effort), plan.options.tools);
+    trial.effort =
+        EffortSettings::of(std::min(plan.options.effort, most_effort), plan.options.tools);
     const RateTarget& rate = plan.options.rate;
     const CodingParameters parameters = coding_parameters(
         step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,

@@ -138,13 +138,9 @@ private:
 
     // How many slots the budget leaves after everything else.
     Status plan_memory() {
-        const CacheSlot slot = cache_slot(grid_, borders_);
-        stride_s_ = slot.stride_s;
-        stride_t_ = slot.stride_t;
-        slot_width_ = slot.width;
-        slot_height_ = slot.height;
+        slot_ = cache_slot(grid_, borders_);
         slot_bytes_ =
-            std::uint64_t{slot_width_} * slot_height_ * texel_bytes(file_.format()) + job_bytes;
+            std::uint64_t{slot_.width} * slot_.height * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
         const std::uint64_t coarse_bytes = coarse_ ? grid_.tiles() * tsr_coarse_texels * 8 : 0;
         work_bytes_ = std::clamp(file_.budget / 6, least_work(), most_work);
@@ -167,16 +163,16 @@ private:
             lines = std::max<std::uint64_t>(most / columns_, 1);
         rows_ = static_cast<std::uint32_t>((lines + 2047) / 2048);
         const std::uint64_t layers = lines / rows_;
-        if (slot_width_ > 2048 || slot_height_ * std::uint64_t{rows_} > 2048)
+        if (slot_.width > most_slot_pixels || slot_.height * std::uint64_t{rows_} > most_slot_pixels)
             return {ErrorCode::unsupported,
                     file_.reader.name() +
                         ": more tiles than a texture array takes; lower the budget"};
         slots_ = layers * rows_ * columns_;
-        shape_ = {columns_ * slot_width_, rows_ * slot_height_, static_cast<std::uint32_t>(layers)};
+        shape_ = {columns_ * slot_.width, rows_ * slot_.height, static_cast<std::uint32_t>(layers)};
         return {};
     }
 
-    std::uint64_t slots_across() const { return std::clamp(2048u / slot_width_, 1u, 1024u); }
+    std::uint64_t slots_across() const { return std::clamp(most_slot_pixels / slot_.width, 1u, 1024u); }
 
     Status create_objects() {
         auto texels = GlTexture::create(file_.format(), shape_, "tile cache");
@@ -187,10 +183,10 @@ private:
         texels_.clear();
         TESSERA_TRY(texels_.interpolate(borders_));
 
-        words_[tsr_p_slot_width] = slot_width_;
-        words_[tsr_p_slot_height] = slot_height_;
-        words_[tsr_p_stride_s] = stride_s_;
-        words_[tsr_p_stride_t] = stride_t_;
+        words_[tsr_p_slot_width] = slot_.width;
+        words_[tsr_p_slot_height] = slot_.height;
+        words_[tsr_p_stride_s] = slot_.stride_s;
+        words_[tsr_p_stride_t] = slot_.stride_t;
         words_[tsr_p_width] = shape_.width;
         words_[tsr_p_height] = shape_.height;
         words_[tsr_p_has_coarse] = coarse_;
@@ -218,13 +214,13 @@ private:
 
     TexelPlan plan() const {
         TexelPlan p;
-        p.stride_s = stride_s_;
-        p.stride_t = stride_t_;
+        p.stride_s = slot_.stride_s;
+        p.stride_t = slot_.stride_t;
         return p;
     }
     TexelPlace place_of(std::uint32_t slot) const {
         const std::uint32_t line = slot / columns_;
-        return {slot % columns_ * slot_width_, line % rows_ * slot_height_, line / rows_, 0, 0};
+        return {slot % columns_ * slot_.width, line % rows_ * slot_.height, line / rows_, 0, 0};
     }
 
     // As the page table holds it.
@@ -487,7 +483,7 @@ private:
 
     std::vector<std::uint32_t> empty_pages_; // background or missing
     std::uint64_t full_tiles_ = 0;
-    std::uint32_t stride_s_ = 0, stride_t_ = 0, slot_width_ = 0, slot_height_ = 0; // pixels
+    CacheSlot slot_{};
     std::uint32_t columns_ = 0, rows_ = 0;
     std::uint64_t slots_ = 0, slot_bytes_ = 0, work_bytes_ = 0;
     std::uint64_t fixed_bytes_ = 0; // whatever the number of slots

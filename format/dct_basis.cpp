@@ -1,5 +1,6 @@
 #include "format/dct_basis.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -13,7 +14,7 @@ using Tables = std::array<std::vector<std::int32_t>, max_tile_side + 1>;
 Tables make_tables() {
     Tables tables;
     for (int n = 1; n <= max_tile_side; ++n)
-        for (int k = 0; k < n; ++k)
+        for (int k = 0; k < std::min(n, max_frequencies); ++k)
             for (int x = 0; x < n; ++x)
                 tables[static_cast<std::size_t>(n)].push_back(
                     static_cast<std::int32_t>(std::lround(std::ldexp(
