@@ -11,7 +11,7 @@ struct BitCosts {
     explicit BitCosts(const CodeTables& tables);
 
     std::array<std::array<float, 2>, zero_parameters> zero; // [parameter][is non-zero]
-    std::array<std::array<float, magnitude_tokens>, quantisers * magnitude_tables>
+    std::array<std::array<float, magnitude_tokens>, all_magnitude_tables>
         magnitude; // with the raw bits of the token and the sign
     std::array<std::array<float, length_tokens>, length_contexts> first_length; // with raw bits
     std::array<std::array<float, length_tokens>, length_tokens> other_length;

@@ -106,7 +106,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     if (last >= 0) {
         const int end = round_up_coded_length(last + 1, order.length());
         find_crosses(out, first_plane, end);
-        const PlaneTask task{order, p_class, length_costs};
+        const PlaneTask task{order, block.copies, p_class, length_costs};
         cost = dependent ? choose_levels<quantiser_states>(task, end) : choose_levels<1>(task, end);
     }
     out.nonzeros.insert(out.nonzeros.end(), levels_.rbegin(), levels_.rend());
@@ -181,7 +181,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                 i == 0 ? size_class(order.shape)
                        : neighbour_class(sum[static_cast<std::size_t>(s)], context.share);
             const auto& flag = costs_.zero[static_cast<std::size_t>(
-                zero_parameter(quantiser, task.plane_class, context.position, neighbours, cross))];
+                zero_parameter(task.copies, quantiser, task.plane_class, context.position, neighbours,
+                               cross))];
             const auto consider = [&](std::int32_t l, std::int32_t magnitude, float total) {
                 const int to = dependent ? next_state[static_cast<std::size_t>(s)]
                                                      [static_cast<std::size_t>(magnitude & 1)]
@@ -197,7 +198,7 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
             if (most == 0)
                 continue;
             const auto& tokens = costs_.magnitude[static_cast<std::size_t>(
-                magnitude_table(quantiser, task.plane_class, i == 0, neighbours, cross))];
+                magnitude_table(task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
             for (std::int32_t l = least; l <= most; ++l) {
                 if (dependent && (l & 1) != quantiser)
                     continue;

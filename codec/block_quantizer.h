@@ -49,6 +49,7 @@ private:
     // What the choice of levels needs to know of one plane.
     struct PlaneTask {
         const ScanOrder& order;
+        bool copies;
         int plane_class;
         const std::array<float, length_tokens>& length_costs;
     };

@@ -2,6 +2,8 @@
 
 #include "codec/colour_choice.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 namespace tessera {
@@ -10,6 +12,8 @@ namespace {
 // Of a block that copies, beside its levels: what encode_best takes them for.
 constexpr float usual_prediction_bits = 6.0f;
 constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
+constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
+constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
 
 // Levels in the order of the blocks, as a decoder reads them.
 void sort_levels(TileLevels& tile) {
@@ -60,7 +64,9 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.try_smooth =
         settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
-    settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 2 : 1;
+    settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 3 : effort >= 5 ? 2 : 1;
+    settings.refinements =
+        !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
     settings.second_pass = effort >= 8 && settings.fit_tables;
     return settings;
 }
@@ -77,13 +83,39 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
     reconstruct(out, *coding_, scratch_, decoded_);
     for (int round = 0; round < settings_->copy_rounds; ++round) {
         if (!search_.choose_copies(decoded_, copies_))
-            return;
+            break;
         const float with_copies = encode_copies(copies_);
         if (with_copies < cost) {
             cost = with_copies;
             std::swap(out, copies_);
         }
     }
+    for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
+        if (!refine(out, cost))
+            return;
+}
+
+// The search goes by estimates. Coding the tree that it chose, and each block's quarters and
+// parent beside it, shows where these were wrong. False if nothing is to be gained.
+bool TileEncoder::refine(TileLevels& out, float& cost) {
+    copies_.shape = out.shape;
+    copies_.splits = out.splits;
+    copies_.blocks = out.blocks;
+    copies_.predictions = out.predictions;
+    copies_.predictions.resize(out.blocks.size());
+    Refinement refinement{std::vector<TreeEdit>(out.blocks.size()), all_siblings(copies_)};
+    encode_copies(copies_, &refinement);
+    copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
+    const std::size_t before = copies_.splits.size();
+    apply_edits(refinement.edits, copies_);
+    if (copies_.splits.size() == before)
+        return false;
+    const float refined = encode_copies(copies_);
+    if (refined >= cost)
+        return false;
+    cost = refined;
+    std::swap(out, copies_);
+    return true;
 }
 
 // Returns the tile's cost, as encode_copies does.
@@ -96,7 +128,8 @@ float TileEncoder::encode_blocks(TileLevels& out) {
 }
 
 // Closed loop: each block copies from what the decoder will have.
-float TileEncoder::encode_copies(TileLevels& out) {
+float TileEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
+    out.nonzeros.clear();
     out.order = limit_copy_depths(out.shape, out.blocks, out.predictions).order;
     const auto planes = static_cast<std::size_t>(coding_->planes);
     out.planes.assign(out.blocks.size() * planes, {});
@@ -105,8 +138,11 @@ float TileEncoder::encode_copies(TileLevels& out) {
     decoded_.resize(out.shape, coding_->planes);
     float cost = 0;
     for (const std::uint16_t i : out.order) {
-        cost += encode_best(out.blocks[i], out.predictions[i]) +
-                settings_->quantizer.lambda * usual_split_bits;
+        const float block_cost = encode_best(out.blocks[i], out.predictions[i]) +
+                                 settings_->quantizer.lambda * usual_split_bits;
+        cost += block_cost;
+        if (refinement != nullptr)
+            consider_edits(out, i, block_cost, *refinement);
         for (std::size_t plane = 0; plane < planes; ++plane) {
             out.planes[i * planes + plane] = trial_.planes[plane];
             out.planes[i * planes + plane].first +=
@@ -120,6 +156,70 @@ float TileEncoder::encode_copies(TileLevels& out) {
     if (!copies_anything(out.predictions))
         out.forget_copies();
     return cost;
+}
+
+// After a block was coded at `cost`: would it be cheaper in four, or with its siblings as one? Blocks of
+// one cell of the angular splits copy from others only, so siblings are reconstructed one after the
+// other, and what any of them or their parent would copy is there already.
+void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, float cost,
+                                 Refinement& out) {
+    std::swap(trial_, kept_trial_);
+    const int rotation = last_rotation_;
+    const auto& n = tile.blocks[block].shape.n;
+    const bool is_zero = kept_trial_.nonzeros.empty();
+    float least = cost;
+    if (!is_zero && std::min(n[0], n[1]) >= smallest_to_split) {
+        least = std::min(cost, split_cost(tile.blocks[block], tile.predictions[block]));
+        if (least < cost)
+            out.edits[block].kind = TreeEdit::Kind::split;
+    }
+    if (const Siblings* siblings = siblings_of(block, out.siblings)) {
+        const bool is_first = block == siblings->first;
+        out.cost = (is_first ? 0 : out.cost) + least;
+        out.are_blank =
+            (is_first || out.are_blank) && is_zero && !tile.predictions[block].copies();
+        if (block + 1 == siblings->end() && !out.are_blank)
+            consider_merge(tile, *siblings, out);
+    }
+    last_rotation_ = rotation;
+    std::swap(trial_, kept_trial_);
+}
+
+float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction) {
+    const Children quarters = children_of(block, Split::spatial);
+    float cost = 0;
+    for (int i = 0; i < quarters.count; ++i) {
+        BlockPrediction own = prediction;
+        cost += encode_best(quarters.block[static_cast<std::size_t>(i)], own) +
+                settings_->quantizer.lambda * (usual_split_bits + more_blocks_bits);
+    }
+    return cost;
+}
+
+// Siblings as one block, with each of the predictions that they have.
+void TileEncoder::consider_merge(const TileLevels& tile, const Siblings& siblings,
+                                 Refinement& out) {
+    const auto edits = std::span(out.edits)
+                           .subspan(siblings.first, siblings.count);
+    const auto predictions = std::span(tile.predictions).subspan(siblings.first, edits.size());
+    TreeEdit best;
+    float least = out.cost + settings_->quantizer.lambda * more_blocks_bits *
+                                 static_cast<float>(siblings.count);
+    for (auto i = predictions.begin(); i != predictions.end(); ++i) {
+        if (std::find(predictions.begin(), i, *i) != i)
+            continue;
+        TreeEdit merge{TreeEdit::Kind::merge, *i};
+        const float cost = encode_best(siblings.parent, merge.prediction) +
+                           settings_->quantizer.lambda * usual_split_bits;
+        if (cost < least) {
+            least = cost;
+            best = merge;
+        }
+    }
+    if (best.kind != TreeEdit::Kind::merge)
+        return;
+    std::fill(edits.begin(), edits.end(), TreeEdit{});
+    edits.front() = best;
 }
 
 // One block into trial_, with its prediction or, where that turns out cheaper, without.

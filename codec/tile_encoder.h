@@ -7,6 +7,7 @@
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
 #include "codec/tool_switches.h"
+#include "codec/tree_edits.h"
 
 #include <cstddef>
 #include <span>
@@ -25,6 +26,7 @@ struct EffortSettings {
     bool fit_tables = true;     // to the sample, and to all tiles
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
     int copy_rounds = 1;        // of the search for blocks that copy
+    int refinements = 1; // rounds of splitting and merging blocks at what coding them really costs
     bool second_pass = false;   // decide again under the tables of the first pass
 
     static EffortSettings of(int effort, const ToolSwitches& tools = {}); // effort 0..9
@@ -44,7 +46,19 @@ public:
 
 private:
     float encode_blocks(TileLevels& out);
-    float encode_copies(TileLevels& out);
+    // What coding the blocks of a tree says about those that it could have instead.
+    struct Refinement {
+        std::vector<TreeEdit> edits; // of each block
+        std::vector<Siblings> siblings;
+        // Of the siblings in hand, so far: what they cost, splits made; all zero, and copy nothing.
+        float cost = 0;
+        bool are_blank = true;
+    };
+    float encode_copies(TileLevels& out, Refinement* refinement = nullptr);
+    bool refine(TileLevels& out, float& cost);
+    void consider_edits(const TileLevels& tile, std::size_t block, float cost, Refinement& out);
+    float split_cost(const Block& block, const BlockPrediction& prediction);
+    void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
     float encode_best(const Block& block, BlockPrediction& prediction);
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
     float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
@@ -59,7 +73,7 @@ private:
     TilePlanes planes_, decoded_;
     ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;
-    TileLevels trial_, other_trial_, copies_;
+    TileLevels trial_, other_trial_, kept_trial_, copies_;
 };
 
 } // namespace tessera

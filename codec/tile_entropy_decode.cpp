@@ -104,7 +104,7 @@ private:
                 if (!decode_colour(length))
                     return false;
             }
-            if (length > 0 && !decode_plane(first_plane, plane, shape.order))
+            if (length > 0 && !decode_plane(first_plane, plane, out_.copies(index), shape.order))
                 return false;
         }
         return true;
@@ -126,7 +126,7 @@ private:
         return true;
     }
 
-    bool decode_plane(std::size_t first_plane, int plane, const ScanOrder& order) {
+    bool decode_plane(std::size_t first_plane, int plane, bool copies, const ScanOrder& order) {
         PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
         const int length = levels.coded_length;
         const int p_class = plane_class(plane);
@@ -148,9 +148,10 @@ private:
             const int quantiser = quantiser_of(state);
             std::int32_t magnitude = 0;
             if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(
-                    zero_parameter(quantiser, p_class, context.position, neighbours, cross))])) {
+                    zero_parameter(copies, quantiser, p_class, context.position, neighbours,
+                                   cross))])) {
                 const auto table = static_cast<std::size_t>(
-                    magnitude_table(quantiser, p_class, i == 0, neighbours, cross));
+                    magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
                 magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));
                 const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
                 if (level > max_level)

@@ -20,6 +20,7 @@ enum class CodingTool : std::uint8_t {
     fitted_tables,
     grids,
     smooth,
+    refine,
 };
 
 struct CodingToolInfo {
@@ -28,7 +29,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 11> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 12> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::both, "both", "... from two directions at once"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
@@ -43,6 +44,7 @@ inline constexpr std::array<CodingToolInfo, 11> coding_tools = {{
     {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
     {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
+    {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
 }};
 
 // What was asked for on top of an effort. By itself nothing.

@@ -25,6 +25,7 @@ constexpr int parameter_count_of_odds = 64;
 std::uint32_t stop_frequency(std::uint8_t parameter);
 
 constexpr int plane_classes = 2; // first plane of a leaf; the others
+constexpr int copy_classes = 2;  // blocks that copy nothing; those that copy
 
 // Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
 // half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
@@ -85,15 +86,16 @@ constexpr std::size_t depth_class(int depth) {
     return static_cast<std::size_t>(std::min(depth, depth_classes - 1));
 }
 
-// Magnitude tables of one quantiser: of plane 0 by neighbours, then those of DC by size class; of
+// Magnitude tables of one quantiser and copy class: of plane 0 by neighbours, then those of DC by size class; of
 // the other planes by neighbours / 2 and cross, then those of DC by size class.
 constexpr int magnitude_crosses = cross_classes - 2; // the first three in one
 constexpr int other_magnitudes = neighbour_classes + size_classes;
 constexpr int magnitude_tables =
     other_magnitudes + neighbour_classes / 2 * magnitude_crosses + size_classes;
 // neighbours is the size class for DC.
-constexpr int magnitude_table(int quantiser, int plane_class, bool dc, int neighbours, int cross) {
-    const int first = quantiser * magnitude_tables;
+constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool dc, int neighbours,
+                              int cross) {
+    const int first = (copies * quantisers + quantiser) * magnitude_tables;
     if (plane_class == 0)
         return first + (dc ? neighbour_classes : 0) + neighbours;
     return first + other_magnitudes +
@@ -108,9 +110,10 @@ constexpr int correction_chain = magnitude_chain + 1;
 
 // Where each group's parameters start, in file order, and how many a file holds in all.
 constexpr int zero_parameters =
-    quantisers * (1 + cross_classes) * zero_positions * neighbour_classes;
+    copy_classes * quantisers * (1 + cross_classes) * zero_positions * neighbour_classes;
 constexpr int magnitude_offset = zero_parameters;
-constexpr int magnitude_parameters = quantisers * magnitude_tables * magnitude_chain;
+constexpr int all_magnitude_tables = copy_classes * quantisers * magnitude_tables;
+constexpr int magnitude_parameters = all_magnitude_tables * magnitude_chain;
 constexpr int first_length_offset = magnitude_offset + magnitude_parameters;
 constexpr int first_length_parameters = length_contexts * (length_tokens - 1);
 constexpr int other_length_offset = first_length_offset + first_length_parameters;
@@ -137,11 +140,23 @@ constexpr int parameter_count = displacement_offset + displacement_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
+// Whether only blocks that copy use a parameter: files without predictions do not hold it.
+constexpr bool is_of_copies(int parameter) {
+    const auto in_second_half = [parameter](int offset, int count) {
+        return parameter >= offset + count / 2 && parameter < offset + count;
+    };
+    return in_second_half(0, zero_parameters) ||
+           in_second_half(magnitude_offset, magnitude_parameters) ||
+           in_second_half(first_length_offset, first_length_parameters) ||
+           parameter >= prediction_offset;
+}
+
 // Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class
 // for DC.
-constexpr int zero_parameter(int quantiser, int plane_class, int position, int neighbours,
-                             int cross) {
-    const int row = quantiser * (1 + cross_classes) + (plane_class == 0 ? 0 : 1 + cross);
+constexpr int zero_parameter(bool copies, int quantiser, int plane_class, int position,
+                             int neighbours, int cross) {
+    const int row = (copies * quantisers + quantiser) * (1 + cross_classes) +
+                    (plane_class == 0 ? 0 : 1 + cross);
     return (row * zero_positions + position) * neighbour_classes + neighbours;
 }
 
@@ -167,7 +182,7 @@ struct CodeTables {
     explicit CodeTables(const Parameters& parameters);
 
     std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
-    std::array<SymbolTable<magnitude_tokens>, quantisers * magnitude_tables> magnitude;
+    std::array<SymbolTable<magnitude_tokens>, all_magnitude_tables> magnitude;
     std::array<SymbolTable<length_tokens>, length_contexts> first_length;
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;

@@ -37,9 +37,12 @@ std::uint8_t fit(double stops, double goes) {
 
 // Calls visit(which parameter, goes on) for every decision, and sign(bit).
 template <class Decide, class Sign>
-void walk(const Parameters& parameters, Decide decide, Sign sign) {
+void walk(const CodingParameters& coding, Decide decide, Sign sign) {
+    const Parameters& parameters = coding.parameters;
     bool changed = false;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
+        if (!coding.prediction && is_of_copies(static_cast<int>(i)))
+            continue;
         const int difference = parameters[i] - default_parameters()[i];
         decide(changed ? after_change : after_same, difference != 0);
         changed = difference != 0;
@@ -58,7 +61,7 @@ void walk(const Parameters& parameters, Decide decide, Sign sign) {
 std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     std::array<double, 3> stops{}, goes{};
     walk(
-        coding.parameters, [&](std::size_t which, bool go) { (go ? goes : stops)[which] += 1.0; },
+        coding, [&](std::size_t which, bool go) { (go ? goes : stops)[which] += 1.0; },
         [](bool) {});
     DifferenceModel model;
     for (std::size_t i = 0; i < model.parameter.size(); ++i)
@@ -86,7 +89,7 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
 
     RansEncoder encoder;
     walk(
-        coding.parameters,
+        coding,
         [&](std::size_t which, bool go) {
             encoder.bit(go, stop_frequency(model.parameter[which]));
         },
@@ -143,6 +146,8 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;
     for (std::size_t i = 0; i < coding.parameters.size(); ++i) {
+        if (!coding.prediction && is_of_copies(static_cast<int>(i)))
+            continue;
         changed = decoder.bit(stop_frequency(model.parameter[changed ? after_change : after_same]));
         if (!changed)
             continue;

@@ -414,9 +414,10 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     for (std::uint8_t& weight : coding.scan_weights)
         weight = static_cast<std::uint8_t>(random.range(1, 255));
     coding.correction_error = static_cast<std::uint16_t>(random.range(0, 65535));
-    for (std::uint8_t& p : coding.parameters)
-        if (random.chance(changed))
-            p = static_cast<std::uint8_t>(random.range(0, 63));
+    for (int i = 0; i < parameter_count; ++i)
+        if (random.chance(changed) && (coding.prediction || !is_of_copies(i)))
+            coding.parameters[static_cast<std::size_t>(i)] =
+                static_cast<std::uint8_t>(random.range(0, 63));
     return coding;
 }
 
@@ -454,6 +455,23 @@ TEST(CodingParameters, RoundTrip) {
     }
     // Defaults cost nothing beyond the fixed part.
     EXPECT_LE(write_coding_parameters({}).size(), 24u);
+}
+
+TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
+    CodingParameters coding;
+    int left_out = 0;
+    for (int i = 0; i < parameter_count; ++i)
+        if (is_of_copies(i)) {
+            std::uint8_t& parameter = coding.parameters[static_cast<std::size_t>(i)];
+            parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
+            ++left_out;
+        }
+    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 18 + 4 + 16); // FORMAT.md 3.5
+    EXPECT_EQ(write_coding_parameters(coding).size(), write_coding_parameters({}).size());
+    coding.prediction = true;
+    const Result<CodingParameters> got = read_coding_parameters(write_coding_parameters(coding));
+    ASSERT_TRUE(got) << got.status().message();
+    EXPECT_EQ(got->parameters, coding.parameters);
 }
 
 TEST(CodingParameters, SmoothCopiesNeedPredictions) {

@@ -28,22 +28,22 @@ const int tsr_t_dependent = 16; // 1: dependent quantisation
 const int tsr_t_shapes = 17;    // word of the first shape record
 const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
 const int tsr_t_smooth = 19;    // 1: smooth copies
-const int tsr_t_zero = 32;      // frequencies of 0: [2][7][6][16]
+const int tsr_t_zero = 32;      // frequencies of 0: [2][2][7][6][16]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
-const int tsr_t_magnitude = 1376;    // [2][66] symbol tables
-const int tsr_t_first_length = 2960; // [9]
-const int tsr_t_other_length = 3068; // [14]
-const int tsr_t_correction = 3236;   // [21]
-const int tsr_t_split = 3488;        // [depth classes][depth classes] words c[1] | c[2] << 16
-const int tsr_t_kind = 3524;         // [2] likewise: the kind of a block's colour
-const int tsr_t_rotation = 3528;     // [49][9] signed
-const int tsr_t_basis = 3976;        // b(n, k, x) of n <= 32, signed: see tsr_basis_of
-const int tsr_t_prediction = 15416;        // [6] symbol tables
-const int tsr_t_displacement = 15488;      // [2]
-const int tsr_t_displacement_kind = 15512; // [2] words c[1] | c[2] << 16
-const int tsr_t_copying_length = 15514;    // [9] tsr_t_first_length of blocks that copy something
-const int tsr_t_wide_basis = 15622;        // b(n, k, x) of n = 33..64, the coded frequencies only
-const int tsr_t_end = 65286;         // shape records and their scans follow
+const int tsr_t_magnitude = 2720;    // [2][2][66] symbol tables
+const int tsr_t_first_length = 5888; // [9]
+const int tsr_t_other_length = 5996; // [14]
+const int tsr_t_correction = 6164;   // [21]
+const int tsr_t_split = 6416;        // [depth classes][depth classes] words c[1] | c[2] << 16
+const int tsr_t_kind = 6452;         // [2] likewise: the kind of a block's colour
+const int tsr_t_rotation = 6456;     // [49][9] signed
+const int tsr_t_basis = 6904;        // b(n, k, x) of n <= 32, signed: see tsr_basis_of
+const int tsr_t_prediction = 18344;        // [6] symbol tables
+const int tsr_t_displacement = 18416;      // [2]
+const int tsr_t_displacement_kind = 18440; // [2] words c[1] | c[2] << 16
+const int tsr_t_copying_length = 18442;    // [9] tsr_t_first_length of blocks that copy something
+const int tsr_t_wide_basis = 18550;        // b(n, k, x) of n = 33..64, the coded frequencies only
+const int tsr_t_end = 68214;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
 // neighbours as 16-bit scan indices, the four that count double first; the entry's own index where

@@ -61,6 +61,7 @@ struct TsrSegmentWalk {
     uint shape;
     uint scan; // word of its scan table
     int coded; // length of its scan
+    bool copies;
     int colour;
     uint first; // raw levels before it
     uint counts;
@@ -122,8 +123,8 @@ void tsr_block_colour(TSR_INOUT(TsrSegmentWalk) w) {
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
     if (w.plane == 0) {
-        bool copies = (tsr_copy(w.tile, w.block, tsr_copy_how) & 3u) != 0u;
-        table = uint(copies ? tsr_t_copying_length : tsr_t_first_length) +
+        w.copies = (tsr_copy(w.tile, w.block, tsr_copy_how) & 3u) != 0u;
+        table = uint(w.copies ? tsr_t_copying_length : tsr_t_first_length) +
                 tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words);
     }
     int token = tsr_symbol(w.r, table);
@@ -163,9 +164,10 @@ int tsr_next_state(int state, uint magnitude) {
 // Index of the magnitude's table (see magnitude_table in format/code_tables.h).
 int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
     bool dc = w.at == 0;
+    int first = ((w.copies ? 2 : 0) + quantiser) * 66;
     if (w.plane == 0)
-        return quantiser * 66 + (dc ? 16 : 0) + neighbours;
-    return quantiser * 66 + 25 + (dc ? 32 + neighbours : (neighbours >> 1) * 4 + max(cross - 2, 0));
+        return first + (dc ? 16 : 0) + neighbours;
+    return first + 25 + (dc ? 32 + neighbours : (neighbours >> 1) * 4 + max(cross - 2, 0));
 }
 
 void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
@@ -192,7 +194,7 @@ void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
     }
     bool dependent = tsr_table(tsr_t_dependent) != 0u;
     int quantiser = w.state & 1;
-    int row = quantiser * 7 + (w.plane == 0 ? 0 : 1 + cross_class);
+    int row = ((w.copies ? 2 : 0) + quantiser) * 7 + (w.plane == 0 ? 0 : 1 + cross_class);
     int zero = tsr_t_zero + (row * 6 + int(context >> 16)) * 16 + neighbours;
     uint magnitude = 0u;
     if (tsr_bit(w.r, tsr_table(zero))) {

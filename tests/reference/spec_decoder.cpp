@@ -542,7 +542,7 @@ private:
 constexpr uint8_t default_parameter_list[] = {
 #include "tests/reference/default_parameters.inc"
 };
-constexpr size_t parameter_count = 3272;
+constexpr size_t parameter_count = 5804;
 static_assert(std::size(default_parameter_list) == parameter_count);
 
 struct Step {
@@ -561,8 +561,8 @@ struct Code {
     bool dependent = false;
     bool smooth_copies = false;
 
-    uint32_t zero[2][7][6][16]; // frequencies of 0
-    Table magnitude[2][66];
+    uint32_t zero[2][2][7][6][16]; // frequencies of 0
+    Table magnitude[2][2][66];
     Table first_length[18];
     Table other_length[14];
     Table split[6][6];
@@ -634,6 +634,14 @@ Code read_code(Bytes section) {
     bool differed = false;
     for (const int default_value : default_parameter_list) {
         int value = default_value;
+        const size_t i = parameters.size();
+        // Those of copying blocks: half of zero, magnitude and first_length, and all from prediction on.
+        const bool of_copies = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
+                               (i >= 5181 && i < 5298) || i >= 5766;
+        if (of_copies && !code.has_predictions) {
+            parameters.push_back(value);
+            continue;
+        }
         differed = stream.bit(differed ? d[1] : d[0]);
         if (differed) {
             int difference = 1;
@@ -653,16 +661,18 @@ Code read_code(Bytes section) {
         rest = rest.subspan(chain);
         return result;
     };
-    for (auto& quantiser : code.zero)
-        for (auto& row : quantiser)
-            for (auto& position : row)
-                for (uint32_t& f : position) {
-                    f = frequency(rest[0]);
-                    rest = rest.subspan(1);
-                }
-    for (auto& of_quantiser : code.magnitude)
-        for (Table& t : of_quantiser)
-            t = table(9, 24);
+    for (auto& of_copies : code.zero)
+        for (auto& quantiser : of_copies)
+            for (auto& row : quantiser)
+                for (auto& position : row)
+                    for (uint32_t& f : position) {
+                        f = frequency(rest[0]);
+                        rest = rest.subspan(1);
+                    }
+    for (auto& of_copies : code.magnitude)
+        for (auto& of_quantiser : of_copies)
+            for (Table& t : of_quantiser)
+                t = table(9, 24);
     for (Table& t : code.first_length)
         t = table(13, 14);
     for (Table& t : code.other_length)
@@ -1069,6 +1079,7 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
     int state = 0;
     for (size_t i = 0; i < static_cast<size_t>(length); ++i) {
         const Coefficient& coefficient = scan[i];
+        const int B = block.copies() ? 1 : 0;
         const int Q = code_.dependent ? state % 2 : 0;
         int w = 0, S = 0;
         for (const Neighbour& neighbour : neighbour_list) {
@@ -1096,11 +1107,11 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
         const int row = plane == 0 ? 0 : 1 + K;
 
         int64_t magnitude = 0, level = 0;
-        if (stream.bit(code_.zero[Q][row][coefficient.position][neighbours])) {
+        if (stream.bit(code_.zero[B][Q][row][coefficient.position][neighbours])) {
             int m = i == 0 ? 16 + neighbours : neighbours;
             if (plane > 0)
                 m = i == 0 ? 57 + neighbours : 25 + 4 * (neighbours / 2) + std::max(K - 2, 0);
-            const int q = stream.symbol(code_.magnitude[Q][m]);
+            const int q = stream.symbol(code_.magnitude[B][Q][m]);
             magnitude = read_magnitude(stream, q);
             level = code_.dependent ? 2 * magnitude - Q : magnitude;
             require(level <= (1 << 20) - 1, "tile: a level's magnitude");
