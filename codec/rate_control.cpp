@@ -247,7 +247,8 @@ private:
         std::optional<PassResult> best;
         double best_distance = std::numeric_limits<double>::infinity();
         double last_reached = 0;
-        for (int i = 0; i < most || (bytes && !best); ++i) {
+        double nudge = 0.02; // some 0.1 dB
+        for (int i = 0;; ++i) {
             Result<PassResult> pass = full_pass(at(log_step), "encode");
             if (!pass)
                 return pass.status();
@@ -267,9 +268,16 @@ private:
             }
             if (good(reached) || (log_step >= high && !admissible(reached)))
                 break;
-            const double next = std::clamp(next_step(points, goal), low, high);
-            if (std::fabs(next - log_step) < 1e-4)
-                break;
+            double next = std::clamp(next_step(points, goal), low, high);
+            if (i + 1 >= most || std::fabs(next - log_step) < 1e-4) {
+                if (best && best_distance < 1e6)
+                    break;
+                // The curve jumps over the goal: on to the side that is allowed.
+                next = std::clamp(log_step + (bytes ? nudge : -nudge), low, high);
+                nudge *= 2;
+                if (next == log_step)
+                    break;
+            }
             log_step = next;
         }
         if (!best)
