@@ -80,8 +80,10 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const auto& n = block.shape.n;
     const int p_class = plane_class(plane);
     const auto& length_costs =
-        plane == 0 ? costs_.first_length[static_cast<std::size_t>(length_context(block.shape, block.copies))]
-                   : costs_.other_length[static_cast<std::size_t>(first_token)];
+        plane == 0
+            ? costs_
+                  .first_length[static_cast<std::size_t>(length_context(block.shape, block.copies))]
+            : costs_.other_length[static_cast<std::size_t>(first_token)];
     const int limit = length_limit(coding_.planes, order.length());
 
     const bool dependent = coding_.parameters.dependent;
@@ -180,9 +182,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
             const int neighbours =
                 i == 0 ? size_class(order.shape)
                        : neighbour_class(sum[static_cast<std::size_t>(s)], context.share);
-            const auto& flag = costs_.zero[static_cast<std::size_t>(
-                zero_parameter(task.copies, quantiser, task.plane_class, context.position, neighbours,
-                               cross))];
+            const auto& flag = costs_.zero[static_cast<std::size_t>(zero_parameter(
+                task.copies, quantiser, task.plane_class, context.position, neighbours, cross))];
             const auto consider = [&](std::int32_t l, std::int32_t magnitude, float total) {
                 const int to = dependent ? next_state[static_cast<std::size_t>(s)]
                                                      [static_cast<std::size_t>(magnitude & 1)]
@@ -197,8 +198,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                 consider(0, 0, so_far + lambda * flag[0]);
             if (most == 0)
                 continue;
-            const auto& tokens = costs_.magnitude[static_cast<std::size_t>(
-                magnitude_table(task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
+            const auto& tokens = costs_.magnitude[static_cast<std::size_t>(magnitude_table(
+                task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
             for (std::int32_t l = least; l <= most; ++l) {
                 if (dependent && (l & 1) != quantiser)
                     continue;

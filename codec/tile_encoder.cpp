@@ -65,8 +65,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.try_smooth =
         settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
     settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 3 : effort >= 5 ? 2 : 1;
-    settings.refinements =
-        !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
+    settings.refinements = !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
     settings.second_pass = effort >= 8 && settings.fit_tables;
     return settings;
 }
@@ -105,11 +104,12 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
     copies_.predictions.resize(out.blocks.size());
     Refinement refinement{std::vector<TreeEdit>(out.blocks.size()), all_siblings(copies_)};
     encode_copies(copies_, &refinement);
-    copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
-    const std::size_t before = copies_.splits.size();
-    apply_edits(refinement.edits, copies_);
-    if (copies_.splits.size() == before)
+    if (std::all_of(refinement.edits.begin(), refinement.edits.end(), [](const TreeEdit& edit) {
+            return edit.kind == TreeEdit::Kind::keep;
+        }))
         return false;
+    copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
+    apply_edits(refinement.edits, copies_);
     const float refined = encode_copies(copies_);
     if (refined >= cost)
         return false;
@@ -145,8 +145,7 @@ float TileEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
             consider_edits(out, i, block_cost, *refinement);
         for (std::size_t plane = 0; plane < planes; ++plane) {
             out.planes[i * planes + plane] = trial_.planes[plane];
-            out.planes[i * planes + plane].first +=
-                static_cast<std::uint32_t>(out.nonzeros.size());
+            out.planes[i * planes + plane].first += static_cast<std::uint32_t>(out.nonzeros.size());
         }
         out.colours[i] = trial_.colours[0];
         out.nonzeros.insert(out.nonzeros.end(), trial_.nonzeros.begin(), trial_.nonzeros.end());
@@ -176,8 +175,7 @@ void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, floa
     if (const Siblings* siblings = siblings_of(block, out.siblings)) {
         const bool is_first = block == siblings->first;
         out.cost = (is_first ? 0 : out.cost) + least;
-        out.are_blank =
-            (is_first || out.are_blank) && is_zero && !tile.predictions[block].copies();
+        out.are_blank = (is_first || out.are_blank) && is_zero && !tile.predictions[block].copies();
         if (block + 1 == siblings->end() && !out.are_blank)
             consider_merge(tile, *siblings, out);
     }
@@ -199,8 +197,7 @@ float TileEncoder::split_cost(const Block& block, const BlockPrediction& predict
 // Siblings as one block, with each of the predictions that they have.
 void TileEncoder::consider_merge(const TileLevels& tile, const Siblings& siblings,
                                  Refinement& out) {
-    const auto edits = std::span(out.edits)
-                           .subspan(siblings.first, siblings.count);
+    const auto edits = std::span(out.edits).subspan(siblings.first, siblings.count);
     const auto predictions = std::span(tile.predictions).subspan(siblings.first, edits.size());
     TreeEdit best;
     float least = out.cost + settings_->quantizer.lambda * more_blocks_bits *
@@ -253,19 +250,18 @@ float TileEncoder::encode_block(const Block& block, const BlockPrediction& predi
     const float plain = quantizer_.quantize(coefficients_, out) + quantizer_.energy(coefficients_);
     if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
         return plain;
-    const int rotation = choose_rotation(
-        {{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
-          coefficients_.plane[2].data()},
-         static_cast<std::size_t>(block.shape.texels())},
-        coding_->parameters, last_rotation_ - 1);
+    const int rotation =
+        choose_rotation({{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
+                          coefficients_.plane[2].data()},
+                         static_cast<std::size_t>(block.shape.texels())},
+                        coding_->parameters, last_rotation_ - 1);
     if (rotation < 0)
         return plain;
     rotate_colours(coefficients_, rotation, rotated_);
     const TileLevels::Mark second = out.mark();
     const auto& bits = costs_->colour[1];
     const float lambda = settings_->quantizer.lambda;
-    const float rotated = quantizer_.quantize(rotated_, out) +
-                          quantizer_.energy(rotated_) +
+    const float rotated = quantizer_.quantize(rotated_, out) + quantizer_.energy(rotated_) +
                           lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
     // A block whose first plane is empty has no colour symbol.
     if (rotated < plain && out.planes[second.planes].coded_length > 0) {

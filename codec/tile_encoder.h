@@ -26,7 +26,7 @@ struct EffortSettings {
     bool fit_tables = true;     // to the sample, and to all tiles
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
     int copy_rounds = 1;        // of the search for blocks that copy
-    int refinements = 1; // rounds of splitting and merging blocks at what coding them really costs
+    int refinements = 1;        // rounds of splitting and merging at what coding really costs
     bool second_pass = false;   // decide again under the tables of the first pass
 
     static EffortSettings of(int effort, const ToolSwitches& tools = {}); // effort 0..9

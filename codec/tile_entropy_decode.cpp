@@ -57,9 +57,8 @@ private:
             out_.blocks.push_back(block);
             if (out_.blocks.size() > max_leaves)
                 return false;
-            return !coding_.predicts ||
-                   decode_prediction(rans_, coding_.tables, block, memory,
-                                     out_.predictions.emplace_back());
+            return !coding_.predicts || decode_prediction(rans_, coding_.tables, block, memory,
+                                                          out_.predictions.emplace_back());
         };
         return decode_split_tree(rans_, coding_.tables, Block{{0, 0, 0, 0}, out_.shape, 0, 0}, node,
                                  leaf);
@@ -84,7 +83,8 @@ private:
         for (int plane = 0; plane < coding_.planes; ++plane) {
             const int token =
                 plane == 0
-                    ? coding_.tables.first_length[static_cast<std::size_t>(
+                    ? coding_.tables
+                          .first_length[static_cast<std::size_t>(
                               length_context(block.shape, out_.copies(index)))]
                           .decode(rans_)
                     : coding_.tables.other_length[static_cast<std::size_t>(previous)].decode(rans_);
@@ -147,9 +147,8 @@ private:
             const int cross = grid_.cross(place);
             const int quantiser = quantiser_of(state);
             std::int32_t magnitude = 0;
-            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(
-                    zero_parameter(copies, quantiser, p_class, context.position, neighbours,
-                                   cross))])) {
+            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(zero_parameter(
+                    copies, quantiser, p_class, context.position, neighbours, cross))])) {
                 const auto table = static_cast<std::size_t>(
                     magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
                 magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));

@@ -108,8 +108,8 @@ public:
                     walk_colour(tile.colours[block]);
             }
             if (length > 0)
-                walk_plane(tile, tile.copies(block),
-                           {levels, static_cast<std::size_t>(plane) + 1}, shape_coding.order);
+                walk_plane(tile, tile.copies(block), {levels, static_cast<std::size_t>(plane) + 1},
+                           shape_coding.order);
         }
     }
 
@@ -193,17 +193,17 @@ private:
             const int cross = grid_.cross(place);
             const int quantiser = quantiser_of(state);
             const bool zero = next == levels.size() || levels[next].index != i;
-            visitor_.zero(zero_parameter(copies, quantiser, p_class, context.position, neighbours,
-                                         cross),
-                          zero);
+            visitor_.zero(
+                zero_parameter(copies, quantiser, p_class, context.position, neighbours, cross),
+                zero);
             std::int32_t magnitude = 0;
             if (!zero) {
                 const std::int32_t level = levels[next++].level;
                 magnitude = coded_magnitude(level, dependent);
                 const MagnitudeToken token = magnitude_token(magnitude);
-                visitor_.magnitude(magnitude_table(copies, quantiser, p_class, i == 0, neighbours,
-                                                   cross),
-                                   token.token);
+                visitor_.magnitude(
+                    magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross),
+                    token.token);
                 put_magnitude_raw(visitor_, token);
                 visitor_.raw(level < 0, 1);
                 grid_.mark(place, amplitude_of_level(level, dependent));

@@ -86,8 +86,8 @@ constexpr std::size_t depth_class(int depth) {
     return static_cast<std::size_t>(std::min(depth, depth_classes - 1));
 }
 
-// Magnitude tables of one quantiser and copy class: of plane 0 by neighbours, then those of DC by size class; of
-// the other planes by neighbours / 2 and cross, then those of DC by size class.
+// Magnitude tables of one quantiser and copy class: of plane 0 by neighbours, then those of DC by
+// size class; of the other planes by neighbours / 2 and cross, then those of DC by size class.
 constexpr int magnitude_crosses = cross_classes - 2; // the first three in one
 constexpr int other_magnitudes = neighbour_classes + size_classes;
 constexpr int magnitude_tables =

@@ -176,9 +176,9 @@ Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned st
     for (StepCode& step : coding.step)
         fits = shift(step) && fits;
     if (!fits)
-        return Status(ErrorCode::invalid_file,
-                      "a level's step shift of " + std::to_string(step_shift) +
-                          " brings a quantiser step above 2^20");
+        return Status(ErrorCode::invalid_file, "a level's step shift of " +
+                                                   std::to_string(step_shift) +
+                                                   " brings a quantiser step above 2^20");
     return coding;
 }
 
