@@ -157,9 +157,9 @@ float TileEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
     return cost;
 }
 
-// After a block was coded at `cost`: would it be cheaper in four, or with its siblings as one? Blocks of
-// one cell of the angular splits copy from others only, so siblings are reconstructed one after the
-// other, and what any of them or their parent would copy is there already.
+// After a block was coded at `cost`: would it be cheaper in four, or with its siblings as one?
+// Blocks of one cell of the angular splits copy from other cells only, so siblings are reconstructed
+// one after the other, and what any of them or their parent would copy is there already.
 void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, float cost,
                                  Refinement& out) {
     std::swap(trial_, kept_trial_);

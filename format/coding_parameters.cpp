@@ -35,13 +35,18 @@ std::uint8_t fit(double stops, double goes) {
     return best;
 }
 
+// Whether section CODE has a parameter; the others are the defaults.
+bool holds(const CodingParameters& coding, std::size_t parameter) {
+    return coding.prediction || !is_of_copies(static_cast<int>(parameter));
+}
+
 // Calls visit(which parameter, goes on) for every decision, and sign(bit).
 template <class Decide, class Sign>
 void walk(const CodingParameters& coding, Decide decide, Sign sign) {
     const Parameters& parameters = coding.parameters;
     bool changed = false;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-        if (!coding.prediction && is_of_copies(static_cast<int>(i)))
+        if (!holds(coding, i))
             continue;
         const int difference = parameters[i] - default_parameters()[i];
         decide(changed ? after_change : after_same, difference != 0);
@@ -146,7 +151,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;
     for (std::size_t i = 0; i < coding.parameters.size(); ++i) {
-        if (!coding.prediction && is_of_copies(static_cast<int>(i)))
+        if (!holds(coding, i))
             continue;
         changed = decoder.bit(stop_frequency(model.parameter[changed ? after_change : after_same]));
         if (!changed)
