@@ -31,7 +31,8 @@ constexpr float flat_activity = 12.0f;
 
 BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
                          const SearchOptions& options)
-    : coding_(coding), costs_(costs), options_(options) {
+    : coding_(coding), costs_(costs), options_(options),
+      codes_(1.0f / static_cast<float>(1 << value_bits(coding.type))) {
     for (int plane = 0; plane < coding.planes; ++plane)
         inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
             1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
@@ -146,7 +147,9 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
-        source_[p].assign(planes.plane[p].begin(), planes.plane[p].end());
+        source_[p].resize(texels);
+        std::transform(planes.plane[p].begin(), planes.plane[p].end(), source_[p].begin(),
+                       [this](std::int32_t value) { return static_cast<float>(value) * codes_; });
     }
     scratch_a_.resize(std::max(scratch_a_.size(), texels));
     for (auto& plane : coefficients_)
@@ -251,7 +254,7 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     if (grids_[0].activity[0] < flat_activity * options_.lambda || angular_depths_ == 0)
         return false;
     reset_choices();
-    displacements_.begin(shape_, source_[0], reconstructed.plane[0],
+    displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
                          coding_.parameters.smooth_copies);
     for (int a = 1; a <= angular_depths_; ++a)
         try_copies(a, reconstructed);
@@ -312,7 +315,8 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
                 const auto d = static_cast<std::size_t>(direction);
                 prediction.displacement[d] = match[d].displacement;
                 bits += match[d].bits;
-                promising = promising && match[d].error * scale < grid.activity[i] + grid.mean_cost[i];
+                promising =
+                    promising && match[d].error * scale < grid.activity[i] + grid.mean_cost[i];
             }
         if (!promising)
             continue;
@@ -330,7 +334,7 @@ void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction&
     predict_plane(block, prediction, coding_, shape_,
                   reconstructed.plane[static_cast<std::size_t>(plane)], predicted_);
     for (const std::int32_t value : predicted_)
-        *values++ -= static_cast<float>(value);
+        *values++ -= static_cast<float>(value) * codes_;
 }
 
 float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
@@ -408,8 +412,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
         others += plane < 3 ? 0.0f : sum.cost;
     }
     // Frequencies that were not computed are zeroed: they cost their energy.
-    const float unseen =
-        kept < shape.n[0] * shape.n[1] ? std::max(0.0f, energy - seen) : 0.0f;
+    const float unseen = kept < shape.n[0] * shape.n[1] ? std::max(0.0f, energy - seen) : 0.0f;
     const float all_zero = seen + unseen;
     if (!options_.rotated_colours || !coding_.rotates || cost > 0.98f * all_zero)
         return cost + unseen;
@@ -462,8 +465,7 @@ void BlockSearch::combine() {
             Grid& grid = grids_[grid_index(s, a)];
             grid.for_each_cell([&](const std::array<int, 4>& c) {
                 const std::size_t i = grid.index(c);
-                const auto& split_bits =
-                    costs_.split[depth_class(s)][depth_class(a)];
+                const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
                 grid.cost[i] += options_.lambda * split_bits[0];
                 for (const Split split : {Split::spatial, Split::angular}) {
                     const bool spatial = split == Split::spatial;
@@ -519,12 +521,13 @@ void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s)
             for (int v = 0; v < n[1]; ++v, to += n[0])
-                std::copy_n(from + (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) *
-                                        shape_.n[1] +
-                                    block.origin[1] + v) *
-                                       shape_.n[0] +
-                                block.origin[0],
-                            n[0], to);
+                std::copy_n(
+                    from +
+                        (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) * shape_.n[1] +
+                         block.origin[1] + v) *
+                            shape_.n[0] +
+                        block.origin[0],
+                    n[0], to);
 }
 
 void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,

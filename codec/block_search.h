@@ -108,6 +108,7 @@ private:
     const TileCoding& coding_;
     const BitCosts& costs_;
     const SearchOptions options_;
+    const float codes_; // of one in a TilePlanes; floats here are in codes
     BlockShape shape_;
     int spatial_depths_ = 0, angular_depths_ = 0;
     std::array<float, max_planes> inverse_step_{};

@@ -44,11 +44,6 @@ private:
     std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
 
-// The value of a predicted tile's planes stays within what 16 (20) bits hold, copies of copies too.
-std::int32_t limit_of(SampleType type) {
-    return type == SampleType::unorm8 ? 1 << 15 : 1 << 18;
-}
-
 int shift_of(const BlockPrediction& prediction, bool smooth) {
     return copy_shift(smooth) + (prediction.from == CopyFrom::both ? 1 : 0);
 }
@@ -104,7 +99,7 @@ void finish_predicted(const Block& block, const BlockPrediction& prediction,
                       const TileCoding& coding, const BlockShape& tile, bool has_difference,
                       std::vector<std::int32_t>& plane) {
     const auto& n = block.shape.n;
-    const std::int32_t limit = limit_of(coding.type);
+    const std::int32_t limit = value_limit(coding.type);
     const auto row = [&](int s, int t, int v) {
         return plane.data() +
                (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +

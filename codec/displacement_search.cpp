@@ -17,16 +17,18 @@ float sum_over(const float* sums, const Segment& u) {
 } // namespace
 
 void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
-                               const std::vector<std::int32_t>& reconstructed, bool smooth) {
+                               const std::vector<std::int32_t>& reconstructed, float unit,
+                               bool smooth) {
     tile_ = tile;
     source_ = source.data();
-    make_phases(reconstructed, smooth);
+    make_phases(reconstructed, unit, smooth);
 }
 
-void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed, bool smooth) {
+void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed, float unit,
+                                     bool smooth) {
     const int nu = tile_.n[0], nv = tile_.n[1], width = 3 * nu;
     const int views = tile_.n[2] * tile_.n[3];
-    const float scale = 1.0f / static_cast<float>(1 << copy_shift(smooth));
+    const float scale = unit / static_cast<float>(1 << copy_shift(smooth));
     // A filter's sums one texel past an edge are those everywhere beyond it; they take two more.
     std::array<std::array<std::int32_t, max_tile_side + 4>, 3> padded;
     std::array<const std::int32_t*, 3> rows;
@@ -34,8 +36,8 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
         rows[i] = padded[i].data() + 1;
     for (int half_v = 0; half_v < 2; ++half_v)
         for (int half_u = 0; half_u < 2; ++half_u) {
-            std::vector<float>& out = phase_[static_cast<std::size_t>(half_v)]
-                                            [static_cast<std::size_t>(half_u)];
+            std::vector<float>& out =
+                phase_[static_cast<std::size_t>(half_v)][static_cast<std::size_t>(half_u)];
             out.resize(static_cast<std::size_t>(views * nv * width));
             float* to = out.data();
             for (int view = 0; view < views; ++view)
@@ -92,8 +94,8 @@ float DisplacementSearch::bits_of(const Displacement& d,
                            : kind_bits_[2] +
                                  component_bits_[0][static_cast<std::size_t>(
                                      d.u - known[0].u + 2 * max_displacement)] +
-                                 component_bits_[1][static_cast<std::size_t>(
-                                     d.v - known[0].v + 2 * max_displacement)];
+                                 component_bits_[1][static_cast<std::size_t>(d.v - known[0].v +
+                                                                             2 * max_displacement)];
 }
 
 void DisplacementSearch::measure(const Displacement& d, const Segment& u, const Segment& v,
@@ -102,11 +104,11 @@ void DisplacementSearch::measure(const Displacement& d, const Segment& u, const 
     for (int y = t_.begin; y < t_.begin + t_.size; ++y)
         for (int x = s_.begin; x < s_.begin + s_.size; ++x) {
             const int steps = 1 + (direction_ == 0 ? x - s_.begin : y - t_.begin);
-            const int from = direction_ == 0 ? y * tile_.n[2] + s_.begin - 1
-                                             : (t_.begin - 1) * tile_.n[2] + x;
+            const int from =
+                direction_ == 0 ? y * tile_.n[2] + s_.begin - 1 : (t_.begin - 1) * tile_.n[2] + x;
             const int half_u = steps * d.u, half_v = steps * d.v;
-            const std::vector<float>& phase = phase_[static_cast<std::size_t>(half_v & 1)]
-                                                    [static_cast<std::size_t>(half_u & 1)];
+            const std::vector<float>& phase =
+                phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
             // Past a tile's width there is nothing but its edge.
             const int moved_u = std::clamp(half_u >> 1, -nu, nu);
             kernels().add_squared_differences(

@@ -30,9 +30,9 @@ struct Match {
 class DisplacementSearch {
 public:
     // Takes the tile's source (one plane, tile order) and what its views look like decoded. Both are
-    // used until the next call. smooth: the filter of the file.
+    // used until the next call; `unit` is one of them in codes. smooth: the filter of the file.
     void begin(const BlockShape& tile, const std::vector<float>& source,
-               const std::vector<std::int32_t>& reconstructed, bool smooth);
+               const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
 
     // Matches every cell of the grids that halve (s, t) into `angular` and (u, v) into spatial[0],
     // spatial[1], ..., coarse to fine. matches[depth] is in the order of the grids' cells; cells with
@@ -43,7 +43,7 @@ public:
                std::vector<std::vector<Match>>& matches);
 
 private:
-    void make_phases(const std::vector<std::int32_t>& reconstructed, bool smooth);
+    void make_phases(const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
     void set_candidates(int direction, const DisplacementRange& range);
     void set_bits(int direction, const BitCosts& costs);
     void measure_all(const std::vector<Axes>& spatial);

@@ -37,8 +37,9 @@ struct Crew {
                                {}});
     }
     // Leaves the tile's payload in worker.payload.
+    // `filter`: what a filter would have to mend there; wanted only of passes without one.
     Status encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                  CodedTile& tile) const;
+                  CodedTile& tile, FilterStatistics* filter = nullptr) const;
 
     const EncodePlan& plan;
     const bool verifies = !plan.effort.recode; // recoding has its own check
@@ -67,12 +68,14 @@ void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, C
 }
 
 Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                    CodedTile& tile) const {
+                    CodedTile& tile, FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
     worker.encoder.encode(texels, shape, worker.levels);
     worker.decoded.resize(texels.size());
     worker.corrections.clear();
     worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
+    if (filter != nullptr)
+        *filter = filter_statistics(worker.encoder.source(), worker.decoder.planes(), coding);
     const TextureDesc& desc = plan.colour.desc;
     const int error = coding.parameters.correction_error;
     if (plan.colour.corrections &&
@@ -346,16 +349,21 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 }
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
-                            const Sample& sample) {
+                            const Sample& sample, FilterStatistics* filter) {
     Crew crew(plan, parameters);
     std::vector<CodedTile> tiles(sample.boxes.size());
+    // Summed in the order of the tiles, whichever thread had which.
+    std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);
     TESSERA_TRY(parallel_for(
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
             TESSERA_TRY(check_cancelled(plan.options));
-            return crew.encode(worker, sample.boxes[i], sample.texels[i], tiles[i]);
+            return crew.encode(worker, sample.boxes[i], sample.texels[i], tiles[i],
+                               filter != nullptr ? &statistics[i] : nullptr);
         },
         [](std::size_t) {}));
+    for (const FilterStatistics& one : statistics)
+        filter->add(one);
     return finish(crew, 0, std::move(tiles), nullptr);
 }
 

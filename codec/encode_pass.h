@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/encoder.h"
+#include "codec/filter_fit.h"
 #include "codec/journal.h"
 #include "codec/slabs.h"
 #include "codec/tile_encoder.h"
@@ -73,9 +74,10 @@ Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted);
 // counts passes, from 1. Errors: the source's; the journal's; invalid_file (strict and non-finite).
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             unsigned number, const char* stage);
-// Encodes the sample's tiles only.
+// Encodes the sample's tiles only. `filter`: adds what a filter would have to mend; only where
+// `parameters` have none.
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
-                            const Sample& sample);
+                            const Sample& sample, FilterStatistics* filter = nullptr);
 
 // A tile's squared error in steps of the first plane, and what its bytes are worth: less is better,
 // among ways to code the same texels with the same steps.

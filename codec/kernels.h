@@ -6,6 +6,8 @@
 // a width the compiler chooses, and contraction is off.
 #pragma once
 
+#include "format/tile_filter.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +19,8 @@ struct CostSum {
     float cost = 0, energy = 0;
 };
 
-// Y, Co, Cg of a tile without the background's share, in the order (t, s) image, (v, u) texel.
+// Y, Co, Cg of a tile without the background's share, in sixteenths of a code, in the order (t, s)
+// image, (v, u) texel; the background's share in codes.
 struct PlaneSet {
     const std::int32_t* plane[3];
     std::int32_t background[3];
@@ -43,6 +46,12 @@ constexpr int copy_filter(bool smooth, int half_u, int half_v) {
 constexpr int copy_shift(bool smooth) {
     return smooth ? 4 : 2;
 }
+
+// The filter of FORMAT.md 4.7 for one plane; four taps a ring.
+struct FilterTaps {
+    std::array<std::int32_t, filter_rings> strength;
+    std::array<std::uint32_t, filter_rings> slope;
+};
 
 struct Kernels {
     const char* name;
@@ -70,6 +79,16 @@ struct Kernels {
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
+
+    // out = values within -limit .. limit - 1, which fit; returns all bits set in any of them.
+    std::int32_t (*narrow_row)(const std::int32_t* values, int n, std::int32_t limit,
+                               std::int16_t* out);
+    // out = the filtered values of a row of n; from: where the neighbours of its first value stand, ring
+    // after ring; of unorm8 and, in the second, half16. Values are within value_limit; up to 15 past a row are read and have no effect.
+    void (*filter_row)(const std::int16_t* centre, const std::int16_t* const* from,
+                       const FilterTaps& taps, int n, std::int32_t* out);
+    void (*filter_wide_row)(const std::int32_t* centre, const std::int32_t* const* from,
+                            const FilterTaps& taps, int n, std::int32_t* out);
 
     // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,

@@ -122,9 +122,11 @@ void store_ycocg8_part(const PlaneSet& in, int texels, int images, int texel_beg
     for (int x = texel_begin; x < texel_end; ++x)
         for (int i = image_begin; i < image_end; ++i) {
             const int at = i * texels + x;
-            const std::int32_t co = in.plane[1][at] + in.background[1];
-            const std::int32_t cg = in.plane[2][at] + in.background[2];
-            const std::int32_t t = in.plane[0][at] + in.background[0] - (cg >> 1);
+            const auto code = [&](int plane) {
+                return ((in.plane[plane][at] + 8) >> 4) + in.background[plane];
+            };
+            const std::int32_t co = code(1), cg = code(2);
+            const std::int32_t t = code(0) - (cg >> 1);
             const std::int32_t b = t - (co >> 1);
             unsigned char* to = out + 3 * (x * images + i);
             to[0] = to_byte(b + co);
@@ -434,9 +436,42 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
             }
 }
 
+inline std::int32_t narrow_row(const std::int32_t* values, int n, std::int32_t limit,
+                               std::int16_t* out) {
+    std::int32_t seen = 0;
+    for (int i = 0; i < n; ++i) {
+        const std::int32_t low = values[i] < -limit ? -limit : values[i];
+        const std::int32_t value = low > limit - 1 ? limit - 1 : low;
+        seen |= value;
+        out[i] = static_cast<std::int16_t>(value);
+    }
+    return seen;
+}
+
+template <class Value>
+void filter_row(const Value* centre, const Value* const* from, const FilterTaps& taps, int n,
+                std::int32_t* out) {
+    constexpr std::uint32_t most =
+        most_difference(sizeof(Value) == 2 ? SampleType::unorm8 : SampleType::half16);
+    std::int32_t sums[max_tile_side] = {};
+    for (std::size_t i = 0; i < filter_taps; ++i) {
+        const std::int32_t strength = taps.strength[i / 4];
+        const std::uint32_t slope = taps.slope[i / 4];
+        const Value* other = from[i];
+        for (int u = 0; u < n; ++u) {
+            const std::int32_t d = std::int32_t{other[u]} - centre[u];
+            const auto size = static_cast<std::uint32_t>(d < 0 ? -d : d);
+            sums[u] += d * filter_share(strength, slope, size < most ? size : most);
+        }
+    }
+    for (int u = 0; u < n; ++u)
+        out[u] = centre[u] + ((sums[u] + 128) >> 8);
+}
+
 constexpr Kernels make_kernels(const char* name) {
     return {name,           inverse_rows, inverse_planes, round_rows,
-            add_copies,     add_within,   store_ycocg8,   forward_rows,   forward_planes,
+            add_copies,     add_within,   store_ycocg8,   narrow_row,     filter_row<std::int16_t>,
+            filter_row<std::int32_t>,     forward_rows,   forward_planes,
             forward_image,  add_squared_differences,      coding_cost};
 }
 

@@ -58,6 +58,8 @@ public:
           texels_(texel_count(plan.grid.size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
+        if (!plan.effort.filter || plan.colour.corrections)
+            filter_ = TileFilter{};
     }
 
     Result<RateOutcome> run() {
@@ -79,12 +81,14 @@ public:
     }
 
 private:
-    // A whole pass, preceded by one over the sample to learn the tables (and, once, whether to smooth
-    // copies), and recoded under tables fitted to all of it. Of one that a journal knows to be
+    // A whole pass, preceded by one over the sample to learn the tables (and, once, the filter and
+    // whether to smooth copies), and recoded under tables fitted to all of it. Of one that a journal knows to be
     // finished only the totals come back.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
-        if (plan_.effort.fit_tables || !smooth_) {
-            const Result<PassResult> trained = run_pass(plan_, parameters, sample_);
+        if (plan_.effort.fit_tables || !smooth_ || !filter_) {
+            FilterStatistics to_mend;
+            const Result<PassResult> trained =
+                run_pass(plan_, parameters, sample_, filter_ ? nullptr : &to_mend);
             if (!trained)
                 return trained.status();
             if (!smooth_) {
@@ -93,6 +97,8 @@ private:
                     return pays.status();
                 smooth_ = parameters.smooth_copies = *pays;
             }
+            if (!filter_)
+                filter_ = parameters.filter = fit_filter(to_mend);
             if (plan_.effort.fit_tables)
                 parameters.parameters = fit_parameters(trained->totals.statistics);
         }
@@ -154,6 +160,7 @@ private:
     CodingParameters for_step(double step) const {
         CodingParameters parameters = coding_parameters(step, plan_);
         parameters.smooth_copies = smooth_.value_or(false);
+        parameters.filter = filter_.value_or(TileFilter{});
         return parameters;
     }
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
@@ -297,6 +304,7 @@ private:
     // Empty until a trial at the step of the first whole pass has told; the same for all passes, so
     // that a search for a step sees no jumps.
     std::optional<bool> smooth_;
+    std::optional<TileFilter> filter_; // likewise
 };
 
 } // namespace

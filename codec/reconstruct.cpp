@@ -174,7 +174,7 @@ private:
 
     // Coefficients in scratch_.a -> the block's texels.
     void finish(int plane, const Support& support) {
-        const int shift = fraction_bits(coding_.type);
+        const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
         // A constant within the range of the passes goes through them as it is.
         if (support == Support{1, 1, 1, 1} && std::abs(scratch_.a[0]) < coefficient_limit) {
             fill(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);

@@ -21,6 +21,7 @@ Status TileDecoder::parse(std::span<const std::byte> payload, const BlockShape& 
 void TileDecoder::render(const TileLevels& levels, const CorrectionMap& corrections,
                          std::span<std::byte> texels) {
     reconstruct(levels, *coding_, scratch_, planes_);
+    filter_tile(*coding_, filter_scratch_, planes_);
     texels_from_planes(planes_, *colour_, texels);
     if (!corrections.empty())
         apply_corrections(corrections, colour_->desc, coding_->parameters.correction_error, texels);

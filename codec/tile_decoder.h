@@ -4,6 +4,7 @@
 #include "codec/corrections.h"
 #include "codec/reconstruct.h"
 #include "codec/tile_coding.h"
+#include "codec/tile_filter.h"
 #include "codec/tile_planes.h"
 
 #include <cstddef>
@@ -29,6 +30,8 @@ public:
     Status parse(std::span<const std::byte> payload, const BlockShape& shape);
     const TileLevels& levels() const { return levels_; }
     const CorrectionMap& corrections() const { return corrections_; }
+    // Of the last decode() or render(), filtered.
+    const TilePlanes& planes() const { return planes_; }
 
 private:
     const TileCoding* coding_;
@@ -37,6 +40,7 @@ private:
     TileLevels levels_;
     CorrectionMap corrections_;
     ReconstructScratch scratch_;
+    FilterScratch filter_scratch_;
     TilePlanes planes_;
 };
 

@@ -64,6 +64,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.try_smooth =
         settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
+    settings.filter = tools.is_on(CodingTool::filter, effort >= 4);
     settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 3 : effort >= 5 ? 2 : 1;
     settings.refinements = !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
     settings.second_pass = effort >= 8 && settings.fit_tables;

@@ -24,6 +24,7 @@ struct EffortSettings {
     bool rotate_colours = true; // try rotated colour axes for every block
     bool ycocg = true;          // code YCoCg, not RGB
     bool fit_tables = true;     // to the sample, and to all tiles
+    bool filter = true;         // decoded tiles, where that is worth it
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
     int copy_rounds = 1;        // of the search for blocks that copy
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
@@ -43,6 +44,8 @@ public:
 
     // texels: dense box order. Replaces `out`.
     void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
+    // The planes of the tile that was encoded last.
+    const TilePlanes& source() const { return planes_; }
 
 private:
     float encode_blocks(TileLevels& out);

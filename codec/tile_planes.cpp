@@ -1,6 +1,7 @@
 #include "codec/tile_planes.h"
 
 #include "codec/kernels.h"
+#include "format/dequantizer.h"
 
 #include <algorithm>
 #include <cstring>
@@ -38,8 +39,13 @@ void to_planes(std::span<const std::byte> texels, const Texel& background, const
                        if constexpr (ycocg)
                            forward_ycocg(c);
                        for (int k = 0; k < channels; ++k)
-                           planes.plane[k][i] = c[k] - background[k];
+                           planes.plane[k][i] = (c[k] - background[k]) * (1 << value_bits(type));
                    });
+}
+
+template <SampleType type> std::int32_t rounded_value(std::int32_t value) {
+    constexpr int bits = value_bits(type);
+    return bits == 0 ? value : (value + (1 << bits >> 1)) >> bits;
 }
 
 template <SampleType type, int channels, bool ycocg>
@@ -48,7 +54,7 @@ void to_texels(const TilePlanes& planes, const Texel& background, std::span<std:
                    [&](std::size_t i, std::byte* at) {
                        Texel c{};
                        for (int k = 0; k < channels; ++k)
-                           c[k] = planes.plane[k][i] + background[k];
+                           c[k] = rounded_value<type>(planes.plane[k][i]) + background[k];
                        if constexpr (ycocg)
                            inverse_ycocg(c);
                        for (int k = 0; k < channels; ++k)

@@ -22,7 +22,7 @@ struct ColourCoding {
     bool corrections = false; // tiles may end with corrections (required feature 1)
 };
 
-// One array a plane, tile order t, s, v, u with u fastest.
+// One array a plane, tile order t, s, v, u with u fastest; in 2^-value_bits of a code.
 struct TilePlanes {
     BlockShape shape;
     std::array<std::vector<std::int32_t>, max_planes> plane;

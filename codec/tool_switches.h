@@ -21,6 +21,7 @@ enum class CodingTool : std::uint8_t {
     grids,
     smooth,
     refine,
+    filter,
 };
 
 struct CodingToolInfo {
@@ -29,7 +30,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 12> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::both, "both", "... from two directions at once"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
@@ -44,6 +45,7 @@ inline constexpr std::array<CodingToolInfo, 12> coding_tools = {{
     {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
     {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
+    {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
     {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
 }};
 

@@ -38,9 +38,9 @@ BatchBuilder::Size BatchBuilder::empty_size() {
     return {tsr_w_state, 0, tsr_batch_words};
 }
 
-// Of a tile's values, which only predicted tiles keep.
+// Of a tile's values, kept for its copies or the filter.
 std::uint32_t BatchBuilder::value_words(const TreeSize& tree, std::uint64_t texels) const {
-    return tree.copies.empty() ? 0 : static_cast<std::uint32_t>(texels) * tables_.value_words();
+    return tree.copies.empty() && !tables_.filters() ? 0 : static_cast<std::uint32_t>(texels) * tables_.value_words();
 }
 
 // What a tile adds to the sizes of its batch.
@@ -145,10 +145,11 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                         place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
                         nodes_, tree.nodes,
                         predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
-                        predicted ? values_ : tsr_none});
+                        predicted || tables_.filters() ? values_ : tsr_none});
     copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
     values_ += value_words(tree, static_cast<std::uint64_t>(shape.texels()));
     waves_ = std::max(waves_, tree.waves);
+    most_texels_ = std::max(most_texels_, static_cast<std::uint32_t>(shape.texels()));
     blocks_ += tree.blocks;
     nodes_ += tree.nodes;
     items_ += tree.items;
@@ -165,6 +166,7 @@ DecodeBatch BatchBuilder::finish() {
     batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
     batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
     batch.waves = waves_;
+    batch.most_texels = most_texels_;
 
     std::vector<std::uint32_t>& words = batch.words;
     words.assign(tsr_batch_words, 0);
@@ -219,6 +221,7 @@ DecodeBatch BatchBuilder::finish() {
     copy_words_.clear();
     payloads_.clear();
     raw_ = multipliers_ = most_segments_ = blocks_ = nodes_ = items_ = values_ = 0;
+    most_texels_ = 0;
     waves_ = 1;
     size_ = empty_size();
     return batch;

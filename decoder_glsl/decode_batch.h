@@ -45,6 +45,7 @@ struct DecodeBatch {
     std::uint32_t raw_chunks = 0;  // of 64 levels
     std::uint32_t corrections = 0; // streams
     std::uint32_t waves = 1;       // of passes 4 and 5: one more than the largest depth of copies
+    std::uint32_t most_texels = 0; // of one tile
     std::uint64_t work_words = 0;
     std::uint64_t coefficients = 0;
 };
@@ -90,7 +91,8 @@ private:
     std::uint32_t multipliers_ = 0; // words
     std::uint32_t most_segments_ = 0;
     std::uint32_t blocks_ = 0, nodes_ = 0, items_ = 0;
-    std::uint32_t values_ = 0; // words of predicted tiles
+    std::uint32_t values_ = 0; // words
+    std::uint32_t most_texels_ = 0;
     std::uint32_t waves_ = 1;
 };
 

@@ -96,6 +96,15 @@ std::array<std::uint32_t, 2> background_pixel(const FileHeader& header) {
     return words;
 }
 
+void put_filter(const CodingParameters& coding, SampleType type, Words& words) {
+    words[tsr_t_filtered] = coding.filter.is_on();
+    std::size_t at = tsr_t_filter;
+    for (std::size_t plane = 0; plane < max_planes; ++plane)
+        for (const FilterRing& ring : coding.filter.ring[plane == 0 ? 0 : 1])
+            words[at++] = filter_slope(ring, coding.step[plane], type) |
+                          (signed_word(ring.strength) & 0xFFu) << 16;
+}
+
 void put_header(const FileHeader& header, const CodingParameters& coding, Words& words) {
     const auto& desc = header.desc;
     words[tsr_t_sample_type] = desc.type == SampleType::half16;
@@ -109,6 +118,7 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
     words[tsr_t_predicts] = coding.prediction;
     words[tsr_t_smooth] = coding.smooth_copies;
+    put_filter(coding, desc.type, words);
     words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
     for (std::size_t i = 0; i < 4; ++i)
         words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];
@@ -185,6 +195,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
     tables.predicts_ = coding->prediction;
+    tables.filters_ = coding->filter.is_on();
     tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());
     if (tables.ids_.size() > tsr_max_shapes)

@@ -28,7 +28,10 @@ public:
     const CodeTables& code_tables() const { return *code_tables_; }
     bool has_corrections() const { return has_corrections_; }
     bool predicts() const { return predicts_; }
-    // Words that the values of a texel take in a predicted tile (shaders/layout.glsl).
+    bool filters() const { return filters_; }
+    // Whether tiles may need room for their values, for copies or the filter.
+    bool keeps_values() const { return predicts_ || filters_; }
+    // Words that the kept values of a texel take (shaders/layout.glsl).
     unsigned value_words() const { return half_ ? planes_ : (planes_ + 1) / 2; }
 
 private:
@@ -39,7 +42,7 @@ private:
     std::map<BlockShape, std::uint32_t> ids_;
     std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
-    bool has_corrections_ = false, predicts_ = false, half_ = false;
+    bool has_corrections_ = false, predicts_ = false, filters_ = false, half_ = false;
 };
 
 } // namespace tessera

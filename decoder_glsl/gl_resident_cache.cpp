@@ -133,7 +133,7 @@ private:
     }
 
     std::uint64_t least_work() const {
-        return file_.tables.predicts() ? 2 * least_work_plain : least_work_plain;
+        return file_.tables.keeps_values() ? 2 * least_work_plain : least_work_plain;
     }
 
     // How many slots the budget leaves after everything else.
@@ -232,7 +232,7 @@ private:
     // `look`: waits for the device to say which tiles were damaged. They decode to the background, so
     // from then on they are background.
     BatchFeed make_feed(bool look) {
-        return BatchFeed(file_, plan(), limits_within(work_bytes_, file_.tables.predicts()), false,
+        return BatchFeed(file_, plan(), limits_within(work_bytes_, file_.tables.keeps_values()), false,
                          [this, look](DecodeBatch& batch) -> Status {
                              TESSERA_TRY(file_.decoder.decode(batch, texels_));
                              if (!look)

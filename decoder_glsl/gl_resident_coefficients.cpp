@@ -39,6 +39,10 @@ public:
             return {ErrorCode::unsupported,
                     file_.reader.name() + ": its blocks copy from other views, which only decoded "
                                           "texels can follow; use on load or on feedback"};
+        if (file_.tables.filters())
+            return {ErrorCode::unsupported,
+                    file_.reader.name() + ": it has a filter, which only decoded texels can take; use "
+                                          "on load or on feedback"};
         TESSERA_TRY(count_all());
         TESSERA_TRY(allocate());
         TESSERA_TRY(keep_all());

@@ -13,7 +13,12 @@ using namespace layout;
 // Threads of a group, as the shaders say.
 constexpr std::uint32_t stream_group = 16; // tree, corrections
 constexpr std::uint32_t levels_group = 4;
+constexpr std::uint32_t filter_group = 64;
 constexpr std::uint32_t row_groups = 1024; // groups of 64 levels along x of order.comp
+
+constexpr GLbitfield after_texels = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                                    GL_TEXTURE_UPDATE_BARRIER_BIT;
 
 std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
     return static_cast<std::uint32_t>((items + size - 1) / size);
@@ -70,8 +75,12 @@ Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool hal
         defines.emplace_back("TSR_OUTPUT_HALF", "1");
     TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl", defines));
     defines.emplace_back("TSR_PREDICTED_TILES", "1");
-    if (tables.predicts())
+    if (tables.keeps_values())
         TESSERA_TRY(make_program(d.predicted_texels_, "texels.comp.glsl", defines));
+    defines.pop_back();
+    d.filters_ = tables.filters();
+    if (d.filters_)
+        TESSERA_TRY(make_program(d.filter_, "filter.comp.glsl", defines));
     return d;
 }
 
@@ -132,10 +141,16 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
         groups_.use();
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        (batch.waves > 1 ? predicted_texels_ : texels_).use(); // a copy has a depth above 0
+        // A copy has a depth above 0.
+        (batch.waves > 1 || filters_ ? predicted_texels_ : texels_).use();
         glDispatchComputeIndirect(tsr_w_groups * 4);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                        GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+        glMemoryBarrier(after_texels);
+    }
+    if (filters_) {
+        filter_.use();
+        glDispatchCompute(groups_of(batch.most_texels, filter_group),
+                          static_cast<std::uint32_t>(batch.tiles.size()), 1);
+        glMemoryBarrier(after_texels);
     }
     note(DecodeStage::transform, false);
     return {};

@@ -23,7 +23,7 @@ enum class DecodeStage {
     upload,    // batch to the device
     entropy,   // trees, levels, corrections
     order,     // dequantisation and sorting
-    transform, // inverse transform, colour and writing the texels
+    transform, // inverse transform, filter, colour and writing the texels
 };
 
 // What a decoded tile came to, as the device counted.
@@ -79,7 +79,9 @@ private:
     bool half_ = false;
     GlBuffer tables_, batch_, work_, coefficients_;
     GlProgram tree_, levels_, corrections_, order_, items_, groups_, texels_;
-    GlProgram predicted_texels_; // only of files that predict
+    GlProgram predicted_texels_; // only of files that predict or filter
+    GlProgram filter_;           // only of files that filter
+    bool filters_ = false;
     StageHook hook_;
 };
 

@@ -11,6 +11,7 @@ namespace {
 
 // Fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, 3 adaptation parameters, flags.
 constexpr std::size_t fixed_bytes = 10 + 4 + 4 + 2 + 3 + 1;
+constexpr std::size_t filter_bytes = 2 * plane_classes * filter_rings;
 
 // How the differences are coded: the chance that one is 0 after a 0 and after another value, and
 // that a magnitude stops. Chosen by the writer for its own differences.
@@ -89,8 +90,15 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     for (const std::uint8_t parameter : model.parameter)
         put(parameter, 1);
     put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u) |
-            (coding.dependent ? 4u : 0u) | (coding.smooth_copies ? 8u : 0u),
+            (coding.dependent ? 4u : 0u) | (coding.smooth_copies ? 8u : 0u) |
+            (coding.filter.is_on() ? 16u : 0u),
         1);
+    if (coding.filter.is_on())
+        for (const auto& rings : coding.filter.ring)
+            for (const FilterRing& ring : rings) {
+                put(static_cast<std::uint8_t>(ring.strength), 1);
+                put(ring.reach, 1);
+            }
 
     RansEncoder encoder;
     walk(
@@ -139,7 +147,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 15)
+    if (flags > 31)
         return damaged("unknown flags");
     coding.colour_rotation = (flags & 1) != 0;
     coding.prediction = (flags & 2) != 0;
@@ -147,6 +155,19 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     coding.smooth_copies = (flags & 8) != 0;
     if (coding.smooth_copies && !coding.prediction)
         return damaged("smooth copies without predictions");
+    if ((flags & 16) != 0) {
+        if (bytes.size() < fixed_bytes + filter_bytes)
+            return damaged("too short");
+        for (auto& rings : coding.filter.ring)
+            for (FilterRing& ring : rings) {
+                ring.strength = static_cast<std::int8_t>(get(1));
+                ring.reach = static_cast<std::uint8_t>(get(1));
+                if (ring.strength == -128 || ring.reach == 0)
+                    return damaged("filter out of range");
+            }
+        if (!coding.filter.is_on())
+            return damaged("a filter that does nothing");
+    }
 
     RansDecoder decoder(bytes.subspan(at));
     bool changed = false;

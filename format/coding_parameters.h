@@ -5,6 +5,7 @@
 #include "format/dequantizer.h"
 #include "format/scan_order.h"
 #include "format/status.h"
+#include "format/tile_filter.h"
 
 #include <array>
 #include <cstddef>
@@ -19,6 +20,7 @@ struct CodingParameters {
     bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
     bool prediction = false;      // blocks say what they copy (required feature 4)
     bool smooth_copies = false;   // copies go through the smooth filter of 4.6; with prediction only
+    TileFilter filter;            // of the decoded tile
     bool dependent = false;       // levels depend on the ones before: format/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;

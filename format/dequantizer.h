@@ -14,6 +14,15 @@ constexpr int fraction_bits(SampleType type) {
     return type == SampleType::unorm8 ? 14 : 8;
 }
 
+// Values between the transform and the texels (4.3) count in 2^-value_bits of a code, and those that are
+// copied or filtered lie within -value_limit .. value_limit - 1.
+constexpr int value_bits(SampleType type) {
+    return type == SampleType::unorm8 ? 4 : 0;
+}
+constexpr std::int32_t value_limit(SampleType type) {
+    return type == SampleType::unorm8 ? 1 << 14 : 1 << 18;
+}
+
 constexpr std::int32_t max_level = (1 << 20) - 1;
 constexpr std::int32_t coefficient_limit = 1 << 26; // |coefficient| stays below or at this
 

@@ -5,6 +5,7 @@
 #include "codec/tile_entropy.h"
 #include "format/colour_rotation.h"
 #include "format/half.h"
+#include "format/tile_filter.h"
 #include "format/texture.h"
 
 #include <algorithm>
@@ -222,6 +223,17 @@ inline Parameters random_parameters(Random& random) {
     for (std::uint8_t& p : parameters)
         p = static_cast<std::uint8_t>(random.range(0, parameter_count_of_odds - 1));
     return parameters;
+}
+
+// Any filter that a file may have; in half of all cases with an influence that reaches far.
+inline TileFilter random_filter(Random& random) {
+    TileFilter filter;
+    for (auto& rings : filter.ring)
+        for (FilterRing& ring : rings)
+            ring = {static_cast<std::int8_t>(random.range(-127, 127)),
+                    static_cast<std::uint8_t>(random.chance(0.5) ? random.range(1, 32)
+                                                                 : random.range(1, 255))};
+    return filter;
 }
 
 inline BlockShape shape_of(int u, int v, int s, int t) {

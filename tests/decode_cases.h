@@ -78,7 +78,7 @@ inline std::vector<DecodeCase> encoded_cases() {
 }
 
 // A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
-// and, where `copies` is above 0, blocks that copy by that chance.
+// and, where `copies` is above 0, blocks that copy by that chance. Two thirds of all seeds have a filter.
 inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
                               const Extent4& size, const Extent4& tile_extent, double split,
                               double density, int magnitude_bits, double copies = 0) {
@@ -89,6 +89,8 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.prediction = copies > 0;
     parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
     parameters.dependent = seed % 2 == 1;
+    if (seed % 3 != 0)
+        parameters.filter = random_filter(random);
     for (StepCode& step : parameters.step)
         step.bits = static_cast<std::uint16_t>((random.range(0, 8) << 11) | random.range(0, 2047));
     parameters.rotated_step.bits =

@@ -252,7 +252,7 @@ TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
     check(mixed_file(SampleType::unorm8, 3, 60, false, {64, 2, 32, 32}, {64, 1, 32, 32}), false);
     // Trees of 11 levels.
     check(
-        random_case(61, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file,
+        random_case(63, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file,
         false);
     check(
         random_case(62, SampleType::half16, 3, {125, 45, 6, 5}, {63, 45, 5, 3}, 0.6, 0.005, 4, 0.6)
@@ -639,6 +639,10 @@ TEST_F(GpuSample, SaysWhatDoesNotFit) {
     EXPECT_NE(refusal(predicted.reader(), Residency::on_sample, 64 << 20).find("use on load"),
               std::string::npos);
     EXPECT_NE(choose_residency(predicted.reader(), 1 << 20), Residency::on_sample);
+    SampledFile filtered(
+        random_case(4, SampleType::unorm8, 3, {40, 20, 9, 8}, {32, 16, 8, 8}, 0.7, 0.05, 4).file);
+    EXPECT_NE(refusal(filtered.reader(), Residency::on_sample, 64 << 20).find("filter"),
+              std::string::npos);
     EXPECT_EQ(choose_residency(file.reader(), 1ull << 30), Residency::on_load);
     EXPECT_EQ(choose_residency(file.reader(), 2ull << 20), Residency::on_feedback);
 }

@@ -408,6 +408,8 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     coding.prediction = random.chance(0.5);
     coding.smooth_copies = coding.prediction && random.chance(0.5);
     coding.dependent = random.chance(0.5);
+    if (random.chance(0.5))
+        coding.filter = random_filter(random);
     for (auto& offsets : coding.offsets)
         for (std::uint8_t& offset : offsets)
             offset = static_cast<std::uint8_t>(random.range(0, 31));
@@ -448,6 +450,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->prediction, want.prediction);
         EXPECT_EQ(got->smooth_copies, want.smooth_copies);
         EXPECT_EQ(got->dependent, want.dependent);
+        EXPECT_EQ(got->filter, want.filter);
         EXPECT_EQ(got->offsets, want.offsets);
         EXPECT_EQ(got->scan_weights, want.scan_weights);
         EXPECT_EQ(got->correction_error, want.correction_error);
@@ -477,7 +480,7 @@ TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
 TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     constexpr std::size_t flags = 23;
     Bytes bytes = write_coding_parameters({});
-    for (const int value : {8, 12, 16, 24}) {
+    for (const int value : {8, 12, 32, 64}) {
         bytes[flags] = static_cast<std::byte>(value);
         EXPECT_FALSE(read_coding_parameters(bytes)) << value;
     }
@@ -485,6 +488,25 @@ TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     const Result<CodingParameters> both = read_coding_parameters(bytes);
     ASSERT_TRUE(both) << both.status().message();
     EXPECT_TRUE(both->smooth_copies);
+}
+
+TEST(CodingParameters, FiltersHaveARangeAndAnEffect) {
+    constexpr std::size_t rings = 24;
+    CodingParameters coding;
+    coding.filter.ring[1][2] = {-127, 255};
+    const Bytes bytes = write_coding_parameters(coding);
+    EXPECT_EQ(bytes.size(), write_coding_parameters({}).size() + 12);
+    const Result<CodingParameters> got = read_coding_parameters(bytes);
+    ASSERT_TRUE(got) << got.status().message();
+    EXPECT_EQ(got->filter, coding.filter);
+    const auto expect_refused = [&](std::size_t at, int value, const char* why) {
+        Bytes changed = bytes;
+        changed[at] = static_cast<std::byte>(value);
+        EXPECT_FALSE(read_coding_parameters(changed)) << why;
+    };
+    expect_refused(rings, 128, "strength -128");
+    expect_refused(rings + 1, 0, "reach 0");
+    expect_refused(rings + 10, 0, "no ring has a strength");
 }
 
 TEST(CodingParameters, DamageIsRefusedOrHarmless) {

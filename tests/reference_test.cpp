@@ -545,7 +545,7 @@ TEST(Reference, SmoothCopiesNeedPredictions) {
     EXPECT_TRUE(with(before & ~std::uint64_t{8}, feature_prediction));
     EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, 0));
     EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, feature_prediction));
-    EXPECT_FALSE(with(before | 16, feature_prediction));
+    EXPECT_FALSE(with(before | 32, feature_prediction));
 }
 
 // Steps from one end of their range to the other: shifts, limits, overflow.

@@ -144,7 +144,9 @@ TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
               shaders::tsr_t_prediction);
     EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
-              shaders::tsr_t_end);
+              shaders::tsr_t_filter);
+    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_end);
+    EXPECT_EQ(shaders::tsr_filter_taps, filter_taps);
 }
 
 // ---- Any bytes at all.
@@ -169,6 +171,8 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
         parameters.colour_rotation = true;
         parameters.dependent = number % 2 == 1;
         parameters.correction_error = static_cast<std::uint16_t>(number);
+        if (number > 2)
+            parameters.filter = random_filter(random);
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
         parameters.prediction = true;
@@ -477,6 +481,8 @@ TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
             parameters.step.fill(StepCode::nearest(30000));
             parameters.prediction = true;
             parameters.smooth_copies = views.s % 2 == 1;
+            if (views.t % 2 == 1)
+                parameters.filter.ring[0][2] = {100, 255};
             ShaderOracle file(empty_file({size, type, 3}, size, parameters, false));
             HandMadeTile tile(shape_of(6, 5, views.s, views.t));
             tile.split(4096, 4, Split::angular);

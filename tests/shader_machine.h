@@ -98,6 +98,7 @@ inline void tsr_write_texel(ivec3 at, uvec4 samples) {
 
 // All of GLSL's subset that the passes use, as it stands.
 #include "decoder_glsl/shaders/corrections.comp.glsl"
+#include "decoder_glsl/shaders/filter.comp.glsl"
 #include "decoder_glsl/shaders/groups.comp.glsl"
 #include "decoder_glsl/shaders/items.comp.glsl"
 #include "decoder_glsl/shaders/levels.comp.glsl"
@@ -153,10 +154,14 @@ public:
             invoke([&] { tsr_order_level(slot); });
     }
 
-    // Passes 4 and 5.
+    // Passes 4 to 6.
     void write_texels(const DecodeBatch& batch) {
         for (uint wave = 0; wave < batch.waves; ++wave)
             write_wave(batch);
+        if (tsr_tables[tsr_t_filtered] != 0)
+            for (uint tile = 0; tile < batch.tiles.size(); ++tile)
+                for (uint texel = 0; texel < (batch.most_texels + 63) / 64 * 64; ++texel)
+                    invoke([&] { tsr_filter_texel(tile, texel); });
         most_waves = std::max(most_waves, batch.waves);
     }
 

@@ -9,7 +9,9 @@ struct TsrFormat {
     int planes;
     bool ycocg;
     bool smooth_copies;
-    int fraction; // bits of a transform output below a code
+    bool filtered; // texels are written by filter.comp
+    int fraction;  // bits of a transform output below a code
+    int value_bits; // of a value below a code
     ivec4 background; // planes
     int smallest;     // code
     int largest;
@@ -21,7 +23,9 @@ TsrFormat tsr_format() {
     f.planes = int(tsr_table(tsr_t_planes));
     f.ycocg = tsr_table(tsr_t_colour) == 1u;
     f.smooth_copies = tsr_table(tsr_t_smooth) != 0u;
+    f.filtered = tsr_table(tsr_t_filtered) != 0u;
     f.fraction = int(tsr_table(tsr_t_fraction));
+    f.value_bits = f.half_floats ? 0 : 4;
     f.background = ivec4(int(tsr_table(tsr_t_background)), int(tsr_table(tsr_t_background + 1)),
                          int(tsr_table(tsr_t_background + 2)),
                          int(tsr_table(tsr_t_background + 3)));
@@ -33,12 +37,13 @@ TsrFormat tsr_format() {
 // The planes of a texel, rounded.
 ivec4 tsr_values(TsrFormat f, ivec4 outputs) {
     // Outputs are below 2^28; unsigned, so that anything else wraps in every language.
-    return ivec4(uvec4(outputs) + (1u << uint(f.fraction - 1))) >> f.fraction;
+    int shift = f.fraction - f.value_bits;
+    return ivec4(uvec4(outputs) + (1u << uint(shift - 1))) >> shift;
 }
 
 // The codes of a texel: planes onto the background, colour transform undone, clamped.
 ivec4 tsr_codes(TsrFormat f, ivec4 values) {
-    ivec4 c = values + f.background;
+    ivec4 c = ((values + ((1 << f.value_bits) >> 1)) >> f.value_bits) + f.background;
     if (f.ycocg) {
         int t = c.x - (c.z >> 1);
         int g = c.z + t;

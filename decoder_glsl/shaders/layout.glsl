@@ -28,6 +28,7 @@ const int tsr_t_dependent = 16; // 1: dependent quantisation
 const int tsr_t_shapes = 17;    // word of the first shape record
 const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
 const int tsr_t_smooth = 19;    // 1: smooth copies
+const int tsr_t_filtered = 20;  // 1: a filter
 const int tsr_t_zero = 32;      // frequencies of 0: [2][2][7][6][16]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
 const int tsr_t_magnitude = 2720;    // [2][2][66] symbol tables
@@ -43,7 +44,9 @@ const int tsr_t_displacement = 18416;      // [2]
 const int tsr_t_displacement_kind = 18440; // [2] words c[1] | c[2] << 16
 const int tsr_t_copying_length = 18442;    // [9] tsr_t_first_length of blocks that copy something
 const int tsr_t_wide_basis = 18550;        // b(n, k, x) of n = 33..64, the coded frequencies only
-const int tsr_t_end = 68214;         // shape records and their scans follow
+const int tsr_t_filter = 68214;      // of planes 0..3, for each of 3 rings: slope | strength << 16
+const int tsr_filter_taps = 12;      // four a ring
+const int tsr_t_end = 68226;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
 // neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
@@ -81,7 +84,7 @@ const int tsr_b_counts_at = 20; // in the work buffer: how many raw levels each 
 const int tsr_b_items_at = 21;
 const int tsr_b_items_room = 22; // items
 const int tsr_b_copies_at = 23;  // what the blocks of predicted tiles copy
-const int tsr_b_values_at = 24;  // in the work buffer: values of predicted tiles
+const int tsr_b_values_at = 24;  // in the work buffer: values that tiles keep
 const int tsr_batch_words = 32;
 
 const int tsr_tile_words = 14;
@@ -158,7 +161,7 @@ const uint tsr_damage_levels = 4u;
 const uint tsr_damage_end = 8u;
 const uint tsr_damage_corrections = 16u;
 
-// The values of a predicted tile, for its blocks to copy: texels t, s, v, u with u fastest, once for
+// The values of a tile, for its blocks to copy and for the filter: texels t, s, v, u with u fastest, once for
 // planes 0 and 1 (16 bits each, plane 0 low) and again for planes 2 and 3; halves: once a plane.
 
 // ---- Binding 3, coefficients: sorted by t, s, v, u frequency, four words each: frequency, planes 0..2.

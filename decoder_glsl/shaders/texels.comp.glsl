@@ -5,63 +5,15 @@
 // sums along t, all planes of a texel at once, adds what a block copies, and writes it. All invocations read the same
 // coefficients at the same time, and the shared arrays are laid out with positions innermost.
 //
-// Batches with predicted tiles need TSR_PREDICTED_TILES; the others are spared its registers.
-#include "colour.glsl"
+// Batches with predicted tiles, and files with a filter, need TSR_PREDICTED_TILES; the others are spared
+// its registers. A filter writes the texels of sound tiles itself, in pass 6.
 #include "patch.glsl"
+#include "target.glsl"
 #include "walk.glsl"
 
 #ifndef __cplusplus
 shared int tsr_patch_memory[tsr_patch_words];
-#ifdef TSR_OUTPUT_HALF
-layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
-void tsr_write_texel(ivec3 at, uvec4 samples) {
-    imageStore(tsr_image, at, samples);
-}
-#else
-layout(r32ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
-void tsr_write_texel(ivec3 at, uvec4 samples) {
-    uint word = samples.x | (samples.y << 8) | (samples.z << 16) | (samples.w << 24);
-    imageStore(tsr_image, at, uvec4(word, 0u, 0u, 0u));
-}
 #endif
-#endif
-
-// Where the texels of a tile go. Tiles of a plain texture are folded over layers where the angular
-// images side by side would be wider than a texture may be; the folds of a cache are wider than any
-// tile. Unsigned, so that any batch wraps in every language.
-struct TsrTarget {
-    uvec3 pixel; // of the tile's first texel; its layer
-    uvec2 first; // (u, v) of that texel, counted as folds do
-    uvec2 fold;
-    uint folds_u;
-    uvec2 stride;
-    uint multipliers; // word of the tile's corrections, or none
-    uint values;      // word of its values, if it is predicted, or none
-    ivec4 sides;      // of the tile
-    int step;         // of corrections
-};
-
-TsrTarget tsr_target(uint tile) {
-    TsrTarget t;
-    uint origin = tsr_tile(tile, tsr_tile_origin);
-    t.pixel = uvec3(tsr_tile(tile, tsr_tile_x), tsr_tile(tile, tsr_tile_y),
-                    tsr_tile(tile, tsr_tile_layer));
-    t.first = uvec2(origin & 0xFFFFu, origin >> 16);
-    t.fold = uvec2(max(tsr_header(tsr_b_fold_u), 1u), max(tsr_header(tsr_b_fold_v), 1u));
-    t.folds_u = tsr_header(tsr_b_folds_u);
-    t.stride = uvec2(tsr_header(tsr_b_stride_s), tsr_header(tsr_b_stride_t));
-    uint multipliers = tsr_tile(tile, tsr_tile_multipliers);
-    // What a damaged tile has decoded of its corrections does not show.
-    bool damaged = tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u;
-    t.multipliers = damaged || multipliers == tsr_none
-                        ? tsr_none
-                        : tsr_header(tsr_b_multipliers_at) + multipliers;
-    uint values = tsr_tile(tile, tsr_tile_values);
-    t.values = damaged || values == tsr_none ? tsr_none : tsr_header(tsr_b_values_at) + values;
-    t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
-    t.step = int(tsr_table(tsr_t_correction_step));
-    return t;
-}
 
 struct TsrItem {
     bool real;
@@ -286,86 +238,6 @@ void tsr_sum_s(TsrItem item, int lane) {
     }
 }
 
-// The pixel of the tile's texel (u, v, 0, 0).
-uvec3 tsr_place(TsrTarget target, int u, int v) {
-    uvec2 all = target.first + uvec2(uint(u), uint(v));
-    uvec2 fold = uvec2(all.x / target.fold.x, all.y / target.fold.y);
-    return target.pixel + uvec3((all.x - fold.x * target.fold.x) * target.stride.x,
-                                (all.y - fold.y * target.fold.y) * target.stride.y,
-                                fold.y * target.folds_u + fold.x);
-}
-
-ivec4 tsr_corrected(TsrItem item, ivec4 codes, int u, int v, int s, int t) {
-    TsrTarget target = item.target;
-    if (target.multipliers == tsr_none)
-        return codes;
-    int planes = item.format.planes;
-    uint texel = uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
-    uint at = target.multipliers + texel * uint(planes);
-    ivec4 multiplier =
-        ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
-              planes > 2 ? int(tsr_work_word(at + 2u)) : 0,
-              planes > 3 ? int(tsr_work_word(at + 3u)) : 0);
-    // Steps are below 2^17 and a product that large leaves the range of codes anyway.
-    ivec4 limit = ivec4(65536 / max(target.step, 1) + 1);
-    return clamp(codes + clamp(multiplier, -limit, limit) * target.step, item.format.smallest,
-                 item.format.largest);
-}
-
-// Where values of a predicted tile stand: the texel's word, and words from one to the next part of it.
-uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
-    return target.values +
-           uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
-}
-uint tsr_value_stride(TsrTarget target) {
-    return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
-}
-
-// Two planes of 16 bits in a word, and two of 20 bits in one each.
-ivec2 tsr_two_values(uint word) {
-    return ivec2(int(word << 16u) >> 16, int(word) >> 16);
-}
-int tsr_one_value(uint word) {
-    return int(word << 12u) >> 12;
-}
-
-// The values at a texel of the view (s, t), or the edge of the tile.
-ivec4 tsr_value(TsrItem item, int u, int v, int s, int t) {
-    TsrTarget target = item.target;
-    int planes = item.format.planes;
-    uint at = tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
-                           clamp(v, 0, target.sides.y - 1), s, t);
-    uint stride = tsr_value_stride(target);
-    if (item.format.half_floats)
-        return ivec4(tsr_one_value(tsr_work_word(at)),
-                     planes > 1 ? tsr_one_value(tsr_work_word(at + stride)) : 0,
-                     planes > 2 ? tsr_one_value(tsr_work_word(at + 2u * stride)) : 0,
-                     planes > 3 ? tsr_one_value(tsr_work_word(at + 3u * stride)) : 0);
-    ivec2 low = tsr_two_values(tsr_work_word(at));
-    ivec2 high = tsr_two_values(planes > 2 ? tsr_work_word(at + stride) : 0u);
-    return ivec4(low.x, low.y, high.x, high.y);
-}
-
-void tsr_keep_value(TsrItem item, ivec4 value, int u, int v, int s, int t) {
-    int planes = item.format.planes;
-    uint at = tsr_value_at(item.target, u, v, s, t);
-    uint stride = tsr_value_stride(item.target);
-    uvec4 word = uvec4(value);
-    if (!item.format.half_floats) {
-        tsr_set_work(at, (word.x & 0xFFFFu) | (word.y << 16));
-        if (planes > 2)
-            tsr_set_work(at + stride, (word.z & 0xFFFFu) | (word.w << 16));
-        return;
-    }
-    tsr_set_work(at, word.x);
-    if (planes > 1)
-        tsr_set_work(at + stride, word.y);
-    if (planes > 2)
-        tsr_set_work(at + 2u * stride, word.z);
-    if (planes > 3)
-        tsr_set_work(at + 3u * stride, word.w);
-}
-
 // What `steps` displacements away in the view (s, t) lies, times 4 or, smooth, 16 (C of FORMAT.md 4.6);
 // `move`: u, v in signed bytes. First come the texels that it lies on or between, then those beside.
 ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
@@ -391,7 +263,7 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
             b = vertical ? side : along;
         }
         sum += (k < between ? weight : 2 - halves) *
-               tsr_value(item, (x >> 1) + a, (y >> 1) + b, s, t);
+               tsr_value(item.format, item.target, (x >> 1) + a, (y >> 1) + b, s, t);
     }
     return sum;
 }
@@ -406,9 +278,9 @@ ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
                          max(item.origin.w - 1, 0));
     int shift = (item.format.smooth_copies ? 4 : 2) + (item.copies == 3u ? 1 : 0);
     ivec4 copied = (sum + (1 << (shift - 1))) >> shift;
-    int limit = item.format.half_floats ? 1 << 18 : 1 << 15;
+    int limit = tsr_value_limit(item.format);
     ivec4 value = clamp(values + copied, -limit, limit - 1);
-    tsr_keep_value(item, value, u, v, s, t);
+    tsr_keep_value(item.format, item.target, value, u, v, s, t);
     return value;
 }
 
@@ -442,13 +314,16 @@ void tsr_sum_t(TsrItem item, int lane) {
             if (changes)
                 values = tsr_sum_t_at(item, s, t, share.position);
 #ifdef TSR_PREDICTED_TILES
-            if (item.target.values != tsr_none)
-                codes = tsr_codes(item.format, tsr_predicted(item, values, u, v, in_s, in_t));
-            else
+            if (item.target.values != tsr_none) {
+                ivec4 value = tsr_predicted(item, values, u, v, in_s, in_t);
+                if (item.format.filtered)
+                    continue;
+                codes = tsr_codes(item.format, value);
+            } else
 #endif
             if (changes)
                 codes = tsr_codes(item.format, values);
-            ivec4 corrected = tsr_corrected(item, codes, u, v, in_s, in_t);
+            ivec4 corrected = tsr_corrected(item.format, item.target, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
                             tsr_samples(item.format, corrected));
         }

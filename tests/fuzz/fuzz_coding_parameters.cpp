@@ -11,6 +11,7 @@ std::vector<Bytes> seeds() {
     changed.smooth_copies = true;
     changed.dependent = true;
     changed.correction_error = 3;
+    changed.filter.ring[0][1] = {-5, 9};
     for (std::size_t i = 0; i < changed.parameters.size(); i += 7)
         changed.parameters[i] = static_cast<std::uint8_t>(i % 64);
     return {write_coding_parameters({}), write_coding_parameters(changed)};
@@ -24,7 +25,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!coding)
         return 0;
     const auto again = read_coding_parameters(write_coding_parameters(*coding));
-    fuzz::require(again && again->parameters == coding->parameters && again->step == coding->step,
+    fuzz::require(again && again->parameters == coding->parameters && again->step == coding->step &&
+                      again->filter == coding->filter,
                   "coding parameters change when written again");
     const CodeTables tables(coding->parameters);
     for (const std::uint16_t zero : tables.zero)

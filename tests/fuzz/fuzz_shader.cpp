@@ -42,6 +42,8 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     parameters.prediction = predictions;
     parameters.smooth_copies = predictions && setting % 3 == 1;
     parameters.dependent = setting % 2 == 1;
+    if (setting % 4 == 1)
+        parameters.filter = {{{{{{40, 8}, {-127, 255}, {127, 1}}}, {{{3, 3}, {0, 1}, {90, 200}}}}}};
     parameters.correction_error = static_cast<std::uint16_t>(setting == 5 ? 65535 : setting);
     test::Random random(setting);
     if (setting >= 4)

@@ -560,6 +560,10 @@ struct Code {
     bool has_predictions = false;
     bool dependent = false;
     bool smooth_copies = false;
+    struct Ring {
+        int strength = 0, reach = 1;
+    };
+    std::optional<std::array<std::array<Ring, 3>, 2>> filter; // [plane 0, others][ring]
 
     uint32_t zero[2][2][7][6][16]; // frequencies of 0
     Table magnitude[2][2][66];
@@ -621,15 +625,30 @@ Code read_code(Bytes section) {
         d[i] = frequency(u8(section, 20 + i));
     }
     const int flags = u8(section, 23);
-    require(flags <= 15, "CODE: flags");
+    require(flags <= 31, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.dependent = flags & 4;
     code.smooth_copies = flags & 8;
     require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
 
+    size_t at = 24;
+    if (flags & 16) {
+        require(section.size() >= at + 12, "CODE: cut short");
+        code.filter.emplace();
+        bool does_something = false;
+        for (auto& rings : *code.filter)
+            for (Code::Ring& ring : rings) {
+                ring.strength = static_cast<int8_t>(u8(section, at++));
+                ring.reach = u8(section, at++);
+                require(ring.strength != -128 && ring.reach != 0, "CODE: filter");
+                does_something = does_something || ring.strength != 0;
+            }
+        require(does_something, "CODE: a filter of strength 0");
+    }
+
     // The differences to the defaults.
-    Stream stream(section.subspan(24));
+    Stream stream(section.subspan(at));
     std::vector<int> parameters;
     bool differed = false;
     for (const int default_value : default_parameter_list) {
@@ -845,6 +864,10 @@ private:
     void read_plane(Stream& stream, Block& block, int plane, int length);
     const Scan& scan_of(const Vector4& n);
     void reconstruct(const Block& block);
+    void filter();
+    void make_codes();
+    int G() const { return header_.sample_type == 0 ? 4 : 0; } // fraction bits of values
+    int64_t value_limit() const { return header_.sample_type == 0 ? 16384 : 262144; }
     void add_corrections(const Payload& payload);
     size_t texel_number(const Vector4& at) const { // part 2
         return static_cast<size_t>(((at[1] * size_[0] + at[0]) * size_[3] + at[3]) * size_[2] +
@@ -861,7 +884,7 @@ private:
     bool last_block_copied_ = false;                             // of those with a prediction symbol
     std::array<std::array<std::array<int, 2>, 2>, 2> displacement_{}; // [direction][last, the one before]
     bool predicted_tile_ = false;
-    std::array<std::vector<int64_t>, 4> plane_values_; // P of 4.6, by place() in the tile
+    std::array<std::vector<int64_t>, 4> plane_values_; // by place() in the tile
     // Per plane: codes of the amplitudes of the coefficients decoded so far, by place(); -1 before.
     std::array<std::vector<int>, 4> amplitude_;
     // Codes, texel by texel as part 2 numbers them, channels adjacent.
@@ -1209,7 +1232,8 @@ void inverse_line(int64_t* values, int n, size_t stride) {
 }
 
 // `values` by place(); the four passes and the last rounding.
-void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int F) {
+// Values come out in 2^-(F - bits) of a code.
+void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits) {
     size_t stride = 1;
     for (size_t axis = 0; axis < 4; ++axis) {
         const size_t side = static_cast<size_t>(n[axis]);
@@ -1220,7 +1244,7 @@ void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int F) {
         stride *= side;
     }
     for (int64_t& value : values)
-        value = (value + (int64_t{1} << (F - 1))) >> F;
+        value = (value + (int64_t{1} << (bits - 1))) >> bits;
 }
 
 // -------------------------------------------------------------------------------- 4.4 rotated colour
@@ -1356,13 +1380,8 @@ void TileDecoder::reconstruct(const Block& block) {
                 values[p][i] = rotated[p];
         }
     for (size_t p = 0; p < planes; ++p) // 4.3
-        inverse_transform(values[p], block.size, F);
+        inverse_transform(values[p], block.size, F - G());
 
-    // 4.5
-    std::array<int64_t, 4> background{};
-    for (size_t c = 0; c < planes; ++c)
-        background[c] = code_of(header_.background[c], header_.sample_type);
-    background = to_planes(background, header_.colour);
     Vector4 at{};
     for (at[3] = 0; at[3] < block.size[3]; ++at[3])
         for (at[2] = 0; at[2] < block.size[2]; ++at[2])
@@ -1371,23 +1390,81 @@ void TileDecoder::reconstruct(const Block& block) {
                     Vector4 in_tile{};
                     for (size_t a = 0; a < 4; ++a)
                         in_tile[a] = block.begin[a] + at[a];
-                    std::array<int64_t, 4> x{}, from_copy{};
+                    std::array<int64_t, 4> from_copy{};
                     if (block.copies()) // 4.6
                         from_copy = predicted(block, at);
-                    const int64_t limit = header_.sample_type == 0 ? 32768 : 262144;
                     for (size_t p = 0; p < planes; ++p) {
-                        x[p] = values[p][place(at, block.size)] + from_copy[p];
-                        if (predicted_tile_) {
-                            x[p] = std::clamp(x[p], -limit, limit - 1);
-                            plane_values_[p][place(in_tile, size_)] = x[p];
-                        }
-                        x[p] += background[p];
+                        int64_t x = values[p][place(at, block.size)] + from_copy[p];
+                        if (predicted_tile_)
+                            x = std::clamp(x, -value_limit(), value_limit() - 1);
+                        plane_values_[p][place(in_tile, size_)] = x;
                     }
-                    x = from_planes(x, header_.colour);
-                    for (size_t c = 0; c < planes; ++c)
-                        codes_[texel_number(in_tile) * planes + c] =
-                            clamp_code(x[c], header_.sample_type);
                 }
+}
+
+// Calls visit for every place of a tile.
+template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
+    Vector4 at{};
+    for (at[3] = 0; at[3] < size[3]; ++at[3])
+        for (at[2] = 0; at[2] < size[2]; ++at[2])
+            for (at[1] = 0; at[1] < size[1]; ++at[1])
+                for (at[0] = 0; at[0] < size[0]; ++at[0])
+                    visit(at);
+}
+
+// ------------------------------------------------------------------------------------ 4.7 the filter
+
+void TileDecoder::filter() {
+    static const std::array<std::array<Vector4, 4>, 3> rings = {{
+        {{{1, 1, 0, 0}, {1, -1, 0, 0}, {-1, 1, 0, 0}, {-1, -1, 0, 0}}},
+        {{{2, 2, 0, 0}, {2, -2, 0, 0}, {-2, 2, 0, 0}, {-2, -2, 0, 0}}},
+        {{{0, 0, 1, 0}, {0, 0, -1, 0}, {0, 0, 0, 1}, {0, 0, 0, -1}}},
+    }};
+    for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p) {
+        std::vector<int64_t> before = plane_values_[p];
+        for (int64_t& x : before)
+            x = std::clamp(x, -value_limit(), value_limit() - 1);
+        const Step step = code_.step[p];
+        for_each_place(size_, [&](const Vector4& at) {
+            const int64_t x = before[place(at, size_)];
+            int64_t sum = 128;
+            for (size_t i = 0; i < 3; ++i) {
+                const auto [A, r] = (*code_.filter)[p == 0 ? 0 : 1][i];
+                const int64_t width = r * (2048 + step.m);
+                const int64_t B =
+                    std::min<int64_t>(65535, (int64_t{std::abs(A)} << (28 - G() - step.e)) / width);
+                for (const Vector4& offset : rings[i]) {
+                    Vector4 to{};
+                    for (size_t a = 0; a < 4; ++a)
+                        to[a] = std::clamp(at[a] + offset[a], 0, size_[a] - 1);
+                    const int64_t d = before[place(to, size_)] - x;
+                    const int64_t D = header_.sample_type == 0 ? 4095 : 65535;
+                    const int64_t lost = std::min(std::abs(d), D) * B / 4096;
+                    const int64_t share = std::max<int64_t>(0, std::abs(A) - lost);
+                    sum += (A < 0 ? -share : share) * d;
+                }
+            }
+            plane_values_[p][place(at, size_)] = x + floor_div(sum, 256);
+        });
+    }
+}
+
+// 4.5
+void TileDecoder::make_codes() {
+    const size_t planes = static_cast<size_t>(header_.channels);
+    std::array<int64_t, 4> background{};
+    for (size_t c = 0; c < planes; ++c)
+        background[c] = code_of(header_.background[c], header_.sample_type);
+    background = to_planes(background, header_.colour);
+    for_each_place(size_, [&](const Vector4& at) {
+        std::array<int64_t, 4> x{};
+        for (size_t p = 0; p < planes; ++p)
+            x[p] = floor_div(plane_values_[p][place(at, size_)] + (1 << G()) / 2, 1 << G()) +
+                   background[p];
+        x = from_planes(x, header_.colour);
+        for (size_t c = 0; c < planes; ++c)
+            codes_[texel_number(at) * planes + c] = clamp_code(x[c], header_.sample_type);
+    });
 }
 
 // ------------------------------------------------------------------------------- 3.6 corrections
@@ -1467,6 +1544,9 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
     for (const auto& blocks : at_depth)
         for (const Block* block : blocks)
             reconstruct(*block);
+    if (code_.filter)
+        filter();
+    make_codes();
     add_corrections(payload);
     for (size_t i = 0; i < samples.size(); ++i)
         samples[i] = sample_of(codes_[i], header_.sample_type);

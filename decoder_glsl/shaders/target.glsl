@@ -1,0 +1,142 @@
+// Where the texels of a tile go, and where its values stand while others copy them or the filter waits
+// for them all.
+#ifndef TSR_TARGET
+#define TSR_TARGET
+#include "colour.glsl"
+
+#ifndef __cplusplus
+#ifdef TSR_OUTPUT_HALF
+layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    imageStore(tsr_image, at, samples);
+}
+#else
+layout(r32ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    uint word = samples.x | (samples.y << 8) | (samples.z << 16) | (samples.w << 24);
+    imageStore(tsr_image, at, uvec4(word, 0u, 0u, 0u));
+}
+#endif
+#endif
+
+// Where the texels of a tile go. Tiles of a plain texture are folded over layers where the angular
+// images side by side would be wider than a texture may be; the folds of a cache are wider than any
+// tile. Unsigned, so that any batch wraps in every language.
+struct TsrTarget {
+    uvec3 pixel; // of the tile's first texel; its layer
+    uvec2 first; // (u, v) of that texel, counted as folds do
+    uvec2 fold;
+    uint folds_u;
+    uvec2 stride;
+    uint multipliers; // word of the tile's corrections, or none
+    uint values;      // word of its kept values, or none
+    ivec4 sides;      // of the tile
+    int step;         // of corrections
+};
+
+TsrTarget tsr_target(uint tile) {
+    TsrTarget t;
+    uint origin = tsr_tile(tile, tsr_tile_origin);
+    t.pixel = uvec3(tsr_tile(tile, tsr_tile_x), tsr_tile(tile, tsr_tile_y),
+                    tsr_tile(tile, tsr_tile_layer));
+    t.first = uvec2(origin & 0xFFFFu, origin >> 16);
+    t.fold = uvec2(max(tsr_header(tsr_b_fold_u), 1u), max(tsr_header(tsr_b_fold_v), 1u));
+    t.folds_u = tsr_header(tsr_b_folds_u);
+    t.stride = uvec2(tsr_header(tsr_b_stride_s), tsr_header(tsr_b_stride_t));
+    uint multipliers = tsr_tile(tile, tsr_tile_multipliers);
+    // What a damaged tile has decoded of its corrections does not show.
+    bool damaged = tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u;
+    t.multipliers = damaged || multipliers == tsr_none
+                        ? tsr_none
+                        : tsr_header(tsr_b_multipliers_at) + multipliers;
+    uint values = tsr_tile(tile, tsr_tile_values);
+    t.values = damaged || values == tsr_none ? tsr_none : tsr_header(tsr_b_values_at) + values;
+    t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
+    t.step = int(tsr_table(tsr_t_correction_step));
+    return t;
+}
+
+// The pixel of the tile's texel (u, v, 0, 0).
+uvec3 tsr_place(TsrTarget target, int u, int v) {
+    uvec2 all = target.first + uvec2(uint(u), uint(v));
+    uvec2 fold = uvec2(all.x / target.fold.x, all.y / target.fold.y);
+    return target.pixel + uvec3((all.x - fold.x * target.fold.x) * target.stride.x,
+                                (all.y - fold.y * target.fold.y) * target.stride.y,
+                                fold.y * target.folds_u + fold.x);
+}
+
+ivec4 tsr_corrected(TsrFormat format, TsrTarget target, ivec4 codes, int u, int v, int s, int t) {
+    if (target.multipliers == tsr_none)
+        return codes;
+    int planes = format.planes;
+    uint texel = uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
+    uint at = target.multipliers + texel * uint(planes);
+    ivec4 multiplier =
+        ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
+              planes > 2 ? int(tsr_work_word(at + 2u)) : 0,
+              planes > 3 ? int(tsr_work_word(at + 3u)) : 0);
+    // Steps are below 2^17 and a product that large leaves the range of codes anyway.
+    ivec4 limit = ivec4(65536 / max(target.step, 1) + 1);
+    return clamp(codes + clamp(multiplier, -limit, limit) * target.step, format.smallest,
+                 format.largest);
+}
+
+// Where values of a predicted tile stand: the texel's word, and words from one to the next part of it.
+uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
+    return target.values +
+           uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
+}
+uint tsr_value_stride(TsrTarget target) {
+    return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
+}
+
+// Kept values lie within -limit .. limit - 1 (FORMAT.md 4.6).
+int tsr_value_limit(TsrFormat format) {
+    return format.half_floats ? 1 << 18 : 1 << 14;
+}
+
+// Two planes of 16 bits in a word, and two of 20 bits in one each.
+ivec2 tsr_two_values(uint word) {
+    return ivec2(int(word << 16u) >> 16, int(word) >> 16);
+}
+int tsr_one_value(uint word) {
+    return int(word << 12u) >> 12;
+}
+
+// The values at a texel of the view (s, t), or the edge of the tile.
+ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
+    int planes = format.planes;
+    uint at = tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
+                           clamp(v, 0, target.sides.y - 1), s, t);
+    uint stride = tsr_value_stride(target);
+    if (format.half_floats)
+        return ivec4(tsr_one_value(tsr_work_word(at)),
+                     planes > 1 ? tsr_one_value(tsr_work_word(at + stride)) : 0,
+                     planes > 2 ? tsr_one_value(tsr_work_word(at + 2u * stride)) : 0,
+                     planes > 3 ? tsr_one_value(tsr_work_word(at + 3u * stride)) : 0);
+    ivec2 low = tsr_two_values(tsr_work_word(at));
+    ivec2 high = tsr_two_values(planes > 2 ? tsr_work_word(at + stride) : 0u);
+    return ivec4(low.x, low.y, high.x, high.y);
+}
+
+void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, int u, int v, int s, int t) {
+    int planes = format.planes;
+    uint at = tsr_value_at(target, u, v, s, t);
+    uint stride = tsr_value_stride(target);
+    uvec4 word = uvec4(value);
+    if (!format.half_floats) {
+        tsr_set_work(at, (word.x & 0xFFFFu) | (word.y << 16));
+        if (planes > 2)
+            tsr_set_work(at + stride, (word.z & 0xFFFFu) | (word.w << 16));
+        return;
+    }
+    tsr_set_work(at, word.x);
+    if (planes > 1)
+        tsr_set_work(at + stride, word.y);
+    if (planes > 2)
+        tsr_set_work(at + 2u * stride, word.z);
+    if (planes > 3)
+        tsr_set_work(at + 3u * stride, word.w);
+}
+
+#endif
