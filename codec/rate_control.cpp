@@ -82,8 +82,8 @@ public:
 
 private:
     // A whole pass, preceded by one over the sample to learn the tables (and, once, the filter and
-    // whether to smooth copies), and recoded under tables fitted to all of it. Of one that a journal knows to be
-    // finished only the totals come back.
+    // whether to smooth copies), and recoded under tables fitted to all of it. Of one that a journal
+    // knows to be finished only the totals come back.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
         if (plan_.effort.fit_tables || !smooth_ || !filter_) {
             FilterStatistics to_mend;
