@@ -100,7 +100,8 @@ TEST_F(HttpCli, ComparesTranscodesDraws) {
     const auto before = requests();
     EXPECT_EQ(json("compare --json a.tess " + url_)["identical"], true);
     EXPECT_EQ(json("compare --json --no-ssim " + url_ + " a.tess")["identical"], true);
-    EXPECT_LE(requests() - before, 12u) << "reads ahead, not tile by tile";
+    // Ten, some more on a machine so busy that what was read ahead comes late; tile by tile 18.
+    EXPECT_LE(requests() - before, 15u) << "reads ahead, not tile by tile";
     succeed("render -q --size 32x24 -o far.png " + url_);
     succeed("render -q --size 32x24 -o near.png a.tess");
     EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
