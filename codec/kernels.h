@@ -81,8 +81,10 @@ struct Kernels {
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
 
     // out = values within -limit .. limit - 1, which fit; returns all bits set in any of them.
-    std::int32_t (*narrow_row)(const std::int32_t* values, int n, std::int32_t limit,
-                               std::int16_t* out);
+    std::int32_t (*clamp_row)(const std::int32_t* values, int n, std::int32_t limit,
+                              std::int16_t* out);
+    std::int32_t (*clamp_wide_row)(const std::int32_t* values, int n, std::int32_t limit,
+                                   std::int32_t* out);
     // out = the filtered values of a row of n; from: where the neighbours of its first value stand, ring
     // after ring; of unorm8 and, in the second, half16. Values are within value_limit; up to 15 past a row are read and have no effect.
     void (*filter_row)(const std::int16_t* centre, const std::int16_t* const* from,

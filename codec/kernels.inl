@@ -436,14 +436,14 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
             }
 }
 
-inline std::int32_t narrow_row(const std::int32_t* values, int n, std::int32_t limit,
-                               std::int16_t* out) {
+template <class Value>
+std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit, Value* out) {
     std::int32_t seen = 0;
     for (int i = 0; i < n; ++i) {
         const std::int32_t low = values[i] < -limit ? -limit : values[i];
         const std::int32_t value = low > limit - 1 ? limit - 1 : low;
         seen |= value;
-        out[i] = static_cast<std::int16_t>(value);
+        out[i] = static_cast<Value>(value);
     }
     return seen;
 }
@@ -469,10 +469,22 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,           inverse_rows, inverse_planes, round_rows,
-            add_copies,     add_within,   store_ycocg8,   narrow_row,     filter_row<std::int16_t>,
-            filter_row<std::int32_t>,     forward_rows,   forward_planes,
-            forward_image,  add_squared_differences,      coding_cost};
+    return {name,
+            inverse_rows,
+            inverse_planes,
+            round_rows,
+            add_copies,
+            add_within,
+            store_ycocg8,
+            clamp_row<std::int16_t>,
+            clamp_row<std::int32_t>,
+            filter_row<std::int16_t>,
+            filter_row<std::int32_t>,
+            forward_rows,
+            forward_planes,
+            forward_image,
+            add_squared_differences,
+            coding_cost};
 }
 
 } // namespace

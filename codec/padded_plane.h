@@ -99,16 +99,11 @@ private:
     // All bits that are set in any of the clamped values.
     static std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit,
                                   std::int16_t* out) {
-        return kernels().narrow_row(values, n, limit, out);
+        return kernels().clamp_row(values, n, limit, out);
     }
     static std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit,
                                   std::int32_t* out) {
-        std::int32_t seen = 0;
-        for (int i = 0; i < n; ++i) {
-            out[i] = std::clamp(values[i], -limit, limit - 1);
-            seen |= out[i];
-        }
-        return seen;
+        return kernels().clamp_wide_row(values, n, limit, out);
     }
 
     // First value of a row, one in a margin, too.

@@ -40,7 +40,8 @@ BatchBuilder::Size BatchBuilder::empty_size() {
 
 // Of a tile's values, kept for its copies or the filter.
 std::uint32_t BatchBuilder::value_words(const TreeSize& tree, std::uint64_t texels) const {
-    return tree.copies.empty() && !tables_.filters() ? 0 : static_cast<std::uint32_t>(texels) * tables_.value_words();
+    const bool keeps = !tree.copies.empty() || tables_.filters();
+    return keeps ? static_cast<std::uint32_t>(texels) * tables_.value_words() : 0;
 }
 
 // What a tile adds to the sizes of its batch.
@@ -139,15 +140,16 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                                                                static_cast<std::uint32_t>(i)});
     }
     const bool predicted = !tree.copies.empty();
+    const std::uint32_t values = value_words(tree, static_cast<std::uint64_t>(shape.texels()));
     tile_words_.insert(tile_words_.end(),
                        {tables_.shape_id(shape), first_segment,
                         static_cast<std::uint32_t>(parts.segments.size()), place.x, place.y,
                         place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
                         nodes_, tree.nodes,
                         predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
-                        predicted || tables_.filters() ? values_ : tsr_none});
+                        values > 0 ? values_ : tsr_none});
     copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
-    values_ += value_words(tree, static_cast<std::uint64_t>(shape.texels()));
+    values_ += values;
     waves_ = std::max(waves_, tree.waves);
     most_texels_ = std::max(most_texels_, static_cast<std::uint32_t>(shape.texels()));
     blocks_ += tree.blocks;

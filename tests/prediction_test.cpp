@@ -1,6 +1,7 @@
 // Prediction from other views of a tile: coding, depths, reconstruction, and what the encoder gains.
 #include "codec/tile_encoder.h"
 #include "tests/decode_cases.h"
+#include "tests/encoded_file.h"
 #include "tests/random_predictions.h"
 #include "tests/reference/spec_decoder.h"
 
@@ -12,6 +13,8 @@ namespace tessera {
 namespace {
 
 using test::Bytes;
+using test::encode_file_of;
+using test::EncodedFile;
 
 TEST(Prediction, RandomTilesDecodeAsTheSpecificationSays) {
     for (const test::DecodeCase& one : test::predicted_cases()) {
@@ -138,28 +141,6 @@ test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
             }};
 }
 
-struct Encoded {
-    EncodeReport report;
-    Bytes file;
-    bool smooth = false;
-};
-
-Encoded encode(test::MemoryTexture& source, const EncodeOptions& options) {
-    Encoded encoded;
-    const auto report = encode_memory(source, encoded.file, options);
-    EXPECT_TRUE(report.ok()) << report.status().message();
-    if (!report.ok())
-        return encoded;
-    encoded.report = *report;
-    const auto bytes = wrap_memory(encoded.file);
-    const auto reader = ContainerReader::open(*bytes);
-    EXPECT_TRUE(reader.ok());
-    const auto coding = read_coding_parameters(reader->codec_parameters());
-    EXPECT_TRUE(coding.ok());
-    encoded.smooth = coding->smooth_copies;
-    return encoded;
-}
-
 // A picture of coarse detail that moves by two texels a view, under noise that does not.
 test::MemoryTexture noisy_moving_picture() {
     test::Random random(3);
@@ -176,13 +157,13 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     options.rate = {RateTarget::Kind::psnr, 32};
     options.tile_extent = {16, 16, 4, 4};
     options.threads = 1;
-    const Encoded smooth = encode(source, options);
-    EXPECT_TRUE(smooth.smooth);
+    const EncodedFile smooth = encode_file_of(source, options);
+    EXPECT_TRUE(smooth.parameters.smooth_copies);
     options.threads = 3;
-    EXPECT_EQ(encode(source, options).file, smooth.file);
+    EXPECT_EQ(encode_file_of(source, options).file, smooth.file);
     options.tools.set(CodingTool::smooth, false);
-    const Encoded plain = encode(source, options);
-    EXPECT_FALSE(plain.smooth);
+    const EncodedFile plain = encode_file_of(source, options);
+    EXPECT_FALSE(plain.parameters.smooth_copies);
     EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
 
     const auto bytes = wrap_memory(smooth.file);
@@ -201,15 +182,15 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
-    EXPECT_FALSE(encode(fine, options).smooth);
+    EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
     options.effort = 3; // without copies there is nothing to smooth
     options.tools.set(CodingTool::smooth, true);
-    EXPECT_FALSE(encode(noisy, options).smooth);
+    EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
 }
 
 TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
-    for (const auto& [along_s, along_t] :
-         {std::pair{std::array{4, 0}, std::array{0, 4}}, std::pair{std::array{-6, 2}, std::array{2, 5}}}) {
+    for (const auto& [along_s, along_t] : {std::pair{std::array{4, 0}, std::array{0, 4}},
+                                           std::pair{std::array{-6, 2}, std::array{2, 5}}}) {
         std::array<EncodeReport, 2> report;
         for (const int effort : {3, 5}) {
             test::MemoryTexture source = moving_picture(along_s, along_t);

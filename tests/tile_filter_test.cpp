@@ -1,11 +1,10 @@
 // The filter of decoded tiles: its arithmetic, its fit, and what it is worth in a file. That decoders
 // agree about it on any tile is tested where they are compared.
-#include "codec/decoder.h"
 #include "codec/filter_fit.h"
 #include "codec/kernels.h"
 #include "codec/padded_plane.h"
 #include "codec/tile_filter.h"
-#include "tests/codec_test_support.h"
+#include "tests/encoded_file.h"
 
 #include <gtest/gtest.h>
 
@@ -183,41 +182,25 @@ TEST(FilterFit, NothingWhereNothingIsToMend) {
     EXPECT_FALSE(fit_filter({}).is_on());
 }
 
-struct Encoded {
-    EncodeReport report;
-    test::Bytes file;
-    TileFilter filter;
-};
-
-Encoded encode(const EncodeOptions& options) {
+test::EncodedFile encode(const EncodeOptions& options) {
     test::MemoryTexture source(
         {{32, 32, 8, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
             return 0.5 + 0.3 * std::sin(0.2 * u + 0.1 * s + c) * std::cos(0.17 * v + 0.15 * t);
         });
-    Encoded encoded;
-    const auto report = encode_memory(source, encoded.file, options);
-    EXPECT_TRUE(report.ok()) << report.status().message();
-    if (!report.ok())
-        return encoded;
-    encoded.report = *report;
-    const auto bytes = wrap_memory(encoded.file);
-    const auto reader = ContainerReader::open(*bytes);
-    EXPECT_TRUE(reader.ok());
-    encoded.filter = read_coding_parameters(reader->codec_parameters())->filter;
-    return encoded;
+    return test::encode_file_of(source, options);
 }
 
 TEST(EncodeFilter, MendsCoarseQuantisation) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 40};
     options.threads = 1;
-    const Encoded filtered = encode(options);
-    EXPECT_TRUE(filtered.filter.is_on());
+    const test::EncodedFile filtered = encode(options);
+    EXPECT_TRUE(filtered.parameters.filter.is_on());
     options.threads = 3;
     EXPECT_EQ(encode(options).file, filtered.file);
     options.tools.set(CodingTool::filter, false);
-    const Encoded plain = encode(options);
-    EXPECT_FALSE(plain.filter.is_on());
+    const test::EncodedFile plain = encode(options);
+    EXPECT_FALSE(plain.parameters.filter.is_on());
     EXPECT_GT(filtered.report.psnr, plain.report.psnr + 0.1);
     EXPECT_LE(filtered.report.file_bytes, plain.report.file_bytes + 16);
 }
@@ -225,10 +208,10 @@ TEST(EncodeFilter, MendsCoarseQuantisation) {
 TEST(EncodeFilter, OnlyWhereTilesAreDecodedWhole) {
     EncodeOptions options;
     options.effort = 3; // what can be sampled from its coefficients stays so
-    EXPECT_FALSE(encode(options).filter.is_on());
+    EXPECT_FALSE(encode(options).parameters.filter.is_on());
     options.effort = 5;
     options.rate = {RateTarget::Kind::max_error, 2};
-    EXPECT_FALSE(encode(options).filter.is_on());
+    EXPECT_FALSE(encode(options).parameters.filter.is_on());
 }
 
 } // namespace

@@ -1346,6 +1346,16 @@ std::array<int64_t, 4> from_planes(std::array<int64_t, 4> x, int colour) {
     return {R, G, B, x[3]};
 }
 
+// Calls visit for every place of a tile or block.
+template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
+    Vector4 at{};
+    for (at[3] = 0; at[3] < size[3]; ++at[3])
+        for (at[2] = 0; at[2] < size[2]; ++at[2])
+            for (at[1] = 0; at[1] < size[1]; ++at[1])
+                for (at[0] = 0; at[0] < size[0]; ++at[0])
+                    visit(at);
+}
+
 // --------------------------------------------------------------------------- part 4 for one block
 
 void TileDecoder::reconstruct(const Block& block) {
@@ -1382,34 +1392,20 @@ void TileDecoder::reconstruct(const Block& block) {
     for (size_t p = 0; p < planes; ++p) // 4.3
         inverse_transform(values[p], block.size, F - G());
 
-    Vector4 at{};
-    for (at[3] = 0; at[3] < block.size[3]; ++at[3])
-        for (at[2] = 0; at[2] < block.size[2]; ++at[2])
-            for (at[1] = 0; at[1] < block.size[1]; ++at[1])
-                for (at[0] = 0; at[0] < block.size[0]; ++at[0]) {
-                    Vector4 in_tile{};
-                    for (size_t a = 0; a < 4; ++a)
-                        in_tile[a] = block.begin[a] + at[a];
-                    std::array<int64_t, 4> from_copy{};
-                    if (block.copies()) // 4.6
-                        from_copy = predicted(block, at);
-                    for (size_t p = 0; p < planes; ++p) {
-                        int64_t x = values[p][place(at, block.size)] + from_copy[p];
-                        if (predicted_tile_)
-                            x = std::clamp(x, -value_limit(), value_limit() - 1);
-                        plane_values_[p][place(in_tile, size_)] = x;
-                    }
-                }
-}
-
-// Calls visit for every place of a tile.
-template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
-    Vector4 at{};
-    for (at[3] = 0; at[3] < size[3]; ++at[3])
-        for (at[2] = 0; at[2] < size[2]; ++at[2])
-            for (at[1] = 0; at[1] < size[1]; ++at[1])
-                for (at[0] = 0; at[0] < size[0]; ++at[0])
-                    visit(at);
+    for_each_place(block.size, [&](const Vector4& at) {
+        Vector4 in_tile{};
+        for (size_t a = 0; a < 4; ++a)
+            in_tile[a] = block.begin[a] + at[a];
+        std::array<int64_t, 4> from_copy{};
+        if (block.copies()) // 4.6
+            from_copy = predicted(block, at);
+        for (size_t p = 0; p < planes; ++p) {
+            int64_t x = values[p][place(at, block.size)] + from_copy[p];
+            if (predicted_tile_)
+                x = std::clamp(x, -value_limit(), value_limit() - 1);
+            plane_values_[p][place(in_tile, size_)] = x;
+        }
+    });
 }
 
 // ------------------------------------------------------------------------------------ 4.7 the filter
