@@ -146,7 +146,6 @@ TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
     EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
               shaders::tsr_t_filter);
     EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_end);
-    EXPECT_EQ(shaders::tsr_filter_taps, filter_taps);
 }
 
 // ---- Any bytes at all.

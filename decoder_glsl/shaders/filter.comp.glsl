@@ -2,41 +2,60 @@
 // (FORMAT.md 4.7) and writes the texels they give. A damaged tile has kept none and is written already.
 #include "target.glsl"
 
-// Neighbour i of ring 0 to 2: steps along u, v, s, t.
-ivec4 tsr_filter_step(int ring, int i) {
-    int first = (i & 1) * 2 - 1;
-    int second = (i & 2) - 1;
-    if (ring < 2)
-        return ivec4(first, second, 0, 0) * (ring + 1);
-    return i < 2 ? ivec4(0, 0, first, 0) : ivec4(0, 0, 0, first);
+// One ring's strength in 1/256, and how fast it falls, of each plane.
+struct TsrRing {
+    ivec4 strength;
+    uvec4 slope;
+};
+TsrRing tsr_ring(int ring) {
+    int at = tsr_t_filter + ring;
+    uvec4 words = uvec4(tsr_table(at), tsr_table(at + 3), tsr_table(at + 6), tsr_table(at + 9));
+    TsrRing r;
+    r.strength = ivec4(words << 8u) >> 24;
+    r.slope = words & 0xFFFFu;
+    return r;
 }
 
-// The share of a difference of one plane; `ring`: slope | strength << 16.
-int tsr_filter_share(TsrFormat format, int difference, uint ring) {
-    int strength = int(ring << 8u) >> 24;
-    uint known = min(uint(abs(difference)), format.half_floats ? 65535u : 4095u);
-    int left = max(abs(strength) - int((known * (ring & 0xFFFFu)) >> 12u), 0);
-    return strength < 0 ? -left : left;
+// A difference times its share, as if strengths were positive.
+ivec4 tsr_pull(ivec4 difference, uvec4 most, TsrRing ring) {
+    uvec4 known = min(uvec4(abs(difference)), most);
+    return difference * max(abs(ring.strength) - ivec4((known * ring.slope) >> 12u), 0);
+}
+
+// What the four values of a ring, at these words, make of x, in 1/256.
+ivec4 tsr_ring_pull(TsrFormat format, TsrTarget target, ivec4 x, uvec4 at, int which) {
+    TsrRing ring = tsr_ring(which);
+    uvec4 most = uvec4(tsr_half_values(format) ? 65535u : 4095u);
+    ivec4 sum = tsr_pull(tsr_value_in(format, target, at.x) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, target, at.y) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, target, at.z) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, target, at.w) - x, most, ring);
+    return sum * sign(ring.strength);
+}
+
+// Words of the four diagonal neighbours at `distance` in the view that begins at `view`.
+uvec4 tsr_diagonals(TsrTarget target, uint view, int u, int v, int distance) {
+    int nu = target.sides.x;
+    int left = max(u - distance, 0);
+    int right = min(u + distance, nu - 1);
+    int above = max(v - distance, 0) * nu;
+    int below = min(v + distance, target.sides.y - 1) * nu;
+    return uvec4(view) +
+           uvec4(uint(left + above), uint(right + above), uint(left + below), uint(right + below));
 }
 
 ivec4 tsr_filtered(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
-    ivec4 x = tsr_value(format, target, u, v, s, t);
-    ivec4 sum = ivec4(128);
-    for (int tap = 0; tap < tsr_filter_taps; ++tap) {
-        TSR_LOOP;
-        int ring = tap >> 2;
-        ivec4 go = tsr_filter_step(ring, tap & 3);
-        ivec4 d = tsr_value(format, target, u + go.x, v + go.y,
-                            clamp(s + go.z, 0, target.sides.z - 1),
-                            clamp(t + go.w, 0, target.sides.w - 1)) -
-                  x;
-        int at = tsr_t_filter + ring;
-        sum += d * ivec4(tsr_filter_share(format, d.x, tsr_table(at)),
-                         tsr_filter_share(format, d.y, tsr_table(at + 3)),
-                         tsr_filter_share(format, d.z, tsr_table(at + 6)),
-                         tsr_filter_share(format, d.w, tsr_table(at + 9)));
-    }
-    return x + (sum >> 8);
+    uint here = tsr_value_at(target, u, v, s, t);
+    uint view = tsr_value_at(target, 0, 0, s, t);
+    uint one = uint(target.sides.x * target.sides.y); // from one view to the next along s
+    uint row = one * uint(target.sides.z);
+    uvec4 views = uvec4(here) + uvec4(s > 0 ? 0u - one : 0u, s + 1 < target.sides.z ? one : 0u,
+                                      t > 0 ? 0u - row : 0u, t + 1 < target.sides.w ? row : 0u);
+    ivec4 x = tsr_value_in(format, target, here);
+    ivec4 sum = tsr_ring_pull(format, target, x, tsr_diagonals(target, view, u, v, 1), 0) +
+                tsr_ring_pull(format, target, x, tsr_diagonals(target, view, u, v, 2), 1) +
+                tsr_ring_pull(format, target, x, views, 2);
+    return x + ((sum + 128) >> 8);
 }
 
 void tsr_filter_texel(uint tile, uint texel) {

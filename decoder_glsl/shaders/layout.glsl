@@ -45,7 +45,6 @@ const int tsr_t_displacement_kind = 18440; // [2] words c[1] | c[2] << 16
 const int tsr_t_copying_length = 18442;    // [9] tsr_t_first_length of blocks that copy something
 const int tsr_t_wide_basis = 18550;        // b(n, k, x) of n = 33..64, the coded frequencies only
 const int tsr_t_filter = 68214;      // of planes 0..3, for each of 3 rings: slope | strength << 16
-const int tsr_filter_taps = 12;      // four a ring
 const int tsr_t_end = 68226;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier

@@ -90,9 +90,20 @@ uint tsr_value_stride(TsrTarget target) {
     return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
 }
 
+// As the image's format, it is known when a shader is compiled.
+bool tsr_half_values(TsrFormat format) {
+#ifdef __cplusplus
+    return format.half_floats;
+#elif defined(TSR_OUTPUT_HALF)
+    return true;
+#else
+    return false;
+#endif
+}
+
 // Kept values lie within -limit .. limit - 1 (FORMAT.md 4.6).
 int tsr_value_limit(TsrFormat format) {
-    return format.half_floats ? 1 << 18 : 1 << 14;
+    return tsr_half_values(format) ? 1 << 18 : 1 << 14;
 }
 
 // Two planes of 16 bits in a word, and two of 20 bits in one each.
@@ -103,13 +114,11 @@ int tsr_one_value(uint word) {
     return int(word << 12u) >> 12;
 }
 
-// The values at a texel of the view (s, t), or the edge of the tile.
-ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
+// The values whose first word this is.
+ivec4 tsr_value_in(TsrFormat format, TsrTarget target, uint at) {
     int planes = format.planes;
-    uint at = tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
-                           clamp(v, 0, target.sides.y - 1), s, t);
     uint stride = tsr_value_stride(target);
-    if (format.half_floats)
+    if (tsr_half_values(format))
         return ivec4(tsr_one_value(tsr_work_word(at)),
                      planes > 1 ? tsr_one_value(tsr_work_word(at + stride)) : 0,
                      planes > 2 ? tsr_one_value(tsr_work_word(at + 2u * stride)) : 0,
@@ -119,12 +128,19 @@ ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) 
     return ivec4(low.x, low.y, high.x, high.y);
 }
 
+// The values at a texel of the view (s, t), or the edge of the tile.
+ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
+    return tsr_value_in(format, target,
+                        tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
+                                     clamp(v, 0, target.sides.y - 1), s, t));
+}
+
 void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, int u, int v, int s, int t) {
     int planes = format.planes;
     uint at = tsr_value_at(target, u, v, s, t);
     uint stride = tsr_value_stride(target);
     uvec4 word = uvec4(value);
-    if (!format.half_floats) {
+    if (!tsr_half_values(format)) {
         tsr_set_work(at, (word.x & 0xFFFFu) | (word.y << 16));
         if (planes > 2)
             tsr_set_work(at + stride, (word.z & 0xFFFFu) | (word.w << 16));
