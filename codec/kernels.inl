@@ -437,11 +437,11 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 }
 
 template <class Value>
-std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit, Value* out) {
+std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t most, Value* out) {
     std::int32_t seen = 0;
     for (int i = 0; i < n; ++i) {
-        const std::int32_t low = values[i] < -limit ? -limit : values[i];
-        const std::int32_t value = low > limit - 1 ? limit - 1 : low;
+        const std::int32_t low = values[i] < -most ? -most : values[i];
+        const std::int32_t value = low > most - 1 ? most - 1 : low;
         seen |= value;
         out[i] = static_cast<Value>(value);
     }
