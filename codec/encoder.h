@@ -39,8 +39,8 @@ enum class JournalUse {
     resume, // the same, but goes on with what was left, if anything; the file comes out the same
 };
 
-// 32x32x8x8 or, where a trial on parts of the texture finds it cheaper, 64x64x4x4; never the latter with
-// `layers` or a maximum error.
+// 32x32x8x8 or, where a trial on parts of the texture finds it cheaper, 64x64x4x4 (with `layers`
+// 32x32x4x4); always the former under a maximum error.
 constexpr Extent4 tile_by_trial{0, 0, 0, 0};
 
 struct EncodeOptions {

@@ -10,12 +10,15 @@
 namespace tessera {
 namespace {
 
-// All have 65,536 texels. Small parallax and blur fit many views of a small place, large parallax and
-// smooth pictures few views of a large one. Sizes other than these two were never the best
-// (tests/regression/ablation.md).
+// Small parallax and blur fit many views of a small place, large parallax and smooth pictures few
+// views of a large one. Shapes other than these were never the best (tests/regression/ablation.md).
 constexpr Extent4 usual_tile{32, 32, 8, 8};
 constexpr Extent4 wide_tile{64, 64, 4, 4};
-// What both shapes divide; the trial looks at such parts.
+// Instead of the wide one in files with layers. What those are for is fetched view by view, and an
+// observer outside a sphere sees many directions of a wide place: wide tiles make a file of the composed
+// scene 8 % smaller, but each of four of the paper's five views 60 to 100 % larger (512x256x32x32, 40 dB).
+constexpr Extent4 short_tile{32, 32, 4, 4};
+// What all shapes divide; the trial looks at such parts.
 constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
@@ -77,12 +80,8 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     if (plan.options.tile_extent != tile_by_trial)
         return plan.options.tile_extent;
     const TextureDesc& desc = plan.colour.desc;
-    // With corrections hardly anything but noise is left to code, in whatever shape. What layers are
-    // for is fetched view by view, and an observer outside a sphere sees many directions of a wide
-    // place: wide tiles make a file of the composed scene 8 % smaller, but each of four of the
-    // paper's five views 60 to 100 % larger (512x256x32x32, 40 dB).
-    if (plan.options.layers || desc.size[axis_u] <= usual_tile[axis_u] ||
-        desc.size[axis_v] <= usual_tile[axis_v] ||
+    // With corrections hardly anything but noise is left to code, in whatever shape.
+    if (desc.size[axis_u] <= usual_tile[axis_u] || desc.size[axis_v] <= usual_tile[axis_v] ||
         plan.options.rate.kind == RateTarget::Kind::max_error)
         return usual_tile;
     const Result<Sample> patches = read_patches(plan);
@@ -99,7 +98,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         trial);
     Extent4 best = usual_tile;
     double least = 0;
-    for (const Extent4& extent : {usual_tile, wide_tile}) {
+    for (const Extent4& extent : {usual_tile, plan.options.layers ? short_tile : wide_tile}) {
         const Result<PassResult> pass =
             run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
         TESSERA_TRY(pass.status());

@@ -393,6 +393,27 @@ TEST_F(RdTools, ReachesForThePsnrsOfInterest) {
     EXPECT_EQ(order, "6 3 2 1 ");
 }
 
+TEST_F(RdTools, ReachesForThePsnrsOfTheFirstCodec) {
+    int runs = 0;
+    const CodecUnderTest ours = adding_codec(runs, {"6", "1"}); // 32.6 and 48.1 dB
+    CodecUnderTest other = adding_codec(runs, {"3", "2"});      // enough for the usual 36 to 42 dB
+    other.id = "other";
+    other.coarser = {"6", "20"};
+    other.finer = {"1", "0"};
+    SweepOptions o = options();
+    o.low_psnr = 39;
+    o.high_psnr = 42;
+    const auto alone = sweep(small_texture(), {other}, o);
+    ASSERT_TRUE(alone.ok());
+    EXPECT_EQ(alone->size(), 2u);
+    const auto rows = sweep(small_texture(), {ours, other}, o);
+    ASSERT_TRUE(rows.ok());
+    std::string order;
+    for (const Measurement& m : *rows)
+        order += m.codec + " " + m.setting + " ";
+    EXPECT_EQ(order, "adding 6 adding 1 other 6 other 3 other 2 other 1 ");
+}
+
 TEST_F(RdTools, MeasuresOurOwnCodec) {
     const RdTexture texture = small_texture({16, 16, 8, 8});
     const auto rows = sweep(texture, {tessera_codec(1, {"quality 40", "psnr 45"})}, options());

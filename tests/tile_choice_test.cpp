@@ -11,11 +11,12 @@
 namespace tessera::test {
 namespace {
 
-constexpr Extent4 size{128, 64, 16, 16}, usual{32, 32, 8, 8}, wide{64, 64, 4, 4};
+constexpr Extent4 size{128, 64, 16, 16};
+constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
-Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}) {
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = 3) {
     options.rate = {RateTarget::Kind::quality, 60};
-    options.effort = 3;
+    options.effort = effort;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();
@@ -40,6 +41,18 @@ MemoryTexture painted_surface(const Extent4& extent) {
     });
 }
 
+// Patterned balls on a plain ground; they leave a tile of 32 texels within eight views.
+MemoryTexture moving_balls(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+        const int x = u - 4 * s + 640, y = v - 4 * t + 640;
+        const int dx = x % 40 - 20, dy = y % 40 - 20;
+        if (dx * dx + dy * dy >= 14 * 14)
+            return 0.1;
+        return (1 - 0.1 * c) * (0.5 + 0.25 * std::sin(0.7 * x + 0.3 * y) +
+                                0.25 * std::sin(0.23 * y - 0.5 * x) * std::sin(0.61 * y));
+    });
+}
+
 TEST(TileChoice, BlurredViewsGetWideTiles) {
     MemoryTexture texture = blurred_views(size);
     EXPECT_EQ(chosen_tile(texture), wide);
@@ -50,11 +63,13 @@ TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
     EXPECT_EQ(chosen_tile(texture), usual);
 }
 
-TEST(TileChoice, LayersKeepViewsSmall) {
-    MemoryTexture texture = blurred_views(size);
+TEST(TileChoice, LayersKeepPlacesSmall) {
     EncodeOptions options;
     options.layers = true;
-    EXPECT_EQ(chosen_tile(texture, options), usual);
+    MemoryTexture moving = moving_balls(size);
+    EXPECT_EQ(chosen_tile(moving, options, 4), few_views);
+    MemoryTexture still = painted_surface(size);
+    EXPECT_EQ(chosen_tile(still, options), usual);
 }
 
 TEST(TileChoice, WhoeverAsksForATileGetsIt) {

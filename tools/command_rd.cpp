@@ -41,7 +41,7 @@ void declare_rates(CLI::App& c, RdOptions& o) {
                  "Qualities 1..100 that it is measured at; with --psnr both")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
-    c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5)")
+    c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5, and a point each at 1 and 9)")
         ->delimiter(',')
         ->check(CLI::Range(0, 9));
     c.add_option("--tools", o.tools, tool_switches_help())->type_name("LIST");

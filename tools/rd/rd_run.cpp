@@ -48,20 +48,20 @@ std::vector<int> swept_efforts(const RdOptions& o) {
     return {o.quick ? 1 : 5};
 }
 
-// Ours first: curves for the efforts asked for, a single point for those of the table of speeds.
+// Ours first: curves for the efforts asked for; where none were, a single point of others for the
+// table of speeds.
 std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
     std::vector<CodecUnderTest> codecs;
     const std::vector<int> efforts = swept_efforts(o);
-    const auto has = [](const std::vector<int>& list, int effort) {
-        return std::find(list.begin(), list.end(), effort) != list.end();
-    };
     for (const int effort : efforts)
         if (std::none_of(codecs.begin(), codecs.end(), [&](const CodecUnderTest& c) {
                 return c.id == "tessera:" + std::to_string(effort);
             }))
             codecs.push_back(tessera_codec(effort, tessera_settings(o), o.tools));
+    if (!o.efforts.empty())
+        return codecs;
     for (const int effort : o.quick ? quick_speed_efforts : speed_efforts)
-        if (!has(efforts, effort)) {
+        if (effort != efforts.front()) {
             codecs.push_back(tessera_codec(effort, {speed_setting}, o.tools));
             codecs.back().in_plot = false;
         }

@@ -133,11 +133,28 @@ private:
     double low_ = 1e300, high_ = -1e300; // dB reached
 };
 
+// What the curves of the others are to reach, once the first codec, which is ours, is measured: all
+// but the ends of its range. A texture that is hard to code has none of the usual decibels.
+void aim_at(const std::vector<Measurement>& ours, SweepOptions& options) {
+    double low = 1e300, high = -1e300;
+    for (const Measurement& m : ours) {
+        if (!m.failed.empty())
+            continue;
+        low = std::min(low, m.quality.psnr_rgb);
+        high = std::max(high, m.quality.psnr_rgb);
+    }
+    if (low >= high)
+        return;
+    const double margin = (high - low) / 10;
+    options.low_psnr = low + margin;
+    options.high_psnr = high - margin;
+}
+
 } // namespace
 
 Result<std::vector<Measurement>> sweep(const RdTexture& texture,
                                        const std::vector<CodecUnderTest>& codecs,
-                                       const SweepOptions& options) {
+                                       SweepOptions options) {
     QualityMeter meter(texture, options.threads);
     std::size_t count = 0, number = 0; // settings that may yet follow are not foreseen
     for (const CodecUnderTest& codec : codecs)
@@ -158,6 +175,8 @@ Result<std::vector<Measurement>> sweep(const RdTexture& texture,
         };
         CodecSweep codec_sweep(codec, options, measure_setting);
         TESSERA_TRY(codec_sweep.run());
+        if (all.empty())
+            aim_at(codec_sweep.rows(), options);
         all.insert(all.end(), codec_sweep.rows().begin(), codec_sweep.rows().end());
     }
     return all;

@@ -14,7 +14,7 @@ struct SweepOptions {
     unsigned threads = 0;
     double timeout = 3600; // seconds, of each run of a tool
     // dB that every curve should reach below and above: a codec whose usual settings do not is
-    // measured at coarser or finer ones.
+    // measured at coarser or finer ones. Once the first codec has a curve its range takes their place.
     double low_psnr = 36, high_psnr = 42;
     std::string cache;       // folder of measurements
     std::string keep_folder; // where files of the codecs stay; empty: nowhere
@@ -29,6 +29,6 @@ struct SweepOptions {
 // measurement that says so. Errors: runtime, when interrupted; io, where the cache cannot be written.
 Result<std::vector<Measurement>> sweep(const RdTexture& texture,
                                        const std::vector<CodecUnderTest>& codecs,
-                                       const SweepOptions& options);
+                                       SweepOptions options);
 
 } // namespace tessera
