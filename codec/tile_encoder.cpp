@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <cstdlib>
 #include <utility>
 
 namespace tessera {
@@ -14,6 +15,8 @@ constexpr float usual_prediction_bits = 6.0f;
 constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
 constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
 constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
+
+int projections = getenv("PROJ") ? atoi(getenv("PROJ")) : 1; // of texels that do not matter
 
 // Levels in the order of the blocks, as a decoder reads them.
 void sort_levels(TileLevels& tile) {
@@ -71,9 +74,21 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     return settings;
 }
 
-void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& shape,
-                         TileLevels& out) {
-    planes_from_texels(texels, *colour_, shape, planes_);
+void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    if (tile.matters.empty())
+        return encode_planes(out);
+    dont_care_.set(tile.matters, shape);
+    dont_care_.fill(planes_, coding_->planes);
+    encode_planes(out);
+    for (int round = 0; round < projections; ++round) {
+        reconstruct(out, *coding_, scratch_, decoded_);
+        dont_care_.project(decoded_, planes_, coding_->planes);
+        encode_planes(out);
+    }
+}
+
+void TileEncoder::encode_planes(TileLevels& out) {
     search_.choose_blocks(planes_, out);
     float cost = encode_blocks(out);
     if (!coding_->predicts || settings_->search.copies.along == 0)
