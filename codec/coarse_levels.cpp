@@ -33,10 +33,8 @@ constexpr double unusable = std::numeric_limits<double>::infinity();
 // Everything that coding tiles of one level needs; refers to itself and stays where it is.
 struct LevelCoder {
     LevelCoder(const EncodePlan& whole, const DecodedPass& texture, const LevelEntry& level)
-        : source(texture, level), plan{source,
-                                       whole.options,
-                                       TileGrid(level.size, whole.grid.tile_extent()),
-                                       whole.colour,
+        : source(texture, level), plan{source, whole.options,
+                                       TileGrid(level.size, whole.grid.tile_extent()), whole.colour,
                                        whole.effort} { // means of decoded texels all matter
         plan.colour.desc.size = level.size;
         plan.colour.corrections = false; // nobody asked for exact means

@@ -1,8 +1,8 @@
 #include "codec/encoder.h"
 
 #include "codec/background.h"
-#include "codec/encode_facts.h"
 #include "codec/coarse_levels.h"
+#include "codec/encode_facts.h"
 #include "codec/rate_control.h"
 #include "codec/texel_mask.h"
 #include "codec/tile_choice.h"

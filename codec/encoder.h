@@ -82,8 +82,9 @@ struct EncodeReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t raw_bytes = 0;
     double bits_per_texel = 0; // file_bytes * 8 / texels
-    std::optional<std::uint64_t> texels_that_matter; // with a mask only
-    double psnr = 0; // dB over all samples, of texels that matter (HDR: over the 16-bit codes); 999: lossless
+    std::optional<std::uint64_t> texels_that_matter; // only with a mask
+    // dB over all samples of texels that matter (HDR: over the 16-bit codes); 999: lossless
+    double psnr = 0;
     double max_error = 0;      // samples: 8-bit steps, or half-float ulps
     double seconds = 0;
     unsigned passes = 0;              // full passes over the source
@@ -102,8 +103,8 @@ struct EncodeReport {
 // and the message of an error says so. Two processes cannot write one output with a journal at once.
 // The bytes depend on the texels that matter, `mask`, `rate`, `effort`, `tools`, `tile_extent`,
 // `metadata` and `description` only.
-// Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io, runtime (verification failed), invalid_file
-// (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
+// Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
+// runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
 // slab_bytes.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);

@@ -216,8 +216,8 @@ public:
     Comparer(TexelSource& a, TexelSource& b, const CompareOptions& options)
         : a_(a), b_(b), desc_(a.desc()), options_(options), result_(desc_) {
         threads_ = thread_count(options.threads);
-        result_.has_ssim = options.with_ssim && options.mask == nullptr &&
-                           view_texels() <= max_view_texels;
+        result_.has_ssim =
+            options.with_ssim && options.mask == nullptr && view_texels() <= max_view_texels;
     }
 
     Result<Comparison> run() {

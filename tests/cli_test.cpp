@@ -238,7 +238,8 @@ TEST_F(Cli, MasksSayWhichTexelsMatter) {
     }
 
     const std::string compare = "compare a.rgb x.tess ";
-    const Json all = json(compare + "--json"), part = json(compare + "--json --mask m.gray" + sides);
+    const Json all = json(compare + "--json"),
+               part = json(compare + "--json --mask m.gray" + sides);
     EXPECT_GT(part["psnr"], all["psnr"]);
     EXPECT_EQ(part["mask"]["texels"], 24 * 16 * 9 * 5);
     EXPECT_FALSE(part.contains("ssim"));

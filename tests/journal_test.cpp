@@ -138,7 +138,8 @@ TEST_F(Journals, GoOnUnderTheSameMaskOnly) {
     ASSERT_TRUE(encode_in_part(options_, 60));
     EncodeOptions changed = options_;
     changed.journal = JournalUse::resume;
-    for (TexelSource* now : {static_cast<TexelSource*>(&other), static_cast<TexelSource*>(nullptr)}) {
+    for (TexelSource* now :
+         {static_cast<TexelSource*>(&other), static_cast<TexelSource*>(nullptr)}) {
         changed.mask = now;
         const auto refused = encode(changed);
         EXPECT_EQ(refused.status().code(), ErrorCode::bad_argument);

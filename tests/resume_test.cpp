@@ -209,8 +209,7 @@ TEST_F(Resume, RefusesAChangedMask) {
     const std::string encode = "encode in.rgb --size 48x48x16x16 --threads 1" + options +
                                "--mask m.gray --mask-size 1x1x16x16 ";
     ASSERT_EQ(run_until_tiles(encode, SIGKILL), 128 + SIGKILL);
-    fs::last_write_time(at("m.gray"),
-                        fs::last_write_time(at("m.gray")) + std::chrono::seconds(1));
+    fs::last_write_time(at("m.gray"), fs::last_write_time(at("m.gray")) + std::chrono::seconds(1));
     EXPECT_EQ(run(encode + "--resume"), 1);
     EXPECT_NE(message().find("cannot resume: time of the mask"), std::string::npos) << message();
 }

@@ -362,15 +362,16 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "compare", "Measure how far two textures are apart",
-                        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
-                        "Examples:\n"
-                        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
-                        "  tessera compare scene.rgb scene.tess --json\n"
-                        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
-                        "  tessera compare atlas.exr atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
-                        "  tessera compare composed.tess --bake composed --sample 0.01",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "compare", "Measure how far two textures are apart",
+        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
+        "Examples:\n"
+        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
+        "  tessera compare scene.rgb scene.tess --json\n"
+        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
+        "  tessera compare atlas.exr atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
+        "  tessera compare composed.tess --bake composed --sample 0.01",
+        declare, run);
 }
 
 } // namespace tessera

@@ -79,18 +79,18 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
             ->required();
         c.add_option("-o,--output", a.output, "The .tess file to write")->required();
         add_texture_options(c, a.texture);
-        add_mask_options(c, a.mask,
-                         "the others get what costs least, and no target binds them");
+        add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
     };
-    add_verb<Arguments>(app, chosen, "encode", "Compress a texture into a .tess file",
-                        "Examples:\n"
-                        "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
-                        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
-                        "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
-                        "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
-                        "  tessera encode scene.exr -o plain.tess --tools -copies,-rotation",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "encode", "Compress a texture into a .tess file",
+        "Examples:\n"
+        "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
+        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
+        "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
+        "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
+        "  tessera encode scene.exr -o plain.tess --tools -copies,-rotation",
+        declare, run);
 }
 
 } // namespace tessera
