@@ -143,8 +143,7 @@ TEST_F(Journals, GoOnUnderTheSameMaskOnly) {
         changed.mask = now;
         const auto refused = encode(changed);
         EXPECT_EQ(refused.status().code(), ErrorCode::bad_argument);
-        EXPECT_NE(refused.status().message().find("checksum of sampled"),
-                  std::string::npos)
+        EXPECT_NE(refused.status().message().find("checksum of sampled"), std::string::npos)
             << refused.status().message();
     }
     resume_and_compare(options_, bytes);
