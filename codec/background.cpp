@@ -13,8 +13,11 @@ std::array<std::uint16_t, 4> find_background(const Sample& sample, const Texture
         if (run > 0)
             counts[previous] += run;
     };
-    for (const auto& texels : sample.texels)
+    for (const auto& tile : sample.tiles) {
+        const auto& texels = tile.texels;
         for (std::size_t at = 0; at < texels.size(); at += size) {
+            if (tile.is_free(at / size))
+                continue;
             std::uint64_t texel = 0;
             for (std::size_t i = 0; i < size; ++i)
                 texel |= std::to_integer<std::uint64_t>(texels[at + i]) << (8 * i);
@@ -25,6 +28,7 @@ std::array<std::uint16_t, 4> find_background(const Sample& sample, const Texture
             }
             ++run;
         }
+    }
     flush();
     const auto most = std::max_element(counts.begin(), counts.end(),
                                        [](auto& a, auto& b) { return a.second < b.second; });

@@ -33,12 +33,9 @@ constexpr double unusable = std::numeric_limits<double>::infinity();
 // Everything that coding tiles of one level needs; refers to itself and stays where it is.
 struct LevelCoder {
     LevelCoder(const EncodePlan& whole, const DecodedPass& texture, const LevelEntry& level)
-        : source(texture, level), plan{source,
-                                       whole.options,
-                                       TileGrid(level.size, whole.grid.tile_extent()),
-                                       whole.colour,
-                                       whole.effort,
-                                       nullptr} {
+        : source(texture, level), plan{source, whole.options,
+                                       TileGrid(level.size, whole.grid.tile_extent()), whole.colour,
+                                       whole.effort} { // means of decoded texels all matter
         plan.colour.desc.size = level.size;
         plan.colour.corrections = false; // nobody asked for exact means
     }
@@ -192,15 +189,15 @@ private:
             tiles, std::clamp(trial_reads / reads, fewest_trial_tiles, trial_tiles));
         for (std::size_t i = 0; i < wanted; ++i)
             sample.boxes.push_back(grid.box(wanted == tiles ? i : golden_pick(i, tiles)));
-        sample.texels.resize(wanted);
+        sample.tiles.resize(wanted);
         std::vector<int> workers(thread_count(plan_.options.threads));
         TESSERA_TRY(parallel_for(
             workers, wanted,
             [&](int, std::size_t i) -> Status {
                 const Box4& box = sample.boxes[i];
-                sample.texels[i].resize(
-                    static_cast<std::size_t>(level.plan.colour.desc.box_bytes(box)));
-                return level.source.read(box, sample.texels[i]);
+                std::vector<std::byte>& texels = sample.tiles[i].texels;
+                texels.resize(static_cast<std::size_t>(level.plan.colour.desc.box_bytes(box)));
+                return level.source.read(box, texels);
             },
             [](std::size_t) {}));
         share = static_cast<double>(sample.texel_count()) / static_cast<double>(texel_count(grid.size()));

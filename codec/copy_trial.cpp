@@ -18,7 +18,7 @@ Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
     Sample heavy;
     for (const std::size_t i : order) {
         heavy.boxes.push_back(sample.boxes[i]);
-        heavy.texels.push_back(sample.texels[i]);
+        heavy.tiles.push_back(sample.tiles[i]);
     }
     CodingParameters parameters = plain.walked;
     parameters.smooth_copies = true;

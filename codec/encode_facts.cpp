@@ -85,13 +85,15 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},
     };
+    if (plan.mask != nullptr)
+        facts.emplace_back("size of the mask", to_string(plan.mask->desc().size));
     for (const auto& [name, value] : o.source_facts)
         facts.emplace_back(name, shortened(value));
     for (const auto& [key, value] : o.metadata)
         facts.emplace_back("metadata " + key, shortened(value));
     std::uint32_t crc = 0;
-    for (const std::vector<std::byte>& texels : sample.texels)
-        crc = crc32c(texels, crc);
+    for (const TileTexels& tile : sample.tiles)
+        crc = crc32c(tile.matters, crc32c(tile.texels, crc));
     facts.emplace_back("checksum of sampled texels", checksum({}, crc));
     return facts;
 }

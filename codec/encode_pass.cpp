@@ -1,6 +1,7 @@
 #include "codec/encode_pass.h"
 
 #include "codec/parallel.h"
+#include "codec/texel_mask.h"
 #include "codec/tile_decoder.h"
 #include "format/crc32c.h"
 
@@ -17,7 +18,9 @@ struct Worker {
     TileDecoder decoder;
     TileLevels levels;
     CorrectionMap corrections;
-    std::vector<std::byte> texels, decoded, payload;
+    TileTexels tile;   // that is encoded, unless it is a sample's
+    TileTexels target; // of a tile with texels that do not matter: they are as decoded
+    std::vector<std::byte> decoded, payload;
     Statistics statistics;
 };
 
@@ -34,12 +37,13 @@ struct Crew {
                                {},
                                {},
                                {},
+                               {},
                                {}});
     }
     // Leaves the tile's payload in worker.payload.
     // `filter`: what a filter would have to mend there; wanted only of passes without one.
-    Status encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                  CodedTile& tile, FilterStatistics* filter = nullptr) const;
+    Status encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
+                  FilterStatistics* filter = nullptr) const;
 
     const EncodePlan& plan;
     const bool verifies = !plan.effort.recode; // recoding has its own check
@@ -67,16 +71,27 @@ void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, C
     tile.max_error = static_cast<std::uint32_t>(largest);
 }
 
-Status Crew::encode(Worker& worker, const Box4& box, std::span<const std::byte> texels,
-                    CodedTile& tile, FilterStatistics* filter) const {
+// What the decoded tile is measured against: any value is right for texels that do not matter.
+std::span<const std::byte> target_of(Worker& worker, const TileTexels& source,
+                                     std::size_t texel_bytes) {
+    if (source.matters.empty())
+        return source.texels;
+    worker.target = source;
+    worker.target.replace_free(texel_bytes, worker.decoded);
+    return worker.target.texels;
+}
+
+Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
+                    FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
-    worker.encoder.encode(texels, shape, worker.levels);
-    worker.decoded.resize(texels.size());
+    worker.encoder.encode(source, shape, worker.levels);
+    worker.decoded.resize(source.texels.size());
     worker.corrections.clear();
     worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
     if (filter != nullptr)
         *filter = filter_statistics(worker.encoder.source(), worker.decoder.planes(), coding);
     const TextureDesc& desc = plan.colour.desc;
+    const std::span<const std::byte> texels = target_of(worker, source, desc.texel_bytes());
     const int error = coding.parameters.correction_error;
     if (plan.colour.corrections &&
         find_corrections(texels, worker.decoded, desc, error, worker.corrections)) {
@@ -153,12 +168,23 @@ Status count_journaled(Crew& crew, JournalTiles& journal) {
         });
 }
 
-Status read_tile(const EncodePlan& plan, const Box4& box, std::vector<std::byte>& texels,
-                 CodedTile& tile) {
+// Of texels that do not matter no sample is counted.
+void make_free_finite(TileTexels& source, const TextureDesc& desc) {
+    CodedTile ignored;
+    for (std::size_t i = 0; i < source.matters.size(); ++i)
+        if (source.is_free(i))
+            make_finite(std::span(source.texels).subspan(i * desc.texel_bytes(), desc.texel_bytes()),
+                        desc.type, ignored);
+}
+
+Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, CodedTile& tile) {
     TESSERA_TRY(check_cancelled(plan.options));
-    texels.resize(plan.colour.desc.box_bytes(box));
-    TESSERA_TRY(plan.source.read(box, texels));
-    make_finite(texels, plan.colour.desc.type, tile);
+    const TextureDesc& desc = plan.colour.desc;
+    source.texels.resize(desc.box_bytes(box));
+    TESSERA_TRY(plan.source.read(box, source.texels));
+    TESSERA_TRY(read_mask(plan.mask, box, source.matters));
+    make_free_finite(source, desc);
+    make_finite(source.texels, desc.type, tile);
     if (plan.options.strict && tile.nan_count + tile.infinity_count > 0)
         return {ErrorCode::invalid_file,
                 "the texels " + to_string(box) + " hold " + std::to_string(tile.nan_count) +
@@ -259,6 +285,12 @@ std::uint64_t Sample::texel_count() const {
                            [](std::uint64_t sum, const Box4& box) { return sum + box.texels(); });
 }
 
+std::uint64_t Sample::texels_that_matter() const {
+    return std::accumulate(
+        tiles.begin(), tiles.end(), texel_count(),
+        [](std::uint64_t left, const TileTexels& tile) { return left - free_count(tile.matters); });
+}
+
 Result<Sample> read_sample(const EncodePlan& plan) {
     return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
 }
@@ -267,19 +299,19 @@ Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
     const auto chosen = choose_sample(plan, wanted);
     if (!chosen)
         return chosen.status();
-    const std::vector<std::uint64_t>& tiles = *chosen;
+    const std::vector<std::uint64_t>& numbers = *chosen;
     const auto slabs = slabs_of(plan);
     if (!slabs)
         return slabs.status();
     Sample sample;
-    for (const std::uint64_t tile : tiles)
-        sample.boxes.push_back(plan.grid.box(tile));
-    sample.texels.resize(tiles.size());
+    for (const std::uint64_t number : numbers)
+        sample.boxes.push_back(plan.grid.box(number));
+    sample.tiles.resize(numbers.size());
     std::vector<int> workers(thread_count(plan.options.threads));
     for (const Slab& slab : *slabs) {
-        std::vector<std::size_t> inside; // of tiles
-        for (std::size_t i = 0; i < tiles.size(); ++i)
-            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), tiles[i]))
+        std::vector<std::size_t> inside; // of `numbers`
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), numbers[i]))
                 inside.push_back(i);
         if (inside.empty())
             continue;
@@ -288,8 +320,7 @@ Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
             workers, inside.size(),
             [&](int, std::size_t i) {
                 CodedTile ignored;
-                return read_tile(plan, sample.boxes[inside[i]], sample.texels[inside[i]],
-                                 ignored);
+                return read_tile(plan, sample.boxes[inside[i]], sample.tiles[inside[i]], ignored);
             },
             [&](std::size_t i) {
                 if (plan.options.progress)
@@ -334,8 +365,8 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
                 CodedTile& tile = tiles[wanted[i]];
                 tile = {}; // a journal may have filled it before it gave the tile up
                 const Box4 box = plan.grid.box(wanted[i]);
-                TESSERA_TRY(read_tile(plan, box, worker.texels, tile));
-                TESSERA_TRY(crew.encode(worker, box, worker.texels, tile));
+                TESSERA_TRY(read_tile(plan, box, worker.tile, tile));
+                TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
                 return payloads->put(wanted[i], tile, worker.payload);
             },
             [&](std::size_t i) {
@@ -358,7 +389,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
             TESSERA_TRY(check_cancelled(plan.options));
-            return crew.encode(worker, sample.boxes[i], sample.texels[i], tiles[i],
+            return crew.encode(worker, sample.boxes[i], sample.tiles[i], tiles[i],
                                filter != nullptr ? &statistics[i] : nullptr);
         },
         [](std::size_t) {}));

@@ -8,6 +8,7 @@
 #include "codec/tile_encoder.h"
 #include "codec/tile_entropy.h"
 #include "codec/tile_store.h"
+#include "codec/tile_texels.h"
 #include "format/coding_parameters.h"
 #include "format/tile_grid.h"
 
@@ -26,6 +27,8 @@ struct EncodePlan {
     ColourCoding colour;
     EffortSettings effort;
     Journal* journal = nullptr; // nullptr: payloads stay in memory
+    TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
+    std::uint64_t texels_that_matter = 0;
 };
 
 struct PassResult {
@@ -38,6 +41,7 @@ struct PassResult {
                   // a journal kept no more than the totals
     PassTotals totals;
 
+    // texels: those that matter.
     double psnr(const TextureDesc& desc, std::uint64_t texels) const;
     std::uint64_t payload_bytes() const;
 };
@@ -45,9 +49,10 @@ struct PassResult {
 // Texels of some tiles, held in memory.
 struct Sample {
     std::vector<Box4> boxes; // of the tiles
-    std::vector<std::vector<std::byte>> texels; // finite
+    std::vector<TileTexels> tiles; // finite
 
     std::uint64_t texel_count() const;
+    std::uint64_t texels_that_matter() const;
 };
 
 // The i-th of picks that the golden ratio spreads over 0..count-1, however many they are.

@@ -1,9 +1,10 @@
 #include "codec/encoder.h"
 
 #include "codec/background.h"
-#include "codec/encode_facts.h"
 #include "codec/coarse_levels.h"
+#include "codec/encode_facts.h"
 #include "codec/rate_control.h"
+#include "codec/texel_mask.h"
 #include "codec/tile_choice.h"
 #include "format/container_writer.h"
 #include "format/version.h"
@@ -19,6 +20,7 @@ Status check_options(const EncodeOptions& options, const TextureDesc& desc) {
     using Kind = RateTarget::Kind;
     const auto bad = [](const std::string& what) { return Status(ErrorCode::bad_argument, what); };
     TESSERA_TRY(check_desc(desc));
+    TESSERA_TRY(check_mask(options.mask, desc.size));
     if (options.effort < 0 || options.effort > 9)
         return bad("effort must be 0 to 9");
     std::uint64_t tile = 1;
@@ -132,6 +134,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc desc = source.desc();
     TESSERA_TRY(check_options(options, desc));
+    const Result<std::uint64_t> texels_that_matter =
+        count_texels_that_matter(options.mask, desc.size, options.threads);
+    TESSERA_TRY(texels_that_matter.status());
     const EffortSettings effort = EffortSettings::of(options.effort, options.tools);
     EncodePlan plan{
         source,
@@ -141,7 +146,10 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
          desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
          {},
          options.rate.kind == RateTarget::Kind::max_error},
-        effort};
+        effort,
+        nullptr,
+        options.mask,
+        *texels_that_matter};
     const Result<Extent4> tile_extent = choose_tile_extent(plan);
     TESSERA_TRY(tile_extent.status());
     plan.grid = TileGrid(desc.size, *tile_extent);
@@ -179,7 +187,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     report.raw_bytes = desc.box_bytes(Box4::whole(desc.size));
     const auto texels = static_cast<double>(texel_count(desc.size));
     report.bits_per_texel = static_cast<double>(*bytes) * 8.0 / texels;
-    report.psnr = pass.psnr(desc, texel_count(desc.size));
+    if (plan.mask != nullptr)
+        report.texels_that_matter = plan.texels_that_matter;
+    report.psnr = pass.psnr(desc, plan.texels_that_matter);
     report.max_error = pass.totals.max_error;
     report.nan_count = pass.totals.nan_count;
     report.infinity_count = pass.totals.infinity_count;

@@ -54,6 +54,11 @@ struct EncodeOptions {
     bool verify = true;                // decode every tile again and compare before it is written
     bool strict = false;               // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t
+    // Which texels matter: one channel of unorm8, 0 where any value will do, sides that are the
+    // texture's or 1 (the same all along it), Locality::any; outlives the call. nullptr: all matter.
+    // Those that do not get what costs least: no target binds them, no figure but bits_per_texel
+    // counts them, and what the source has there, NaN included, does not count.
+    TexelSource* mask = nullptr;
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent
     Description description;           // proxy, maps, transfer, primaries
@@ -77,7 +82,9 @@ struct EncodeReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t raw_bytes = 0;
     double bits_per_texel = 0; // file_bytes * 8 / texels
-    double psnr = 0;           // dB over all samples (HDR: over the 16-bit codes); 999: lossless
+    std::optional<std::uint64_t> texels_that_matter; // only with a mask
+    // dB over all samples of texels that matter (HDR: over the 16-bit codes); 999: lossless
+    double psnr = 0;
     double max_error = 0;      // samples: 8-bit steps, or half-float ulps
     double seconds = 0;
     unsigned passes = 0;              // full passes over the source
@@ -94,10 +101,10 @@ struct EncodeReport {
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
 // and the message of an error says so. Two processes cannot write one output with a journal at once.
-// The bytes depend on the texels, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
-// `description` only.
-// Errors: bad_argument (options out of range, a resume under other facts), io, runtime (verification failed), invalid_file
-// (strict and a non-finite sample), and whatever `source` reports; unsupported where the smallest slab is above
+// The bytes depend on the texels that matter, `mask`, `rate`, `effort`, `tools`, `tile_extent`,
+// `metadata` and `description` only.
+// Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
+// runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
 // slab_bytes.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);

@@ -1,6 +1,8 @@
 #include "codec/metrics.h"
 
 #include "codec/parallel.h"
+#include "codec/texel_mask.h"
+#include "codec/tile_texels.h"
 #include "format/half.h"
 #include "format/tile_grid.h"
 
@@ -214,7 +216,8 @@ public:
     Comparer(TexelSource& a, TexelSource& b, const CompareOptions& options)
         : a_(a), b_(b), desc_(a.desc()), options_(options), result_(desc_) {
         threads_ = thread_count(options.threads);
-        result_.has_ssim = options.with_ssim && view_texels() <= max_view_texels;
+        result_.has_ssim =
+            options.with_ssim && options.mask == nullptr && view_texels() <= max_view_texels;
     }
 
     Result<Comparison> run() {
@@ -272,7 +275,9 @@ private:
         std::vector<std::byte> texels_a(desc_.box_bytes(box)), texels_b(desc_.box_bytes(box));
         TESSERA_TRY(a_.read(box, texels_a));
         TESSERA_TRY(b_.read(box, texels_b));
-        sums.add(box, texels_a, texels_b);
+        std::vector<std::byte> matters;
+        TESSERA_TRY(read_mask(options_.mask, box, matters));
+        sums.add(box, texels_a, texels_b, matters);
         if (result_.has_ssim) {
             gather(slab, box, texels_a.data(), plane_a_);
             gather(slab, box, texels_b.data(), plane_b_);
@@ -354,12 +359,21 @@ double pu21_encode(double luminance) {
     return p[6] * (std::pow((p[0] + p[1] * y) / (1 + p[2] * y), p[4]) - p[5]);
 }
 
-void ErrorSums::add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b) {
+namespace {
+
+bool counts(std::span<const std::byte> matters, std::uint64_t texel) {
+    return matters.empty() || matters[texel] != std::byte{0};
+}
+
+} // namespace
+
+void ErrorSums::add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b,
+                    std::span<const std::byte> matters) {
     if (desc_.type == SampleType::unorm8)
-        add_unorm8(box, a.data(), b.data());
+        add_unorm8(box, a.data(), b.data(), matters);
     else
-        add_half16(box, a.data(), b.data());
-    texels_ += box.texels();
+        add_half16(box, a.data(), b.data(), matters);
+    texels_ += box.texels() - free_count(matters);
 }
 
 void ErrorSums::note_error(std::uint32_t error, const Box4& box, std::uint64_t texel,
@@ -381,7 +395,8 @@ void ErrorSums::note_error(std::uint32_t error, const Box4& box, std::uint64_t t
     max_place_.channel = channel;
 }
 
-void ErrorSums::add_unorm8(const Box4& box, const std::byte* a, const std::byte* b) {
+void ErrorSums::add_unorm8(const Box4& box, const std::byte* a, const std::byte* b,
+                           std::span<const std::byte> matters) {
     const std::uint64_t texels = box.texels();
     const unsigned channels = desc_.channels;
     std::array<std::uint64_t, 4> squared{};
@@ -389,6 +404,8 @@ void ErrorSums::add_unorm8(const Box4& box, const std::byte* a, const std::byte*
     for (std::uint64_t i = 0; i < texels; ++i) {
         std::int64_t d[4] = {};
         for (unsigned c = 0; c < channels; ++c, ++a, ++b) {
+            if (!counts(matters, i))
+                continue;
             d[c] = std::to_integer<int>(*a) - std::to_integer<int>(*b);
             if (d[c] != 0)
                 note_error(static_cast<std::uint32_t>(std::abs(d[c])), box, i, c);
@@ -402,12 +419,15 @@ void ErrorSums::add_unorm8(const Box4& box, const std::byte* a, const std::byte*
     luma_ += static_cast<double>(luma);
 }
 
-void ErrorSums::add_half16(const Box4& box, const std::byte* a, const std::byte* b) {
+void ErrorSums::add_half16(const Box4& box, const std::byte* a, const std::byte* b,
+                           std::span<const std::byte> matters) {
     const std::uint64_t texels = box.texels();
     std::array<std::uint64_t, 4> squared{};
     double log2_sum = 0, pu21_sum = 0;
     for (std::uint64_t i = 0; i < texels; ++i)
         for (unsigned c = 0; c < desc_.channels; ++c, a += 2, b += 2) {
+            if (!counts(matters, i))
+                continue;
             const std::uint16_t x = finite_half(load_half(a), non_finite_[0]);
             const std::uint16_t y = finite_half(load_half(b), non_finite_[1]);
             const std::int64_t d = std::int64_t{half_ordinal(x)} - half_ordinal(y);
@@ -513,6 +533,7 @@ Status check_comparable(const TextureDesc& a, const TextureDesc& b) {
 
 Result<Comparison> compare_textures(TexelSource& a, TexelSource& b, const CompareOptions& options) {
     TESSERA_TRY(check_comparable(a.desc(), b.desc()));
+    TESSERA_TRY(check_mask(options.mask, a.desc().size));
     return Comparer(a, b, options).run();
 }
 

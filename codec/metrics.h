@@ -51,11 +51,13 @@ public:
     explicit ErrorSums(const TextureDesc& desc) : desc_(desc) {}
 
     // Adds the texels of `box`, of at most 2^20 texels; both spans hold desc.box_bytes(box) bytes.
-    void add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b);
+    // matters: one a texel, 0 where it is not to count; empty: all count.
+    void add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b,
+             std::span<const std::byte> matters = {});
     // Adds sums of other texels, as if they had been seen after these.
     void merge(const ErrorSums& later);
 
-    std::uint64_t texels() const { return texels_; }
+    std::uint64_t texels() const { return texels_; } // that count
     // Peak 255 (unorm8), or half_peak over half_ordinal, which is how the codec counts (half16).
     double psnr() const; // over all samples, alpha included
     double psnr(unsigned channel) const;
@@ -71,8 +73,10 @@ public:
     std::uint64_t non_finite(unsigned input) const { return non_finite_[input]; } // 0: a, 1: b
 
 private:
-    void add_unorm8(const Box4& box, const std::byte* a, const std::byte* b);
-    void add_half16(const Box4& box, const std::byte* a, const std::byte* b);
+    void add_unorm8(const Box4& box, const std::byte* a, const std::byte* b,
+                    std::span<const std::byte> matters);
+    void add_half16(const Box4& box, const std::byte* a, const std::byte* b,
+                    std::span<const std::byte> matters);
     void note_error(std::uint32_t error, const Box4& box, std::uint64_t texel, unsigned channel);
     unsigned colour_channels() const { return desc_.channels >= 3 ? 3 : 1; }
 
@@ -95,6 +99,9 @@ struct CompareOptions {
     bool with_ssim = true;
     unsigned threads = 0;                   // 0: all cores
     std::uint64_t slab_bytes = 64ull << 20; // texels of one input held at a time, about
+    // Texels that count, as EncodeOptions::mask; nullptr: all. With a mask there is no SSIM, whose
+    // windows would see the others.
+    TexelSource* mask = nullptr;
     ProgressFunction progress;
 };
 
@@ -112,7 +119,8 @@ struct Comparison {
 Status check_comparable(const TextureDesc& a, const TextureDesc& b);
 
 // Walks both textures in slabs of whole views. SSIM is left out for views of more than 2^26 texels.
-// Errors: difference where size, type or channels differ; whatever the sources report.
+// Errors: difference where size, type or channels differ; bad_argument (a mask that does not fit);
+// whatever the sources report.
 Result<Comparison> compare_textures(TexelSource& a, TexelSource& b,
                                     const CompareOptions& options = {});
 

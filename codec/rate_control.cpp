@@ -203,15 +203,16 @@ private:
     Result<double> first_log_step(double goal, bool bytes) {
         std::vector<Point> points{};
         double log_step = 3 + (plan_.colour.desc.type == SampleType::half16 ? 4 : 0);
-        const std::uint64_t sample_texels = sample_.texel_count();
-        const double share = static_cast<double>(sample_texels) / static_cast<double>(texels_);
+        const double share =
+            static_cast<double>(sample_.texel_count()) / static_cast<double>(texels_);
+        const std::uint64_t texels_that_matter = sample_.texels_that_matter();
         for (int i = 0; i < 6; ++i) {
             const Result<PassResult> pass = run_pass(plan_, at(log_step), sample_);
             if (!pass)
                 return pass.status();
             const double reached =
                 bytes ? -std::log2(static_cast<double>(pass->payload_bytes() + 1) / share + 1000)
-                      : -pass->psnr(plan_.colour.desc, sample_texels) / 6.0206;
+                      : -pass->psnr(plan_.colour.desc, texels_that_matter) / 6.0206;
             points.push_back({log_step, reached});
             if (std::fabs(reached - goal) < 0.02)
                 break;
@@ -259,7 +260,7 @@ private:
             Result<PassResult> pass = full_pass(at(log_step), "encode");
             if (!pass)
                 return pass.status();
-            double reached = -pass->psnr(plan_.colour.desc, texels_) / 6.0206;
+            double reached = -pass->psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
             if (bytes)
                 reached = -std::log2(static_cast<double>(pass->totals.file_bytes));
             last_reached = reached;

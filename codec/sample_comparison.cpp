@@ -2,6 +2,7 @@
 
 #include "codec/parallel.h"
 #include "codec/sample_tiles.h"
+#include "codec/texel_mask.h"
 #include "format/tile_grid.h"
 
 #include <algorithm>
@@ -57,7 +58,9 @@ private:
         std::vector<std::byte> texels_a(a_.desc().box_bytes(box)), texels_b(texels_a.size());
         TESSERA_TRY(a_.read(box, texels_a));
         TESSERA_TRY(b_.read(box, texels_b));
-        sums_[i].add(box, texels_a, texels_b);
+        std::vector<std::byte> matters;
+        TESSERA_TRY(read_mask(options_.mask, box, matters));
+        sums_[i].add(box, texels_a, texels_b, matters);
         const std::lock_guard lock(mutex_);
         if (options_.progress)
             options_.progress("comparing tiles", static_cast<double>(++done_),
@@ -80,6 +83,7 @@ private:
 Result<Comparison> compare_sample(TexelSource& a, TexelSource& b, double fraction,
                                   std::uint64_t seed, const CompareOptions& options) {
     TESSERA_TRY(check_comparable(a.desc(), b.desc()));
+    TESSERA_TRY(check_mask(options.mask, a.desc().size));
     if (!(fraction > 0 && fraction <= 1))
         return Status(ErrorCode::bad_argument, "a sample is above 0 and at most 1 of all tiles");
     const TileGrid grid(a.desc().size, sample_extent);

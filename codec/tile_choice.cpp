@@ -26,11 +26,14 @@ static_assert(most_patch_bytes >= 2 * fewest_patches * texel_count(patch_extent)
 constexpr int most_effort = 5;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
-// How much texels change from one to the next.
-std::uint64_t liveliness(std::span<const std::byte> texels, std::size_t texel_bytes) {
+// How much texels that matter change from one to the next.
+std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {
+    const std::vector<std::byte>& texels = tile.texels;
     std::uint64_t sum = 0;
     for (std::size_t i = texel_bytes; i < texels.size(); ++i)
-        sum += texels[i] != texels[i - texel_bytes];
+        if (const std::size_t texel = i / texel_bytes;
+            !tile.is_free(texel) && !tile.is_free(texel - 1))
+            sum += texels[i] != texels[i - texel_bytes];
     return sum;
 }
 
@@ -45,12 +48,12 @@ Result<Sample> read_patches(const EncodePlan& plan) {
     Result<Sample> sample = read_sample(cut, 2 * wanted);
     TESSERA_TRY(sample.status());
     std::vector<std::uint64_t> lively;
-    for (const std::vector<std::byte>& texels : sample->texels)
-        lively.push_back(liveliness(texels, plan.colour.desc.texel_bytes()));
+    for (const TileTexels& tile : sample->tiles)
+        lively.push_back(liveliness(tile, plan.colour.desc.texel_bytes()));
     Sample patches;
     for (const std::size_t i : largest_values(lively, wanted)) {
         patches.boxes.push_back(sample->boxes[i]);
-        patches.texels.push_back(std::move(sample->texels[i]));
+        patches.tiles.push_back(std::move(sample->tiles[i]));
     }
     return patches;
 }
@@ -66,8 +69,14 @@ Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const T
                 box.begin[axis] += patch.begin[axis];
                 box.end[axis] += patch.begin[axis];
             }
-            std::vector<std::byte>& texels = sample.texels.emplace_back(desc.box_bytes(box));
-            copy_box(box, patch, patches.texels[i], box, texels, desc.texel_bytes());
+            TileTexels& part = sample.tiles.emplace_back();
+            part.texels.resize(desc.box_bytes(box));
+            copy_box(box, patch, patches.tiles[i].texels, box, part.texels, desc.texel_bytes());
+            if (!patches.tiles[i].matters.empty()) {
+                part.matters.resize(box.texels());
+                copy_box(box, patch, patches.tiles[i].matters, box, part.matters, 1);
+                forget_needless_mask(part.matters);
+            }
             sample.boxes.push_back(box);
         }
     }

@@ -15,6 +15,8 @@ constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
 constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
 constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
 
+constexpr int projections = 1; // of texels that do not matter (tests/regression/ablation.md)
+
 // Levels in the order of the blocks, as a decoder reads them.
 void sort_levels(TileLevels& tile) {
     std::vector<NonZero> sorted;
@@ -71,13 +73,45 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     return settings;
 }
 
-void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& shape,
-                         TileLevels& out) {
-    planes_from_texels(texels, *colour_, shape, planes_);
+void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    if (tile.matters.empty()) {
+        encode_planes(out);
+        return;
+    }
+    dont_care_.set(tile.matters, shape);
+    encode_filled(out);
+    for (int round = 0; round < projections; ++round) {
+        reconstruct(out, *coding_, scratch_, decoded_);
+        dont_care_.project(decoded_, planes_, coding_->planes);
+        encode_planes(out);
+    }
+}
+
+// Where something is behind a mask it may go on from what is beside it, as no fill can guess: then both
+// are encoded, and the cheaper one stays.
+void TileEncoder::encode_filled(TileLevels& out) {
+    if (dont_care_.are_alike(planes_, coding_->planes)) {
+        dont_care_.fill(planes_, coding_->planes);
+        encode_planes(out);
+        return;
+    }
+    TilePlanes own = planes_;
+    const float as_it_is = encode_planes(out);
+    TileLevels own_levels = out;
+    dont_care_.fill(planes_, coding_->planes);
+    if (encode_planes(out) <= as_it_is)
+        return;
+    std::swap(planes_, own);
+    std::swap(out, own_levels);
+}
+
+// Returns what the tile costs: squared steps, a bit being worth lambda of them.
+float TileEncoder::encode_planes(TileLevels& out) {
     search_.choose_blocks(planes_, out);
     float cost = encode_blocks(out);
     if (!coding_->predicts || settings_->search.copies.along == 0)
-        return;
+        return cost;
     // What the tile looks like without copies stands for what its blocks could copy; what it then
     // looks like, in a further round, is nearer to the truth. The cheapest of all rounds stays.
     reconstruct(out, *coding_, scratch_, decoded_);
@@ -92,7 +126,8 @@ void TileEncoder::encode(std::span<const std::byte> texels, const BlockShape& sh
     }
     for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
         if (!refine(out, cost))
-            return;
+            break;
+    return cost;
 }
 
 // The search goes by estimates. Coding the tree that it chose, and each block's quarters and

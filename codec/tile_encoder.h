@@ -3,14 +3,13 @@
 
 #include "codec/block_quantizer.h"
 #include "codec/block_search.h"
+#include "codec/dont_care.h"
 #include "codec/reconstruct.h"
 #include "codec/tile_coding.h"
 #include "codec/tile_planes.h"
+#include "codec/tile_texels.h"
 #include "codec/tool_switches.h"
 #include "codec/tree_edits.h"
-
-#include <cstddef>
-#include <span>
 
 namespace tessera {
 
@@ -42,12 +41,15 @@ public:
         : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
           search_(coding, costs, settings.search), quantizer_(coding, costs, settings.quantizer) {}
 
-    // texels: dense box order. Replaces `out`.
-    void encode(std::span<const std::byte> texels, const BlockShape& shape, TileLevels& out);
-    // The planes of the tile that was encoded last.
+    // Replaces `out`.
+    void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
+    // The planes of the tile that was encoded last; of texels that do not matter, what they were
+    // taken for.
     const TilePlanes& source() const { return planes_; }
 
 private:
+    void encode_filled(TileLevels& out);
+    float encode_planes(TileLevels& out);
     float encode_blocks(TileLevels& out);
     // What coding the blocks of a tree says about those that it could have instead.
     struct Refinement {
@@ -74,6 +76,7 @@ private:
     BlockSearch search_;
     BlockQuantizer quantizer_;
     TilePlanes planes_, decoded_;
+    DontCare dont_care_;
     ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;
     TileLevels trial_, other_trial_, kept_trial_, copies_;

@@ -216,6 +216,65 @@ TEST_F(Cli, ComparesASampleAndAgainstASceneBakedAgain) {
     fail(7, "compare a.tess --bake lamps --sample 0.1", {"half16"});
 }
 
+TEST_F(Cli, MasksSayWhichTexelsMatter) {
+    succeed(small_scene + "-q -o a.rgb");
+    std::string places(32 * 16, '\0');
+    for (std::size_t i = 0; i < places.size(); ++i)
+        places[i] = i % 32 < 24 ? 'x' : '\0';
+    spit(at("m.gray"), places);
+    const std::string encode = "encode a.rgb --size 32x16x9x5 ", sides = " --mask-size 32x16x1x1";
+    const Outcome coded = run(encode + "-o x.tess --mask m.gray" + sides);
+    EXPECT_EQ(coded.code, 0) << coded.err;
+    EXPECT_NE(coded.out.find("75.00 % of the texels matter"), std::string::npos) << coded.out;
+    succeed(encode + "-q -o plain.tess");
+    EXPECT_LT(fs::file_size(at("x.tess")), fs::file_size(at("plain.tess")));
+    // The same mask as another kind of texture.
+    succeed("encode m.gray --size 32x16x1x1 --max-error 0 -q -o m.tess");
+    for (const char* mask : {"m.exr", "m_views/"})
+        succeed(std::string("decode m.tess -q -o ") + mask);
+    for (const char* mask : {"m.tess", "m.exr", "m_views"}) {
+        succeed(encode + "-q -o y.tess --mask " + mask + sides);
+        EXPECT_EQ(slurp(at("y.tess")) == slurp(at("x.tess")), true) << mask;
+    }
+
+    const std::string compare = "compare a.rgb x.tess ";
+    const Json all = json(compare + "--json"),
+               part = json(compare + "--json --mask m.gray" + sides);
+    EXPECT_GT(part["psnr"], all["psnr"]);
+    EXPECT_EQ(part["mask"]["texels"], 24 * 16 * 9 * 5);
+    EXPECT_FALSE(part.contains("ssim"));
+    const Outcome text = run(compare + "--mask m.gray" + sides);
+    EXPECT_NE(text.out.find("17280 texels matter"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("no SSIM"), std::string::npos) << text.out;
+}
+
+TEST_F(Cli, RefusesMasksThatDoNotFit) {
+    succeed(small_scene + "-q -o a.rgb");
+    spit(at("m.gray"), std::string(32 * 16, 'x'));
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -o x.tess --mask ",
+                      compare = "compare a.rgb a.rgb --size 32x16x9x5 --mask ";
+    for (const std::string& verb : {encode, compare}) {
+        fail(2, verb + "missing.gray", {"missing.gray"});
+        fail(3, verb + "m.gray", {"m.gray"}); // not of the texture's size
+        fail(1, verb + "m.gray --mask-size 16x32x1x1", {"m.gray", "16x32x1x1", "32x16x9x5"});
+        fail(1, verb + "m.gray --mask-size 16x32x1", {"--mask-size"});
+        fail(1, verb + "m.jpeg", {"m.jpeg"});
+    }
+    fail(1, "encode a.rgb --size 32x16x9x5 -o x.tess --mask-size 32x16x1x1", {"--mask"});
+    fail(1, compare + "m.gray --mask-size 32x16x1x1 --min-ssim 0.5", {"--min-ssim"});
+    // One that is loaded has to fit the budget; one byte a texel that is read in place has not.
+    const std::uintmax_t texels = 128ull * 64 * 32 * 32;
+    for (const auto& [name, channels] : {std::pair("large.gray", 1u), std::pair("large.rgb", 3u)}) {
+        spit(at(name), "");
+        fs::resize_file(at(name), texels * channels); // a hole
+    }
+    const std::string large = "encode large.gray --size 128x64x32x32 --effort 0 -q -o y.tess "
+                              "--threads 1 --memory 97M --mask ";
+    fail(5, large + "large.rgb", {"large.rgb", "memory", "--memory", ".gray"});
+    succeed(large + "large.gray");
+    EXPECT_FALSE(fs::exists(at("x.tess")));
+}
+
 TEST_F(Cli, KeepsWithinItsMemoryOrSaysWhatItNeeds) {
     succeed(small_scene + "-q -o a.tess");
     for (const char* size : {"1G", "512MiB", "300000k", "999999999"})

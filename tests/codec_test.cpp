@@ -431,7 +431,7 @@ TEST(SameBytes, WhateverTileCameBefore) {
             for (const std::uint64_t i : {before, tile}) {
                 Bytes texels(desc.box_bytes(grid.box(i)));
                 EXPECT_TRUE(texture.read(grid.box(i), texels));
-                encoder.encode(texels, tile_shape(grid.box(i)), levels);
+                encoder.encode({texels, {}}, tile_shape(grid.box(i)), levels);
             }
             return levels;
         };

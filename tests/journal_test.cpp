@@ -123,6 +123,32 @@ TEST_F(Journals, KeepTilesOnlyWhereThereAreAny) {
     EXPECT_FALSE(fs::exists(journal_path(output())));
 }
 
+TEST_F(Journals, GoOnUnderTheSameMaskOnly) {
+    const auto mask_of = [](std::size_t period) {
+        std::vector<std::byte> values(8 * 8);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = static_cast<std::byte>(i % period != 0);
+        return values;
+    };
+    const std::vector<std::byte> thirds = mask_of(3), fifths = mask_of(5);
+    const TextureDesc directions{{1, 1, 8, 8}, SampleType::unorm8, 1};
+    MemorySource mask(directions, thirds), other(directions, fifths);
+    options_.mask = &mask;
+    const std::string bytes = expected(options_);
+    ASSERT_TRUE(encode_in_part(options_, 60));
+    EncodeOptions changed = options_;
+    changed.journal = JournalUse::resume;
+    for (TexelSource* now :
+         {static_cast<TexelSource*>(&other), static_cast<TexelSource*>(nullptr)}) {
+        changed.mask = now;
+        const auto refused = encode(changed);
+        EXPECT_EQ(refused.status().code(), ErrorCode::bad_argument);
+        EXPECT_NE(refused.status().message().find("checksum of sampled"), std::string::npos)
+            << refused.status().message();
+    }
+    resume_and_compare(options_, bytes);
+}
+
 // How far a first pass comes with `checks` questions, kept to be damaged again and again.
 class DamagedJournals : public Journals {
 protected:

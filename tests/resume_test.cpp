@@ -203,6 +203,17 @@ TEST_F(Resume, RefusesAChangedInput) {
     EXPECT_NE(message().find("checksum of sampled texels"), std::string::npos) << message();
 }
 
+TEST_F(Resume, RefusesAChangedMask) {
+    ASSERT_EQ(run("bake gallery --size 48x48x16x16 --spp 1 -q -o in.rgb"), 0);
+    std::ofstream(at("m.gray"), std::ios::binary) << std::string(16 * 16, 'x');
+    const std::string encode = "encode in.rgb --size 48x48x16x16 --threads 1" + options +
+                               "--mask m.gray --mask-size 1x1x16x16 ";
+    ASSERT_EQ(run_until_tiles(encode, SIGKILL), 128 + SIGKILL);
+    fs::last_write_time(at("m.gray"), fs::last_write_time(at("m.gray")) + std::chrono::seconds(1));
+    EXPECT_EQ(run(encode + "--resume"), 1);
+    EXPECT_NE(message().find("cannot resume: time of the mask"), std::string::npos) << message();
+}
+
 TEST_F(Resume, TwoProcessesCannotWriteOneOutput) {
     const pid_t first = start(slow_bake);
     for (int i = 0; i < 500 && !fs::exists(at("x.tess.journal/lock")); ++i)

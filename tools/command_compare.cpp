@@ -5,6 +5,7 @@
 #include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/json_text.h"
+#include "tools/mask_io.h"
 #include "tools/memory_budget.h"
 #include "tools/open_bytes.h"
 #include "tools/prefix_curve.h"
@@ -24,6 +25,7 @@ namespace {
 struct Arguments {
     std::string a, b;
     TextureArguments texture;
+    MaskArguments mask;
     std::optional<double> min_psnr, max_error, min_ssim, sample;
     std::uint64_t sample_seed = 1;
     std::string scene, memory; // scene: baked again as the reference
@@ -140,6 +142,8 @@ Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
                           {"of_tiles", c.tiles},
                           {"texels", e.texels()},
                           {"seed", a.sample_seed}};
+    if (!a.mask.path.empty())
+        json["mask"] = {{"file", a.mask.path}, {"texels", e.texels()}};
     json["seconds"] = seconds;
     json["passed"] = missed.empty();
     json["missed"] = missed;
@@ -150,7 +154,7 @@ std::string decibel_text(double db) {
     return std::isfinite(db) ? format_number(db, 2) + " dB" : "no error";
 }
 
-void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
+void print_text(const Arguments& a, const TextureDesc& desc, const Comparison& c, double seconds) {
     const ErrorSums& e = c.errors;
     const bool hdr = desc.type == SampleType::half16;
     std::printf("%s, %d x %s\n", to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
@@ -176,6 +180,9 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
                     static_cast<unsigned long long>(c.compared_tiles),
                     static_cast<unsigned long long>(c.tiles),
                     static_cast<unsigned long long>(e.texels()));
+    if (!a.mask.path.empty())
+        std::printf("  mask        %llu texels matter, and only they count; no SSIM\n",
+                    static_cast<unsigned long long>(e.texels()));
     const SamplePlace& p = e.max_error_place();
     std::printf("  max error   %u %s", e.max_error(), hdr ? "ulps" : "steps");
     if (e.max_error() > 0)
@@ -188,17 +195,23 @@ void print_text(const TextureDesc& desc, const Comparison& c, double seconds) {
     std::printf("  time        %.2f s\n", seconds);
 }
 
-// Of a slab both sources and, for SSIM, two planes of floats may be held. Errors: bad_argument (--memory).
-Result<CompareOptions> compare_options(const Arguments& a, std::size_t texel_bytes,
-                                       Progress& progress) {
-    const auto memory = slab_budget(a.memory, a.texture.threads);
+// Of a slab both sources and, for SSIM, two planes of floats may be held. Opens `mask`, which has to
+// outlive the options. Errors: bad_argument (--memory), those of open_mask.
+Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& desc,
+                                       Progress& progress, std::unique_ptr<TexelSource>& mask) {
+    auto memory = slab_budget(a.memory, a.texture.threads);
     if (!memory.ok())
         return memory.status();
+    auto opened = open_mask(a.mask, desc.size, a.texture.threads, *memory);
+    if (!opened.ok())
+        return with_memory_hint(opened.status());
+    mask = std::move(*opened);
     CompareOptions options;
+    options.mask = mask.get();
     options.with_ssim = !a.no_ssim && !a.beginnings;
     options.threads = a.texture.threads;
     options.progress = progress.function();
-    const std::uint64_t held = 2 + 8 / texel_bytes + 1;
+    const std::uint64_t held = 2 + 8 / desc.texel_bytes() + 1;
     options.slab_bytes = std::min(options.slab_bytes, *memory / held);
     return options;
 }
@@ -242,7 +255,8 @@ Status run_beginnings(const Arguments& a) {
     Result<std::vector<PrefixPoint>> points = Status();
     {
         Progress progress("tessera compare", a.texture.quiet || a.json);
-        const auto options = compare_options(a, (*reference)->desc().texel_bytes(), progress);
+        std::unique_ptr<TexelSource> mask;
+        const auto options = compare_options(a, (*reference)->desc(), progress, mask);
         if (!options.ok())
             return options.status();
         points = prefix_curve(**reference, **file, *a.beginnings, *options);
@@ -275,7 +289,8 @@ Status run(const Arguments& a) {
     Result<Comparison> comparison = Status();
     {
         Progress progress("tessera compare", a.texture.quiet);
-        const auto options = compare_options(a, inputs->a->desc().texel_bytes(), progress);
+        std::unique_ptr<TexelSource> mask;
+        const auto options = compare_options(a, inputs->a->desc(), progress, mask);
         if (!options.ok())
             return options.status();
         comparison =
@@ -297,7 +312,7 @@ Status run(const Arguments& a) {
                 json["filled"].push_back(fill_json(*decoder));
         print_json(json);
     } else if (!a.texture.quiet) {
-        print_text(desc, *comparison, seconds.count());
+        print_text(a, desc, *comparison, seconds.count());
         for (const Decoder* decoder : inputs->decoders)
             std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
     }
@@ -341,18 +356,22 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
             ->check(CLI::Range(2u, 1000u))
             ->excludes(ssim)
             ->excludes(sample);
+        add_mask_options(c, a.mask, "only those that do count, and SSIM is left out");
+        c.get_option("--mask")->excludes(ssim);
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "compare", "Measure how far two textures are apart",
-                        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
-                        "Examples:\n"
-                        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
-                        "  tessera compare scene.rgb scene.tess --json\n"
-                        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
-                        "  tessera compare composed.tess --bake composed --sample 0.01",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "compare", "Measure how far two textures are apart",
+        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
+        "Examples:\n"
+        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
+        "  tessera compare scene.rgb scene.tess --json\n"
+        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
+        "  tessera compare atlas.exr atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
+        "  tessera compare composed.tess --bake composed --sample 0.01",
+        declare, run);
 }
 
 } // namespace tessera

@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/encode_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/mask_io.h"
 #include "tools/memory_budget.h"
 #include "tools/progress.h"
 #include "tools/source_facts.h"
@@ -13,6 +14,7 @@ namespace {
 struct Arguments {
     std::string input, output;
     TextureArguments texture;
+    MaskArguments mask;
     EncodeArguments encode;
 };
 
@@ -21,6 +23,14 @@ Status about_file(const Status& status, const std::string& input, const std::str
     const bool named = status.message().find(input) != std::string::npos ||
                        status.message().find(output) != std::string::npos;
     return named ? status : status.with_context(input);
+}
+
+std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& a) {
+    auto facts = source_facts(a.input, "input");
+    if (!a.mask.path.empty())
+        for (auto& fact : source_facts(a.mask.path, "mask"))
+            facts.push_back(std::move(fact));
+    return facts;
 }
 
 Status run(const Arguments& a) {
@@ -38,8 +48,13 @@ Status run(const Arguments& a) {
                                        input->description);
     if (!options.ok())
         return options.status();
-    options->source_facts = source_facts(a.input);
     const auto source = interruptible(std::move(input->source));
+    const auto mask =
+        open_mask(a.mask, source->desc().size, a.texture.threads, options->slab_bytes);
+    if (!mask.ok())
+        return with_memory_hint(mask.status());
+    options->mask = mask->get();
+    options->source_facts = facts_of(a);
     Result<EncodeReport> report = Status();
     {
         Progress progress("tessera encode", a.texture.quiet);
@@ -64,15 +79,18 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
             ->required();
         c.add_option("-o,--output", a.output, "The .tess file to write")->required();
         add_texture_options(c, a.texture);
+        add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
     };
-    add_verb<Arguments>(app, chosen, "encode", "Compress a texture into a .tess file",
-                        "Examples:\n"
-                        "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
-                        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
-                        "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
-                        "  tessera encode scene.exr -o plain.tess --tools -copies,-rotation",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "encode", "Compress a texture into a .tess file",
+        "Examples:\n"
+        "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
+        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
+        "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
+        "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
+        "  tessera encode scene.exr -o plain.tess --tools -copies,-rotation",
+        declare, run);
 }
 
 } // namespace tessera

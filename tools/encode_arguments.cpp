@@ -137,6 +137,10 @@ void print_report(const std::string& path, const TextureDesc& desc, const Encode
     std::printf("  size   %llu bytes (%s of %s), ratio %.1f, %.4f bits per texel\n",
                 static_cast<unsigned long long>(r.file_bytes), human_bytes(r.file_bytes).c_str(),
                 human_bytes(r.raw_bytes).c_str(), ratio, r.bits_per_texel);
+    if (r.texels_that_matter)
+        std::printf("  mask   %.2f %% of the texels matter; PSNR and error are theirs\n",
+                    100.0 * static_cast<double>(*r.texels_that_matter) /
+                        static_cast<double>(texel_count(desc.size)));
     const std::string psnr = r.psnr >= 999 ? "lossless" : format_number(r.psnr, 2) + " dB";
     std::printf("  PSNR   %s%s, largest error %.0f\n", psnr.c_str(),
                 desc.type == SampleType::half16 && r.psnr < 999 ? " (over 16-bit codes)" : "",

@@ -20,13 +20,14 @@ std::string time_of(const struct stat& info) {
 
 } // namespace
 
-std::vector<std::pair<std::string, std::string>> source_facts(const std::string& path) {
+std::vector<std::pair<std::string, std::string>> source_facts(const std::string& path,
+                                                              const std::string& what) {
     struct stat info = {};
     if (::stat(path.c_str(), &info) != 0)
         return {};
     if (!S_ISDIR(info.st_mode))
-        return {{"length of the input", std::to_string(info.st_size)},
-                {"time of the input", time_of(info)}};
+        return {{"length of the " + what, std::to_string(info.st_size)},
+                {"time of the " + what, time_of(info)}};
     std::map<std::string, std::string> files; // in order of their names
     std::error_code error;
     for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error))
@@ -38,8 +39,8 @@ std::vector<std::pair<std::string, std::string>> source_facts(const std::string&
         const std::string line = name + " " + facts + "\n";
         crc = crc32c(std::as_bytes(std::span(line)), crc);
     }
-    return {{"number of input files", std::to_string(files.size())},
-            {"checksum of input lengths and times", std::to_string(crc)}};
+    return {{"number of " + what + " files", std::to_string(files.size())},
+            {"checksum of " + what + " lengths and times", std::to_string(crc)}};
 }
 
 } // namespace tessera
