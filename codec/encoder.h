@@ -56,8 +56,8 @@ struct EncodeOptions {
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t
     // Which texels matter: one channel of unorm8, 0 where any value will do, sides that are the
     // texture's or 1 (the same all along it), Locality::any; outlives the call. nullptr: all matter.
-    // Those that do not get what costs least: no target binds them, no figure but bits_per_texel
-    // counts them, and what the source has there, NaN included, does not count.
+    // Those that do not get what costs least, the source's values being one candidate: no target binds
+    // them, no figure but bits_per_texel counts them, and NaN is no fault there.
     TexelSource* mask = nullptr;
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;                 // key/values; "Software" is filled in when absent
@@ -101,8 +101,8 @@ struct EncodeReport {
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
 // and the message of an error says so. Two processes cannot write one output with a journal at once.
-// The bytes depend on the texels that matter, `mask`, `rate`, `effort`, `tools`, `tile_extent`,
-// `metadata` and `description` only.
+// The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
+// `description` only.
 // Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
 // runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
 // slab_bytes.

@@ -183,20 +183,49 @@ TEST(Mask, SavesBytesAndReportsWhatMatters) {
     EXPECT_NEAR(figures.psnr, before.psnr, 1.0); // nothing was gained by doing worse
 }
 
-TEST(Mask, TargetsBindWhatMatters) {
-    // Noise where it does not matter: with it the target would need many times the bytes.
-    MemoryTexture smooth = named_texture(colour, "smooth"), noise = named_texture(colour, "noise");
-    MemoryTexture mask = make_mask(size, in_disk);
-    MemoryTexture both = smooth;
+// `texture` with noise, or one colour, where it does not matter.
+MemoryTexture with_noise_behind(MemoryTexture texture, const MemoryTexture& mask) {
     for (std::size_t i = 0; i < mask.texels.size(); ++i)
         if (mask.texels[i] == std::byte{0})
-            std::copy_n(&noise.texels[3 * i], 3, &both.texels[3 * i]);
-    const EncodedFile coded = encode_file_of(both, options_for({Kind::psnr, 42}, &mask));
+            std::generate_n(&texture.texels[3 * i], 3, [n = i * 3]() mutable {
+                return static_cast<std::byte>(++n * 2654435761u >> 13);
+            });
+    return texture;
+}
+MemoryTexture with_gaps(MemoryTexture texture, const MemoryTexture& mask) {
+    for (std::size_t i = 0; i < mask.texels.size(); ++i)
+        if (mask.texels[i] == std::byte{0})
+            std::fill_n(&texture.texels[3 * i], 3, std::byte{0});
+    return texture;
+}
+
+TEST(Mask, TargetsBindWhatMatters) {
+    // With the noise the target would need many times the bytes.
+    MemoryTexture mask = make_mask(size, in_disk);
+    MemoryTexture texture = with_noise_behind(named_texture(colour, "smooth"), mask);
+    const EncodedFile coded = encode_file_of(texture, options_for({Kind::psnr, 42}, &mask, 3));
     EXPECT_GE(coded.report.psnr, 42);
     EXPECT_LT(coded.report.psnr, 42.5);
-    EXPECT_NEAR(measure(both.texels, decode_all(coded.file), mask).psnr, coded.report.psnr, 1e-9);
-    // What stands there is never looked at.
-    EXPECT_EQ(encode_file_of(smooth, options_for({Kind::psnr, 42}, &mask)).file, coded.file);
+    EXPECT_NEAR(measure(texture.texels, decode_all(coded.file), mask).psnr, coded.report.psnr, 1e-9);
+}
+
+TEST(Mask, NothingBehindItCosts) {
+    const MemoryTexture smooth = named_texture(colour, "smooth");
+    MemoryTexture mask = make_mask(size, in_chart);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask);
+    MemoryTexture gaps = with_gaps(smooth, mask), noisy = with_noise_behind(smooth, mask);
+    EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
+}
+
+TEST(Mask, WhatGoesOnBehindItHelps) {
+    // Waves too short for a fill to guess.
+    MemoryTexture waves({size, SampleType::unorm8, 3}, [](int u, int v, int, int, int) {
+        return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
+    });
+    MemoryTexture mask = make_mask(size, in_chart), gaps = with_gaps(waves, mask);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, 3);
+    EXPECT_LT(encode_file_of(waves, options).file.size(),
+              encode_file_of(gaps, options).file.size() * 8 / 10);
 }
 
 TEST(Mask, GuaranteesHoldForWhatMatters) {
@@ -244,11 +273,9 @@ TEST(Mask, ThreadsChangeNoByte) {
 
 TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
     const TextureDesc large{{128, 64, 8, 8}, SampleType::unorm8, 3};
-    MemoryTexture texture = named_texture(large, "smooth");
-    MemoryTexture mask = make_mask(large.size, in_disk), other = texture;
-    for (std::size_t i = 0; i < mask.texels.size(); ++i)
-        if (mask.texels[i] == std::byte{0})
-            std::fill_n(&other.texels[3 * i], 3, static_cast<std::byte>(i * 7919 % 256));
+    MemoryTexture mask = make_mask(large.size, in_disk);
+    MemoryTexture texture = with_gaps(named_texture(large, "smooth"), mask);
+    MemoryTexture other = with_noise_behind(texture, mask);
     EncodeOptions options = options_for({Kind::quality, 50}, &mask, 3);
     options.tile_extent = tile_by_trial;
     EXPECT_EQ(encode_file_of(texture, options).file, encode_file_of(other, options).file);
