@@ -18,6 +18,9 @@ constexpr Extent4 wide_tile{64, 64, 4, 4};
 // observer outside a sphere sees many directions of a wide place: wide tiles make a file of the composed
 // scene 8 % smaller, but each of four of the paper's five views 60 to 100 % larger (512x256x32x32, 40 dB).
 constexpr Extent4 short_tile{32, 32, 4, 4};
+// More would not leave the root of the index room in the first 8 KiB of a file: any texel could no
+// longer be read in three reads, the head, a record of the index and a page.
+constexpr std::uint64_t most_short_tiles = std::uint64_t{1} << 17;
 // What all shapes divide; the trial looks at such parts.
 constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
@@ -89,9 +92,11 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     if (plan.options.tile_extent != tile_by_trial)
         return plan.options.tile_extent;
     const TextureDesc& desc = plan.colour.desc;
+    const Extent4& other_tile = plan.options.layers ? short_tile : wide_tile;
     // With corrections hardly anything but noise is left to code, in whatever shape.
     if (desc.size[axis_u] <= usual_tile[axis_u] || desc.size[axis_v] <= usual_tile[axis_v] ||
-        plan.options.rate.kind == RateTarget::Kind::max_error)
+        plan.options.rate.kind == RateTarget::Kind::max_error ||
+        (plan.options.layers && TileGrid(desc.size, short_tile).tiles() > most_short_tiles))
         return usual_tile;
     const Result<Sample> patches = read_patches(plan);
     TESSERA_TRY(patches.status());
@@ -107,7 +112,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         trial);
     Extent4 best = usual_tile;
     double least = 0;
-    for (const Extent4& extent : {usual_tile, plan.options.layers ? short_tile : wide_tile}) {
+    for (const Extent4& extent : {usual_tile, other_tile}) {
         const Result<PassResult> pass =
             run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
         TESSERA_TRY(pass.status());

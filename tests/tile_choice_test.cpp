@@ -2,6 +2,7 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/memory_source.h"
+#include "codec/tile_choice.h"
 #include "tests/codec_test_support.h"
 
 #include <cmath>
@@ -70,6 +71,33 @@ TEST(TileChoice, LayersKeepPlacesSmall) {
     EXPECT_EQ(chosen_tile(moving, options, 4), few_views);
     MemoryTexture still = painted_surface(size);
     EXPECT_EQ(chosen_tile(still, options), usual);
+}
+
+// Has a size, but no texels.
+class Unreadable : public TexelSource {
+public:
+    explicit Unreadable(const Extent4& extent) : desc_{extent, SampleType::unorm8, 3} {}
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4&, std::span<std::byte>) override {
+        return {ErrorCode::io, "was read"};
+    }
+
+private:
+    TextureDesc desc_;
+};
+
+TEST(TileChoice, LayersOfTheLargestTexturesKeepTheIndexSmall) {
+    EncodeOptions options;
+    options.layers = true;
+    const auto choose = [&](const Extent4& extent) {
+        Unreadable source(extent);
+        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(2)};
+        return choose_tile_extent(plan);
+    };
+    const auto largest = choose({1024, 512, 128, 128});
+    ASSERT_TRUE(largest) << largest.status().message(); // without a trial
+    EXPECT_EQ(*largest, usual);
+    EXPECT_EQ(choose({1024, 512, 64, 64}).status().message(), "was read");
 }
 
 TEST(TileChoice, WhoeverAsksForATileGetsIt) {

@@ -15,7 +15,7 @@ using namespace tessera;
 
 namespace {
 
-constexpr int effort = 7;
+constexpr int effort = 5;
 constexpr unsigned threads = 0; // all cores; times are summed over them
 constexpr const char* begin_mark = "<!-- tables -->\n";
 constexpr const char* end_mark = "<!-- end of tables -->\n";
