@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures what each coding tool is worth (about ten minutes on two cores) and writes it to tests/regression/ablation.md.
+# Measures what each coding tool is worth (half an hour on two cores) and writes it to tests/regression/ablation.md.
 #   tools/ablation.sh [PEERS.rgb]      the rivals' texture, composed_128x64x32x32.rgb.zst unpacked
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 [ $# -le 1 ] || stop "usage: tools/ablation.sh [composed_128x64x32x32.rgb]"
