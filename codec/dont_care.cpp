@@ -33,6 +33,10 @@ void DontCare::set(std::span<const std::byte> matters, const BlockShape& shape) 
     planes_from_texels(matters, one_plane, shape, matters_);
 }
 
+bool DontCare::is_all() const {
+    return std::ranges::all_of(matters_.plane[0], [](std::int32_t m) { return m == 0; });
+}
+
 bool DontCare::are_alike(const TilePlanes& planes, int plane_count) const {
     const std::vector<std::int32_t>& matters = matters_.plane[0];
     const auto first = static_cast<std::size_t>(std::ranges::find(matters, 0) - matters.begin());
@@ -47,7 +51,7 @@ void DontCare::fill(TilePlanes& planes, int plane_count) {
     const std::vector<std::int32_t>& matters = matters_.plane[0];
     is_known_.resize(matters.size());
     std::ranges::transform(matters, is_known_.begin(), [](std::int32_t m) { return m != 0; });
-    if (std::ranges::count(is_known_, 1) == 0) {
+    if (is_all()) {
         for (int p = 0; p < plane_count; ++p)
             std::ranges::fill(planes.plane[static_cast<std::size_t>(p)], 0);
         return;

@@ -16,6 +16,7 @@ public:
     // matters: as TileTexels has them, not empty.
     void set(std::span<const std::byte> matters, const BlockShape& shape);
 
+    bool is_all() const; // no texel matters
     // Whether the free texels have one value all, so that there is nothing in it.
     bool are_alike(const TilePlanes& planes, int plane_count) const;
     // Smooth values for a start: along t, then s, v and u, runs of free values are interpolated

@@ -91,7 +91,7 @@ void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLe
 // Where something is behind a mask it may go on from what is beside it, as no fill can guess: then both
 // are encoded, and the cheaper one stays.
 void TileEncoder::encode_filled(TileLevels& out) {
-    if (dont_care_.are_alike(planes_, coding_->planes)) {
+    if (dont_care_.is_all() || dont_care_.are_alike(planes_, coding_->planes)) {
         dont_care_.fill(planes_, coding_->planes);
         encode_planes(out);
         return;

@@ -168,8 +168,8 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
 TEST(Mask, SavesBytesAndReportsWhatMatters) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture mask = make_mask(size, in_chart);
-    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr));
-    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask));
+    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, 3));
+    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask, 3));
     EXPECT_LT(masked.file.size(), plain.file.size() * 7 / 10);
     const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
     EXPECT_NEAR(masked.report.psnr, figures.psnr, 1e-9);
@@ -212,7 +212,7 @@ TEST(Mask, TargetsBindWhatMatters) {
 TEST(Mask, NothingBehindItCosts) {
     const MemoryTexture smooth = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(size, in_chart);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, 4);
     MemoryTexture gaps = with_gaps(smooth, mask), noisy = with_noise_behind(smooth, mask);
     EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
 }
@@ -261,7 +261,7 @@ TEST(Mask, ThreadsChangeNoByte) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(size, in_chart);
     for (const bool layers : {false, true}) {
-        EncodeOptions options = options_for({Kind::quality, 60}, &mask);
+        EncodeOptions options = options_for({Kind::quality, 60}, &mask, 4);
         options.layers = layers;
         options.threads = 1;
         const Bytes one = encode_file_of(texture, options).file;
@@ -302,7 +302,7 @@ TEST(Mask, MayLeaveNothing) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture none = make_mask({1, 1, 1, 1}, [](int, int, int, int) { return false; });
     for (const RateTarget rate : {RateTarget{Kind::quality, 80}, RateTarget{Kind::psnr, 40}}) {
-        const EncodedFile coded = encode_file_of(noise, options_for(rate, &none));
+        const EncodedFile coded = encode_file_of(noise, options_for(rate, &none, 3));
         EXPECT_EQ(coded.report.texels_that_matter, 0u);
         EXPECT_EQ(coded.report.psnr, 999);
         EXPECT_LT(coded.file.size(), 1000u);

@@ -68,8 +68,10 @@ protected:
         return code_of(child);
     }
 
-    // Sends `signal` as soon as the journal of x.tess holds tiles.
+    // Sends `signal` as soon as the journal of x.tess holds tiles. One that an earlier run left would be
+    // taken for this one's, and the signal come before the tool expects any.
     int run_until_tiles(const std::string& arguments, int signal) const {
+        fs::remove_all(at("x.tess.journal"));
         const pid_t child = start(arguments);
         std::error_code error;
         const fs::path tiles = at("x.tess.journal/pass-1");
