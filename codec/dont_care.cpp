@@ -1,7 +1,6 @@
 #include "codec/dont_care.h"
 
 #include <algorithm>
-#include <array>
 
 namespace tessera {
 namespace {

@@ -359,14 +359,6 @@ double pu21_encode(double luminance) {
     return p[6] * (std::pow((p[0] + p[1] * y) / (1 + p[2] * y), p[4]) - p[5]);
 }
 
-namespace {
-
-bool counts(std::span<const std::byte> matters, std::uint64_t texel) {
-    return matters.empty() || matters[texel] != std::byte{0};
-}
-
-} // namespace
-
 void ErrorSums::add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b,
                     std::span<const std::byte> matters) {
     if (desc_.type == SampleType::unorm8)
@@ -404,7 +396,7 @@ void ErrorSums::add_unorm8(const Box4& box, const std::byte* a, const std::byte*
     for (std::uint64_t i = 0; i < texels; ++i) {
         std::int64_t d[4] = {};
         for (unsigned c = 0; c < channels; ++c, ++a, ++b) {
-            if (!counts(matters, i))
+            if (is_free(matters, i))
                 continue;
             d[c] = std::to_integer<int>(*a) - std::to_integer<int>(*b);
             if (d[c] != 0)
@@ -426,7 +418,7 @@ void ErrorSums::add_half16(const Box4& box, const std::byte* a, const std::byte*
     double log2_sum = 0, pu21_sum = 0;
     for (std::uint64_t i = 0; i < texels; ++i)
         for (unsigned c = 0; c < desc_.channels; ++c, a += 2, b += 2) {
-            if (!counts(matters, i))
+            if (is_free(matters, i))
                 continue;
             const std::uint16_t x = finite_half(load_half(a), non_finite_[0]);
             const std::uint16_t y = finite_half(load_half(b), non_finite_[1]);
