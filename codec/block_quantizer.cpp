@@ -10,11 +10,14 @@
 namespace tessera {
 namespace {
 
-// A coefficient below this can only become 0, in steps; half steps are within reach of dependent
-// quantisation.
+// A coefficient below this can only become 0, in steps.
 constexpr float smallest_candidate = 0.55f;
+// With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
+// less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
+// in squared steps: a path through the trellis gains no more than that elsewhere.
 constexpr float smallest_dependent = 0.4f;
-// ... and is not worth a longer coded length.
+constexpr float most_for_a_path = 0.3f;
+// With it, a coefficient below this is not worth a longer coded length.
 constexpr float smallest_last = 0.5f;
 // Without optimisation: the first level that is not 0.
 constexpr float dead_zone = 2.0f / 3.0f;
@@ -165,9 +168,9 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         std::int32_t least = nearest, most = nearest;
         if (options_.optimise) {
             least = std::max(1, nearest - (dependent ? 2 : 1));
-            most = a < (dependent ? smallest_dependent : smallest_candidate)
-                       ? 0
-                       : nearest + (dependent ? 1 : 0);
+            most = dependent                ? nearest + 1
+                   : a < smallest_candidate ? 0
+                                            : nearest;
         }
         const bool may_be_zero = options_.optimise || nearest == 0;
         std::uint8_t* before = before_.data() + at * states;
@@ -200,6 +203,10 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                 continue;
             const auto& tokens = costs_.magnitude[static_cast<std::size_t>(magnitude_table(
                 task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
+            if (dependent && a < smallest_dependent &&
+                (quantiser == 0 ||
+                 unit * (unit - 2 * a) + lambda * (flag[1] + tokens[0] - flag[0]) > most_for_a_path))
+                continue;
             for (std::int32_t l = least; l <= most; ++l) {
                 if (dependent && (l & 1) != quantiser)
                     continue;

@@ -250,6 +250,13 @@ double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameter
            8.0 * static_cast<double>(plan.effort.quantizer.lambda) * tile.payload_bytes;
 }
 
+double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
+    double cost = 0;
+    for (const CodedTile& tile : pass.tiles)
+        cost += lagrangian_cost(plan, pass.walked, tile);
+    return cost;
+}
+
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
     const TextureDesc& desc = plan.colour.desc;
     return make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),

@@ -88,6 +88,8 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 // among ways to code the same texels with the same steps.
 double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameters,
                        const CodedTile& tile);
+// Of all tiles of a pass.
+double lagrangian_cost(const EncodePlan& plan, const PassResult& pass);
 
 // Codes all tiles again under tables fitted to them, and decodes each to check it (runtime error if
 // its texels differ) unless the options say no. Needs pass.payloads.

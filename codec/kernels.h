@@ -14,9 +14,11 @@
 
 namespace tessera {
 
-// What coding some coefficients would cost, and their energy, both in squared steps.
+// What coding some coefficients would cost, and their energy, both in squared steps. Of the cost,
+// what is due to those that are zeroed and to the bases of the others, and how many these are.
 struct CostSum {
     float cost = 0, energy = 0;
+    float zeroed = 0, bases = 0, coded = 0;
 };
 
 // Y, Co, Cg of a tile without the background's share, in sixteenths of a code, in the order (t, s)

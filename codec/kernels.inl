@@ -202,23 +202,28 @@ void add_squared_differences(const float* a, int a_stride, const float* b, int b
 }
 
 CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
-    float cost[lanes] = {}, energy[lanes] = {};
+    float cost[lanes] = {}, energy[lanes] = {}, zeroed[lanes] = {}, bases[lanes] = {};
+    float coded[lanes] = {};
+    const auto add = [&](int j, int at) {
+        const float a = x[at] * inverse_step, a2 = a * a;
+        const float one = one_cost(a2, base[at], slope);
+        const bool zero = one >= a2;
+        energy[j] += a2;
+        cost[j] += one;
+        zeroed[j] += zero ? a2 : 0.0f;
+        bases[j] += zero ? 0.0f : base[at];
+        coded[j] += zero ? 0.0f : 1.0f;
+    };
     int i = 0;
     for (; i + lanes <= count; i += lanes)
-        for (int j = 0; j < lanes; ++j) {
-            const float a = x[i + j] * inverse_step;
-            energy[j] += a * a;
-            cost[j] += one_cost(a * a, base[i + j], slope);
-        }
-    for (; i < count; ++i) {
-        const float a = x[i] * inverse_step;
-        energy[0] += a * a;
-        cost[0] += one_cost(a * a, base[i], slope);
-    }
+        for (int j = 0; j < lanes; ++j)
+            add(j, i + j);
+    for (; i < count; ++i)
+        add(0, i);
     const auto sum = [](const float* s) {
         return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
     };
-    return {sum(cost), sum(energy)};
+    return {sum(cost), sum(energy), sum(zeroed), sum(bases), sum(coded)};
 }
 
 // Vectors of the compiler: two halves where the instruction set has only 128 bits.

@@ -2,6 +2,7 @@
 
 #include "codec/copy_trial.h"
 #include "codec/table_fit.h"
+#include "codec/table_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,7 +101,7 @@ private:
             if (!filter_)
                 filter_ = parameters.filter = fit_filter(to_mend);
             if (plan_.effort.fit_tables)
-                parameters.parameters = fit_parameters(trained->totals.statistics);
+                TESSERA_TRY(learn(*trained, parameters));
         }
         if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
             const Result<PassResult> first = finished_or(
@@ -111,6 +112,18 @@ private:
             drop(*first); // only its tables were wanted
         }
         return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, stage); });
+    }
+
+    // Tables for a whole pass, from the sample's. The first ones are where later passes start from.
+    Status learn(const PassResult& trained, CodingParameters& parameters) {
+        if (tables_) {
+            parameters.parameters = fit_parameters(trained.totals.statistics);
+            return {};
+        }
+        const Result<Parameters> learnt = learn_tables(plan_, sample_, trained, parameters);
+        TESSERA_TRY(learnt.status());
+        tables_ = parameters.parameters = *learnt;
+        return {};
     }
 
     // The next pass: run, and put on record as finished, unless it is on record already.
@@ -161,6 +174,8 @@ private:
         CodingParameters parameters = coding_parameters(step, plan_);
         parameters.smooth_copies = smooth_.value_or(false);
         parameters.filter = filter_.value_or(TileFilter{});
+        if (tables_)
+            parameters.parameters = *tables_;
         return parameters;
     }
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
@@ -306,6 +321,7 @@ private:
     // that a search for a step sees no jumps.
     std::optional<bool> smooth_;
     std::optional<TileFilter> filter_; // likewise
+    std::optional<Parameters> tables_; // likewise
 };
 
 } // namespace

@@ -34,4 +34,20 @@ Parameters fit_parameters(const Statistics& statistics) {
     return fitted;
 }
 
+Parameters dense_parameters() {
+    constexpr std::uint8_t of_quantiser[quantisers] = {23, 40}; // 0 in 9 of 10, in 1 of 7
+    Parameters parameters = default_parameters();
+    for (int copies = 0; copies < copy_classes; ++copies)
+        for (int quantiser = 0; quantiser < quantisers; ++quantiser)
+            for (int row = 0; row <= cross_classes; ++row)
+                for (int position = 1; position < zero_positions; ++position) // not DC
+                    for (int neighbours = 1; neighbours < neighbour_classes; ++neighbours) {
+                        const int plane = row == 0 ? 0 : 1, cross = row == 0 ? 0 : row - 1;
+                        parameters[static_cast<std::size_t>(zero_parameter(
+                            copies != 0, quantiser, plane, position, neighbours, cross))] =
+                            of_quantiser[quantiser];
+                    }
+    return parameters;
+}
+
 } // namespace tessera

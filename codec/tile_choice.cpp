@@ -116,9 +116,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         const Result<PassResult> pass =
             run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
         TESSERA_TRY(pass.status());
-        double cost = 0;
-        for (const CodedTile& tile : pass->tiles)
-            cost += lagrangian_cost(trial, parameters, tile);
+        const double cost = lagrangian_cost(trial, *pass);
         if (extent == usual_tile || cost < least) {
             least = cost;
             best = extent;

@@ -55,6 +55,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.dependent =
         settings.quantizer.optimise && tools.is_on(CodingTool::dependent, effort >= 2);
     settings.fit_tables = tools.is_on(CodingTool::fitted_tables, true);
+    settings.try_dense = tools.is_on(CodingTool::dense_tables, effort >= 5);
     settings.recode = tools.is_on(CodingTool::fitted_tables, effort >= 2);
     // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
     settings.search.copies = effort >= 9   ? DisplacementRange{24, 10}

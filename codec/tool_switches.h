@@ -22,6 +22,7 @@ enum class CodingTool : std::uint8_t {
     smooth,
     refine,
     filter,
+    dense_tables,
 };
 
 struct CodingToolInfo {
@@ -30,7 +31,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::both, "both", "... from two directions at once"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
@@ -43,6 +44,8 @@ inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
      "levels by rate and distortion, not rounded with a dead zone; without it not dependent "
      "either"},
     {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
+    {CodingTool::dense_tables, "dense-tables",
+     "... learnt from a dense start, too, where a trial finds it better"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
     {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
     {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
