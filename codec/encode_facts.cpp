@@ -69,7 +69,7 @@ std::string description_text(const Description& d) {
 
 } // namespace
 
-JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
+JournalFacts facts_of(const EncodePlan& plan) {
     const EncodeOptions& o = plan.options;
     const TextureDesc& desc = plan.colour.desc;
     JournalFacts facts = {
@@ -80,7 +80,6 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
         {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
         {"effort", std::to_string(o.effort)},
         {"list of tools", tools_text(o.tools)},
-        {"largest tile", to_string(plan.grid.tile_extent())},
         {"layers", o.layers ? "coarse levels" : "none"},
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},
@@ -91,6 +90,12 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
         facts.emplace_back(name, shortened(value));
     for (const auto& [key, value] : o.metadata)
         facts.emplace_back("metadata " + key, shortened(value));
+    return facts;
+}
+
+JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
+    JournalFacts facts = facts_of(plan);
+    facts.emplace_back("largest tile", to_string(plan.grid.tile_extent()));
     std::uint32_t crc = 0;
     for (const TileTexels& tile : sample.tiles)
         crc = crc32c(tile.matters, crc32c(tile.texels, crc));

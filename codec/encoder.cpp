@@ -150,6 +150,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         nullptr,
         options.mask,
         *texels_that_matter};
+    const bool resume = options.journal == JournalUse::resume;
+    if (journal != nullptr && resume)
+        TESSERA_TRY(journal->may_resume(facts_of(plan)));
     const Result<Extent4> tile_extent = choose_tile_extent(plan);
     TESSERA_TRY(tile_extent.status());
     plan.grid = TileGrid(desc.size, *tile_extent);
@@ -160,7 +163,7 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         return sample.status();
     plan.colour.background = find_background(*sample, desc);
     if (journal != nullptr) {
-        TESSERA_TRY(journal->begin(facts_of(plan, *sample), options.journal == JournalUse::resume));
+        TESSERA_TRY(journal->begin(facts_of(plan, *sample), resume));
         plan.journal = journal;
     }
 

@@ -110,8 +110,9 @@ std::optional<JournalFacts> load_facts(std::span<const std::byte> bytes) {
     return facts;
 }
 
-// Which fact differs first, in words; empty if none does.
-std::string difference(const JournalFacts& before, const JournalFacts& now) {
+// Which of the facts in `named` differs first, in words; empty if none does.
+std::string difference(const JournalFacts& named, const JournalFacts& before,
+                       const JournalFacts& now) {
     const auto quoted = [](const std::string& value) {
         return value.empty() ? std::string("not given") : "'" + value.substr(0, 200) + "'";
     };
@@ -121,11 +122,22 @@ std::string difference(const JournalFacts& before, const JournalFacts& now) {
                 return value;
         return std::string();
     };
-    for (const JournalFacts* facts : {&now, &before})
-        for (const auto& [name, value] : *facts)
-            if (const std::string was = value_in(before, name), is = value_in(now, name); was != is)
-                return name + " was " + quoted(was) + " and is " + quoted(is);
+    for (const auto& [name, value] : named)
+        if (const std::string was = value_in(before, name), is = value_in(now, name); was != is)
+            return name + " was " + quoted(was) + " and is " + quoted(is);
+    return {};
+}
+
+std::string difference(const JournalFacts& before, const JournalFacts& now) {
+    for (const JournalFacts* named : {&now, &before})
+        if (std::string changed = difference(*named, before, now); !changed.empty())
+            return changed;
     return before == now ? "" : "it holds other facts";
+}
+
+Status refuse_resume(const std::string& folder, const std::string& changed) {
+    return {ErrorCode::bad_argument, folder + ": cannot resume: " + changed +
+                                         " (without resuming, the encoder starts anew)"};
 }
 
 // What the file of a pass says of itself.
@@ -251,6 +263,12 @@ void Journal::remove() {
     removed_ = true;
 }
 
+Status Journal::may_resume(const JournalFacts& known) const {
+    const std::optional<JournalFacts> before = load_facts(read_sealed(file("head")));
+    const std::string changed = before ? difference(known, *before, known) : "";
+    return changed.empty() ? Status() : refuse_resume(folder_, changed);
+}
+
 Status Journal::begin(const JournalFacts& facts, bool resume) {
     if (resume) {
         const std::vector<std::byte> head = read_sealed(file("head"));
@@ -261,8 +279,7 @@ Status Journal::begin(const JournalFacts& facts, bool resume) {
             begun_ = changed.empty();
             if (begun_)
                 return {};
-            return {ErrorCode::bad_argument, folder_ + ": cannot resume: " + changed +
-                                                 " (without resuming, the encoder starts anew)"};
+            return refuse_resume(folder_, changed);
         }
     }
     empty();

@@ -47,6 +47,10 @@ public:
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
+    // Refuses a resume as begin() will, from the facts that are known before a texel is read: whoever
+    // changed an option should not wait for trials to be told.
+    Status may_resume(const JournalFacts& known) const;
+
     // Must come next. resume: goes on with what is there, if anything; bad_argument, naming the fact,
     // if that was begun under others. Otherwise starts anew and drops what a dead process left.
     Status begin(const JournalFacts& facts, bool resume);

