@@ -2,17 +2,45 @@
 
 #include "codec/table_fit.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace tessera {
 namespace {
 
 // Below this the usual start is the better one everywhere.
 constexpr double dense_bits_per_texel = 0.25;
-constexpr int dense_rounds = 3;
+// Tables and quantiser settle slowly. Most of the way they go at this effort, without copies: ten such
+// rounds take less time than one with all tools.
+constexpr int quick_effort = 3;
+constexpr int quick_rounds = 10;
+constexpr int dense_rounds = 2;
+
+// The parameters of copying blocks' own tables, as if those blocks were like all others.
+void count_copies_as_others(Statistics& counts) {
+    for (const auto& [offset, parameters] :
+         {std::pair{0, zero_parameters}, std::pair{magnitude_offset, magnitude_parameters},
+          std::pair{first_length_offset, first_length_parameters}})
+        for (auto* decisions : {&counts.stops, &counts.goes}) {
+            const auto first = decisions->begin() + offset;
+            std::copy_n(first, parameters / 2, first + parameters / 2);
+        }
+}
 
 // The sample coded from the dense start, each time with the tables fitted to the time before.
 Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
                                   const Sample& sample) {
+    EncodePlan quick = plan;
+    quick.effort = EffortSettings::of(quick_effort, plan.options.tools);
+    quick.effort.search.copies = {};
     parameters.parameters = dense_parameters();
+    for (int round = 0; round < quick_rounds; ++round) {
+        Result<PassResult> pass = run_pass(quick, parameters, sample);
+        if (!pass)
+            return pass;
+        count_copies_as_others(pass->totals.statistics);
+        parameters.parameters = fit_parameters(pass->totals.statistics);
+    }
     for (int round = 1;; ++round) {
         Result<PassResult> pass = run_pass(plan, parameters, sample);
         if (!pass || round == dense_rounds)
