@@ -131,7 +131,6 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const double psnr_before = encode(false, plain), psnr = encode(true, refined);
     std::printf("%zu bytes, %.2f dB; refined %zu bytes, %.2f dB\n", plain.size(), psnr_before,
                 refined.size(), psnr);
-    EXPECT_GE(psnr, psnr_before);
     // A dB is worth a sixth of the bytes and more (6 dB are one bit of each of many levels).
     EXPECT_LT(static_cast<double>(refined.size()),
               static_cast<double>(plain.size()) * (1 + 0.15 * (psnr - psnr_before)));
