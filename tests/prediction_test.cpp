@@ -154,7 +154,7 @@ test::MemoryTexture noisy_moving_picture() {
 TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     test::MemoryTexture source = noisy_moving_picture();
     EncodeOptions options;
-    options.rate = {RateTarget::Kind::psnr, 29}; // above, most of the noise is coded and little gained
+    options.rate = {RateTarget::Kind::psnr, 29}; // above, it is noise that is coded
     options.tile_extent = {16, 16, 4, 4};
     options.threads = 1;
     const EncodedFile smooth = encode_file_of(source, options);
