@@ -168,9 +168,7 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
         std::int32_t least = nearest, most = nearest;
         if (options_.optimise) {
             least = std::max(1, nearest - (dependent ? 2 : 1));
-            most = dependent                ? nearest + 1
-                   : a < smallest_candidate ? 0
-                                            : nearest;
+            most = dependent ? nearest + 1 : a < smallest_candidate ? 0 : nearest;
         }
         const bool may_be_zero = options_.optimise || nearest == 0;
         std::uint8_t* before = before_.data() + at * states;
@@ -205,7 +203,8 @@ template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task,
                 task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
             if (dependent && a < smallest_dependent &&
                 (quantiser == 0 ||
-                 unit * (unit - 2 * a) + lambda * (flag[1] + tokens[0] - flag[0]) > most_for_a_path))
+                 unit * (unit - 2 * a) + lambda * (flag[1] + tokens[0] - flag[0]) >
+                     most_for_a_path))
                 continue;
             for (std::int32_t l = least; l <= most; ++l) {
                 if (dependent && (l & 1) != quantiser)
