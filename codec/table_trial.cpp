@@ -3,7 +3,6 @@
 #include "codec/table_fit.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tessera {
 namespace {
@@ -14,16 +13,14 @@ constexpr double dense_bits_per_texel = 0.25;
 // rounds take less time than one with all tools.
 constexpr int quick_effort = 3;
 constexpr int quick_rounds = 10;
-constexpr int dense_rounds = 2;
+constexpr int whole_rounds = 2;
 
-// The parameters of copying blocks' own tables, as if those blocks were like all others.
+// What was counted of blocks that copy nothing stands for copying ones, too.
 void count_copies_as_others(Statistics& counts) {
-    for (const auto& [offset, parameters] :
-         {std::pair{0, zero_parameters}, std::pair{magnitude_offset, magnitude_parameters},
-          std::pair{first_length_offset, first_length_parameters}})
+    for (const auto& [offset, count] : groups_with_copies)
         for (auto* decisions : {&counts.stops, &counts.goes}) {
             const auto first = decisions->begin() + offset;
-            std::copy_n(first, parameters / 2, first + parameters / 2);
+            std::copy_n(first, count / 2, first + count / 2);
         }
 }
 
@@ -34,17 +31,13 @@ Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters param
     quick.effort = EffortSettings::of(quick_effort, plan.options.tools);
     quick.effort.search.copies = {};
     parameters.parameters = dense_parameters();
-    for (int round = 0; round < quick_rounds; ++round) {
-        Result<PassResult> pass = run_pass(quick, parameters, sample);
-        if (!pass)
-            return pass;
-        count_copies_as_others(pass->totals.statistics);
-        parameters.parameters = fit_parameters(pass->totals.statistics);
-    }
     for (int round = 1;; ++round) {
-        Result<PassResult> pass = run_pass(plan, parameters, sample);
-        if (!pass || round == dense_rounds)
+        const bool is_quick = round <= quick_rounds;
+        Result<PassResult> pass = run_pass(is_quick ? quick : plan, parameters, sample);
+        if (!pass || round == quick_rounds + whole_rounds)
             return pass;
+        if (is_quick)
+            count_copies_as_others(pass->totals.statistics);
         parameters.parameters = fit_parameters(pass->totals.statistics);
     }
 }

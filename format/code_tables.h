@@ -140,15 +140,21 @@ constexpr int parameter_count = displacement_offset + displacement_parameters;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
+// Groups of parameters that blocks that copy have of their own: their second halves, in the same order
+// as the first ones.
+struct ParameterGroup {
+    int offset, count;
+};
+constexpr ParameterGroup groups_with_copies[] = {{0, zero_parameters},
+                                                 {magnitude_offset, magnitude_parameters},
+                                                 {first_length_offset, first_length_parameters}};
+
 // Whether only blocks that copy use a parameter: files without predictions do not hold it.
 constexpr bool is_of_copies(int parameter) {
-    const auto in_second_half = [parameter](int offset, int count) {
-        return parameter >= offset + count / 2 && parameter < offset + count;
-    };
-    return in_second_half(0, zero_parameters) ||
-           in_second_half(magnitude_offset, magnitude_parameters) ||
-           in_second_half(first_length_offset, first_length_parameters) ||
-           parameter >= prediction_offset;
+    for (const auto& [offset, count] : groups_with_copies)
+        if (parameter >= offset + count / 2 && parameter < offset + count)
+            return true;
+    return parameter >= prediction_offset;
 }
 
 // Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class

@@ -1,6 +1,5 @@
 // Tables learnt from two starts, on textures of noise, where it matters.
 #include "codec/encoder.h"
-#include "codec/memory_source.h"
 #include "tests/codec_test_support.h"
 
 #include <cmath>
