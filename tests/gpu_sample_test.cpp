@@ -437,7 +437,7 @@ TEST_F(GpuSample, CoarseLevelsStandIn) {
          {std::tuple<SampleType, std::uint8_t, bool>{SampleType::unorm8, 3, false},
           {SampleType::half16, 4, true}}) {
         SCOPED_TRACE(int{channels});
-        const Bytes file = mixed_file(type, channels, 90, true);
+        const Bytes file = mixed_file(type, channels, 75, true);
         const auto memory = wrap_memory(file);
         MoodySource source(*memory);
         source.prefetch = prefetch;
@@ -474,7 +474,7 @@ TEST_F(GpuSample, CoarseTexelsOfSomethingElseAreRefused) {
 
 // Tiles that come at a second try, whether they are asked for one by one or together.
 TEST_F(GpuSample, LostReadsAreRepeated) {
-    const Bytes file = mixed_file(SampleType::unorm8, 3, 90, true);
+    const Bytes file = mixed_file(SampleType::unorm8, 3, 75, true);
     const auto memory = wrap_memory(file);
     MoodySource source(*memory);
     SampledFile sound(file);
