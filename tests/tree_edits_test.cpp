@@ -131,6 +131,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const double psnr_before = encode(false, plain), psnr = encode(true, refined);
     std::printf("%zu bytes, %.2f dB; refined %zu bytes, %.2f dB\n", plain.size(), psnr_before,
                 refined.size(), psnr);
+    EXPECT_GT(psnr, psnr_before - 0.1); // what is chosen by cost may trade a little of it
     // A dB is worth a sixth of the bytes and more (6 dB are one bit of each of many levels).
     EXPECT_LT(static_cast<double>(refined.size()),
               static_cast<double>(plain.size()) * (1 + 0.15 * (psnr - psnr_before)));
