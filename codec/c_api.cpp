@@ -1,6 +1,6 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/memory_source.h"
+#include "format/texture.h"
 #include "codec/tessera.h"
 
 #include <algorithm>

@@ -1,16 +1,16 @@
 // A .tess file -> texels. The public face of the decoder.
 #pragma once
 
-#include "codec/encoder.h" // ProgressFunction
 #include "format/byte_source.h"
 #include "format/container_reader.h"
 #include "format/texture.h"
+#include "format/work.h"
 
 #include <memory>
 #include <span>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // How much of the file is checked while texels are read.
 enum class Integrity {

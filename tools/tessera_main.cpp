@@ -1,9 +1,9 @@
 // tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
 
 #include "format/version.h"
-#include "tools/command.h"
-#include "tools/interrupt.h"
-#include "tools/parse.h"
+#include "tools/verbs/command.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/parse.h"
 
 #include <csignal>
 #include <cstdio>

@@ -161,7 +161,7 @@ int tsr_next_state(int state, uint magnitude) {
     return int((next >> uint(4 * state)) & 7u);
 }
 
-// Index of the magnitude's table (see magnitude_table in format/code_tables.h).
+// Index of the magnitude's table (see magnitude_table in format/tile/code_tables.h).
 int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
     bool dc = w.at == 0;
     int first = ((w.copies ? 2 : 0) + quantiser) * 66;

@@ -1,15 +1,15 @@
-// The decoder's shaders as C++ (tests/shader_machine.h) on payloads that nothing has checked, against
+// The decoder's shaders as C++ (tests/support/shader_machine.h) on payloads that nothing has checked, against
 // the CPU's decoder; or, with bit 7 of the first byte, on batches whose words are changed, too.
 //
 // Input: byte 0: setting (3 bits), corrections, keep_nodes, folded, predictions (and then no
 // corrections), changed; byte 1: grid; byte 2:
 // number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
 // then the payloads, each but the last behind its u16 length.
-#include "format/bytes.h"
-#include "tests/codec_test_support.h"
+#include "format/io/bytes.h"
+#include "tests/support/codec_test_support.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/random_predictions.h"
-#include "tests/shader_oracle.h"
+#include "tests/support/random_predictions.h"
+#include "tests/support/shader_oracle.h"
 
 #include <map>
 

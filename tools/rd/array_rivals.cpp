@@ -1,5 +1,5 @@
 // Codecs of arrays and bytes: zfp in four dimensions, OpenEXR's DWAA, zstd, and no codec at all.
-#include "format/sample_code.h"
+#include "format/samples.h"
 #include "tools/rd/bt709.h"
 #include "tools/rd/exr_rival.h"
 #include "tools/rd/rivals.h"

@@ -1,6 +1,6 @@
 // Codecs of pictures: one picture per view, or all views in one mosaic.
-#include "tools/parallel.h"
-#include "tools/png_file.h"
+#include "format/work.h"
+#include "tools/picture/png_file.h"
 #include "tools/rd/picture_tools.h"
 #include "tools/rd/rivals.h"
 #include "tools/rd/view_layout.h"

@@ -1,7 +1,7 @@
 // The command lines of picture codecs.
 #pragma once
 
-#include "tools/picture.h"
+#include "tools/picture/picture.h"
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #include "tools/rd/plot.h"
 
-#include "tools/parse.h"
+#include "tools/support/parse.h"
 #include "tools/rd/plot_labels.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "tools/rd/report.h"
 
-#include "tools/parse.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <cmath>

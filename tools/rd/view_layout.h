@@ -2,7 +2,7 @@
 // All of these take and give 8-bit RGB.
 #pragma once
 
-#include "tools/picture.h"
+#include "tools/picture/picture.h"
 #include "tools/rd/rd_texture.h"
 
 #include <vector>

@@ -1,0 +1,144 @@
+#include "corpus/bake.h"
+#include "tools/verbs/command.h"
+#include "tools/support/copy_texture.h"
+#include "tools/support/encode_arguments.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/memory_budget.h"
+#include "tools/support/progress.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+
+#include <chrono>
+#include <cstdio>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string scene, output;
+    TextureArguments texture; // threads and quiet; size is the size to bake
+    unsigned samples = 16;
+    std::uint64_t seed = 1;
+    bool list = false;
+    EncodeArguments encode;
+};
+
+Status list_scenes() {
+    for (const corpus::SceneInfo& scene : corpus::scenes())
+        std::printf("%-14s %-16s %-7s %s\n", scene.name.c_str(),
+                    to_string(scene.default_size).c_str(), name_of(scene.type),
+                    scene.description.c_str());
+    return {};
+}
+
+// Every scene lies inside the paper's sphere of diameter 7.
+Description baked_description(SampleType type) {
+    Description d;
+    d.proxy = Proxy::sphere;
+    d.sphere_radius = 3.5f;
+    d.surface_map = SurfaceMap::sphere_longitude_latitude;
+    d.angular_map = AngularMap::hemisphere_alpha_beta;
+    d.transfer = type == SampleType::unorm8 ? Transfer::srgb : Transfer::linear;
+    d.primaries = Primaries::bt709;
+    return d;
+}
+
+Status bake_compressed(const Arguments& a, TexelSource& source) {
+    TESSERA_TRY(check_output_path(a.output));
+    Metadata metadata = {{"Scene", a.scene},
+                         {"Samples per texel", std::to_string(a.samples)},
+                         {"Seed", std::to_string(a.seed)}};
+    auto options = make_encode_options(a.encode, a.texture.threads, std::move(metadata),
+                                       baked_description(source.desc().type));
+    if (!options.ok())
+        return options.status();
+    options->source_facts = {{"scene", a.scene},
+                             {"samples per texel", std::to_string(a.samples)},
+                             {"seed", std::to_string(a.seed)}};
+    Result<EncodeReport> report = Status();
+    {
+        Progress progress("tessera bake", a.texture.quiet);
+        options->progress = progress.function();
+        report = encode_file(source, a.output, *options);
+    }
+    if (!report.ok())
+        return with_resume_hint(report.status(), a.output);
+    if (!a.texture.quiet)
+        print_report(a.output, source.desc(), *report);
+    return {};
+}
+
+Status bake_plain(const Arguments& a, TexelSource& source) {
+    if (says_how_to_encode(a.encode))
+        return {ErrorCode::bad_argument,
+                a.output +
+                    ": rate, tile, tools, metadata and --resume options need a .tess output"};
+    const auto start = std::chrono::steady_clock::now();
+    const TextureDesc& desc = source.desc();
+    const auto options =
+        make_encode_options(a.encode, a.texture.threads, {}, baked_description(desc.type));
+    if (!options.ok())
+        return options.status();
+    auto sink = create_texture(a.output, desc, options->description, a.texture.threads);
+    if (!sink.ok())
+        return sink.status();
+    {
+        Progress progress("tessera bake", a.texture.quiet);
+        TESSERA_TRY(copy_texture(source, *interruptible(std::move(*sink)), a.texture.threads,
+                                 progress.function(), "baking", options->slab_bytes));
+    }
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    if (!a.texture.quiet)
+        std::printf("%s: %s, %d x %s, %s of texels in %.2f s\n", a.output.c_str(),
+                    to_string(desc.size).c_str(), desc.channels, name_of(desc.type),
+                    human_bytes(desc.box_bytes(Box4::whole(desc.size))).c_str(), seconds.count());
+    return {};
+}
+
+Status run(const Arguments& a) {
+    if (a.list)
+        return list_scenes();
+    if (a.scene.empty() || a.output.empty())
+        return {ErrorCode::bad_argument,
+                "a scene and -o OUTPUT are needed; --list shows the scenes"};
+    const auto scene = corpus::find_scene(a.scene);
+    if (!scene.ok())
+        return scene.status();
+    const auto size = parse_extent_or(a.texture.size, "--size", scene->default_size);
+    if (!size.ok())
+        return size.status();
+    auto baked = corpus::make_baked_source(a.scene, *size, a.samples, a.seed);
+    if (!baked.ok())
+        return baked.status();
+    const auto source = interruptible(std::move(*baked));
+    return with_memory_hint(kind_of(a.output) == TextureKind::tess ? bake_compressed(a, *source)
+                                                                   : bake_plain(a, *source));
+}
+
+} // namespace
+
+void add_bake_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("scene", a.scene, "Name of a built-in scene");
+        c.add_option("-o,--output", a.output,
+                     "What to write: .tess (compressed on the way), .exr, .rgb, folder/");
+        c.add_flag("--list", a.list, "Show the scenes and stop");
+        c.add_option("--size", a.texture.size, "UxVxSxT (default: the scene's own, see --list)");
+        c.add_option("--spp", a.samples, "Rays per texel, over all four dimensions")
+            ->check(CLI::Range(1u, corpus::max_samples_per_texel))
+            ->capture_default_str();
+        c.add_option("--seed", a.seed, "Of the sample pattern")->capture_default_str();
+        add_threads_options(c, a.texture);
+        add_encode_options(c, a.encode);
+    };
+    add_verb<Arguments>(
+        app, chosen, "bake", "Ray trace a built-in scene into a texture",
+        "Examples:\n"
+        "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
+        "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
+        "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
+        "  tessera bake --list",
+        declare, run);
+}
+
+} // namespace tessera
