@@ -83,7 +83,7 @@ void expect_same_texels(const DecodeCase& test, Machine& machine) {
     const ContainerReader& reader = file.decoder->container();
     const Atlas atlas(reader.grid());
     machine.load_tables(file.tables->words());
-    BatchBuilder builder(*file.tables, reader.grid(), {.tiles = 64}, atlas.plan, false);
+    BatchBuilder builder(*file.tables, reader.grid(), {.tiles = 64}, atlas.plan);
     std::uint64_t tile = 0;
     while (tile < reader.tile_count()) {
         for (std::uint32_t slot = 0; tile < reader.tile_count(); ++slot, ++tile) {

@@ -207,7 +207,7 @@ TEST(EncodeFilter, MendsCoarseQuantisation) {
 
 TEST(EncodeFilter, OnlyWhereTilesAreDecodedWhole) {
     EncodeOptions options;
-    options.effort = 3; // what can be sampled from its coefficients stays so
+    options.effort = 3; // the filter is for tiles that copy
     EXPECT_FALSE(encode(options).parameters.filter.is_on());
     options.effort = 5;
     options.rate = {RateTarget::Kind::max_error, 2};
