@@ -25,7 +25,7 @@ const std::string small_scene = "bake composed --size 32x16x9x5 --spp 2 ";
 
 TEST_F(Cli, ExplainsItself) {
     for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet",
-                             "montage", "render", "bench", "rd", "serve"}) {
+                             "render", "bench", "rd", "serve"}) {
         const Outcome help = run(std::string(verb) + " --help");
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("Examples:"), std::string::npos) << verb;
@@ -544,14 +544,18 @@ TEST_F(Cli, DrawsViews) {
 TEST_F(Cli, SetsPicturesSideBySide) {
     succeed(small_scene + "-q -o a.tess");
     succeed("render a.tess -o v.png --views paper --size 16x12 -q");
-    const Outcome o = run("montage v-1.png v-2.png v-3.png --columns 2 --middle 10 -o m.png");
+    const Outcome o = run("sheet v-1.png v-2.png v-3.png --columns 2 --middle 10 -o m.png");
     EXPECT_EQ(o.out, "m.png: 44 x 76 pixels\n") << o.err; // gaps of 8, labels of 16
-    succeed("montage v-1.png --label 'one, two' -o m.png -q");
-    fail(1, "montage -o m.png", {"pictures"});
-    fail(1, "montage v-1.png v-2.png --label one -o m.png", {"1 labels for 2"});
-    fail(1, "montage v-1.png -o m.jpg", {"m.jpg"});
-    fail(2, "montage none.png -o m.png", {"none.png"});
-    fail(3, "montage a.tess -o m.png", {"a.tess"});
+    EXPECT_EQ(run("sheet v-1.png v-2.png v-3.png -o m.png").out, "m.png: 80 x 44 pixels\n");
+    succeed("sheet v-1.png --label 'one, two' -o m.png -q");
+    fail(1, "sheet -o m.png", {"inputs"});
+    fail(1, "sheet v-1.png v-2.png --label one -o m.png", {"1 labels for 2"});
+    fail(1, "sheet v-1.png -o m.jpg", {"m.jpg"});
+    fail(1, "sheet v-1.png a.tess -o m.png", {"v-1.png"});
+    fail(1, "sheet a.tess a.tess a.tess -o m.png", {"two textures"});
+    fail(2, "sheet none.png -o m.png", {"none.png"});
+    spit(at("bad.png"), "no picture");
+    fail(3, "sheet bad.png -o m.png", {"bad.png"});
 }
 
 #ifndef TESSERA_GPU
