@@ -3,7 +3,6 @@
 #include "tools/progress.h"
 #include "tools/rd/rd_run.h"
 #include "tools/texture_arguments.h"
-#include "tools/tool_switches_text.h"
 
 namespace tessera {
 namespace {
@@ -44,7 +43,9 @@ void declare_rates(CLI::App& c, RdOptions& o) {
     c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5, and a point each at 1 and 9)")
         ->delimiter(',')
         ->check(CLI::Range(0, 9));
-    c.add_option("--tools", o.tools, tool_switches_help())->type_name("LIST");
+    c.add_option("--tools", o.tools,
+                 "Coding tools off or on, -copies,+grids (tests/regression/ablation.md lists them)")
+        ->type_name("LIST");
     c.add_option("--rivals", o.rivals,
                  "all, none, or ids with commas: x265, x265:8, x265:medium, svtav1, svtav1:8, aom, "
                  "avif, avif:mosaic, jxl, jxl:mosaic, webp, webp:mosaic, jp2, jp2:mosaic, astc, "
