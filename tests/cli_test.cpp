@@ -474,10 +474,10 @@ TEST_F(Cli, GoesOnMeasuringAfterAnInterrupt) {
     succeed("bake composed --size 8x4x3x2 --spp 1 -q -o a.rgb");
     fs::create_directory(at("bin"));
     const auto rival = [&](const std::string& work) {
-        spit(at("bin") / "zstd", "#!/bin/sh\n[ \"$1\" = --version ] && echo v1.0 || " + work + "\n");
-        fs::permissions(at("bin") / "zstd", fs::perms::owner_all);
+        spit(at("bin") / "zfp", "#!/bin/sh\n[ $# = 0 ] && echo v1.0 || " + work + "\n");
+        fs::permissions(at("bin") / "zfp", fs::perms::owner_all);
     };
-    const std::string rd = "rd a.rgb --size 8x4x3x2 -o r --rivals zstd --psnr 34 --efforts 1";
+    const std::string rd = "rd a.rgb --size 8x4x3x2 -o r --rivals zfp:rate --psnr 34 --efforts 1";
     rival("/bin/sleep 60");
     const std::string path = "PATH=" + at("bin").string() + ":$PATH ";
     const Outcome o = run(rd, path + "timeout --signal=INT --preserve-status 2");
@@ -489,7 +489,7 @@ TEST_F(Cli, GoesOnMeasuringAfterAnInterrupt) {
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("[1/5] tessera:1 psnr 34"), again.out.find("[1/5]"));
     EXPECT_NE(again.out.find("cached"), std::string::npos) << again.out;
-    EXPECT_NE(again.out.find("zstd: exit code 9"), std::string::npos) << again.out;
+    EXPECT_NE(again.out.find("zfp: exit code 9"), std::string::npos) << again.out;
 }
 
 TEST_F(Cli, DrawsSheets) {
