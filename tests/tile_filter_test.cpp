@@ -205,7 +205,7 @@ TEST(EncodeFilter, MendsCoarseQuantisation) {
     EXPECT_LE(filtered.report.file_bytes, plain.report.file_bytes + 16);
 }
 
-TEST(EncodeFilter, OnlyWhereTilesAreDecodedWhole) {
+TEST(EncodeFilter, NotAtLowEffortsNorWithAGuarantee) {
     EncodeOptions options;
     options.effort = 3; // the filter is for tiles that copy
     EXPECT_FALSE(encode(options).parameters.filter.is_on());

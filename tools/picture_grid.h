@@ -11,7 +11,7 @@ namespace tessera {
 
 struct GridOptions {
     unsigned columns = 4;
-    unsigned middle = 0;             // only the middle of each, so many pixels wide and high; 0: all
+    unsigned middle = 0; // only the middle of each, so many pixels wide and high; 0: all
     std::vector<std::string> labels; // one a picture; none: the files' names
 };
 
