@@ -1,12 +1,9 @@
 // A compressed texture that shaders sample: the host side of shaders/sample.glsl, for OpenGL 4.5.
 //
-// Three ways to be resident give the same picture:
+// Two ways to be resident give the same picture:
 //   on load      all tiles are decoded into an ordinary texture: fastest to sample, most memory;
 //   on feedback  sampling marks the tiles that it touches, and update() decodes the missing ones into
-//                a tile cache of fixed size; until then their coarse texels are drawn;
-//   on sample    nothing is decoded but the entropy coding: the shader evaluates texels from the
-//                coefficients, exactly. Least memory, slowest. Not for files with corrections or
-//                predictions.
+//                a tile cache of fixed size; until then their coarse texels are drawn.
 #pragma once
 
 #include "decoder_glsl/shader_source.h"
@@ -22,8 +19,8 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-enum class Residency { on_load, on_feedback, on_sample };
-const char* name_of(Residency residency); // "load", "feedback", "sample"
+enum class Residency { on_load, on_feedback };
+const char* name_of(Residency residency); // "load", "feedback"
 
 // A coarse level of the file (ContainerReader::levels()) and its texels: of that level's size, of the
 // texture's type and channels, boxes in any order.

@@ -13,9 +13,9 @@
 namespace tessera {
 namespace {
 
-const char* const verbs[] = {"bake",    "encode", "decode",  "info",    "validate",
-                             "compare", "sheet",  "montage", "shaders", "render",
-                             "bench",   "rd",     "serve",   "help",    "version"};
+const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
+                             "compare", "sheet",  "shaders", "render", "bench",
+                             "rd",      "serve",  "help",    "version"};
 
 std::string version_text() {
     return std::string("tessera ") + library_version + ", file format " +
@@ -56,7 +56,6 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
     add_info_command(app, chosen);
     add_validate_command(app, chosen);
     add_sheet_command(app, chosen);
-    add_montage_command(app, chosen);
     add_shaders_command(app, chosen);
     add_render_command(app, chosen);
     add_bench_command(app, chosen);

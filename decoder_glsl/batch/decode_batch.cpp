@@ -31,8 +31,8 @@ BlockShape shape_of(const Box4& box) {
 } // namespace
 
 BatchBuilder::BatchBuilder(const DecodeTables& tables, const TileGrid& grid,
-                           const BatchLimits& limits, const TexelPlan& plan, bool keep_nodes)
-    : tables_(tables), grid_(grid), limits_(limits), plan_(plan), keep_nodes_(keep_nodes) {}
+                           const BatchLimits& limits, const TexelPlan& plan)
+    : tables_(tables), grid_(grid), limits_(limits), plan_(plan) {}
 
 BatchBuilder::Size BatchBuilder::empty_size() {
     return {tsr_w_state, 0, tsr_batch_words};
@@ -53,8 +53,8 @@ BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSi
     const std::uint64_t corrections = parts.corrections.empty() ? 0 : texels * tables_.planes();
     Size size;
     size.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
-                      std::uint64_t{tree.items} * tsr_item_words + (keep_nodes_ ? tree.nodes : 0) +
-                      parts.segments.size() + corrections + 2 * raw + value_words(tree, texels);
+                      std::uint64_t{tree.items} * tsr_item_words + parts.segments.size() +
+                      corrections + 2 * raw + value_words(tree, texels);
     size.coefficients = raw;
     size.words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
                  parts.corrections.size() * tsr_correction_words + raw / raw_chunk +
@@ -124,8 +124,7 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                             first_segment + static_cast<std::uint32_t>(i));
         segment_words_.insert(segment_words_.end(),
                               {slot, byte_of(segment.bytes), words_of(segment.bytes),
-                               static_cast<std::uint32_t>(segment.first_block), end, raw_, room,
-                               raw_});
+                               static_cast<std::uint32_t>(segment.first_block), end, raw_, room});
         raw_ += room;
     }
     most_segments_ = std::max(most_segments_, static_cast<std::uint32_t>(parts.segments.size()));
@@ -145,7 +144,6 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                        {tables_.shape_id(shape), first_segment,
                         static_cast<std::uint32_t>(parts.segments.size()), place.x, place.y,
                         place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
-                        nodes_, tree.nodes,
                         predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
                         values > 0 ? values_ : tsr_none});
     copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
@@ -153,7 +151,6 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
     waves_ = std::max(waves_, tree.waves);
     most_texels_ = std::max(most_texels_, static_cast<std::uint32_t>(shape.texels()));
     blocks_ += tree.blocks;
-    nodes_ += tree.nodes;
     items_ += tree.items;
     payloads_.insert(payloads_.end(), payload.begin(), payload.end());
     payloads_.resize((payloads_.size() + 3) / 4 * 4);
@@ -163,7 +160,6 @@ DecodeBatch BatchBuilder::finish() {
     DecodeBatch batch;
     const auto tiles = static_cast<std::uint32_t>(tiles_.size());
     const auto segments = static_cast<std::uint32_t>(segment_words_.size() / tsr_segment_words);
-    batch.segments = segments;
     batch.most_segments = most_segments_;
     batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
     batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
@@ -195,7 +191,6 @@ DecodeBatch BatchBuilder::finish() {
     words[tsr_b_folds_u] = plan_.folds_u;
     words[tsr_b_stride_s] = plan_.stride_s;
     words[tsr_b_stride_t] = plan_.stride_t;
-    words[tsr_b_keep_nodes] = keep_nodes_;
     words[tsr_b_items_room] = items_;
     std::uint32_t at = tsr_w_state + tiles * tsr_state_words;
     const auto place = [&](int field, std::uint32_t count) {
@@ -205,7 +200,6 @@ DecodeBatch BatchBuilder::finish() {
     place(tsr_b_blocks_at, blocks_ * tsr_block_words);
     place(tsr_b_items_at, items_ * tsr_item_words);
     place(tsr_b_counts_at, segments);
-    place(tsr_b_node_at, keep_nodes_ ? nodes_ : 0);
     place(tsr_b_multipliers_at, multipliers_);
     place(tsr_b_raw_at, 2 * raw_);
     place(tsr_b_values_at, values_);
@@ -222,7 +216,7 @@ DecodeBatch BatchBuilder::finish() {
     correction_words_.clear();
     copy_words_.clear();
     payloads_.clear();
-    raw_ = multipliers_ = most_segments_ = blocks_ = nodes_ = items_ = values_ = 0;
+    raw_ = multipliers_ = most_segments_ = blocks_ = items_ = values_ = 0;
     most_texels_ = 0;
     waves_ = 1;
     size_ = empty_size();

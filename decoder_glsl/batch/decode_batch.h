@@ -41,7 +41,6 @@ struct DecodeBatch {
     // are too deep. They decode to the background.
     std::vector<std::uint64_t> damaged;
     std::uint32_t most_segments = 0; // of one tile
-    std::uint32_t segments = 0;
     std::uint32_t raw_chunks = 0;  // of 64 levels
     std::uint32_t corrections = 0; // streams
     std::uint32_t waves = 1;       // of passes 4 and 5: one more than the largest depth of copies
@@ -53,9 +52,8 @@ struct DecodeBatch {
 // Collects tiles until a limit is reached.
 class BatchBuilder {
 public:
-    // keep_nodes: the split trees are wanted, for sampling without a cache.
     BatchBuilder(const DecodeTables& tables, const TileGrid& grid, const BatchLimits& limits,
-                 const TexelPlan& plan, bool keep_nodes);
+                 const TexelPlan& plan);
 
     // False when the batch is full and must be finished first; an empty batch takes any tile.
     // An empty payload is a tile of background. The bytes are copied.
@@ -80,7 +78,6 @@ private:
     const TileGrid& grid_;
     const BatchLimits limits_;
     const TexelPlan plan_;
-    const bool keep_nodes_;
 
     Size size_ = empty_size();
     std::vector<std::uint64_t> tiles_, damaged_;
@@ -90,7 +87,7 @@ private:
     std::uint32_t raw_ = 0;         // levels, a multiple of 64
     std::uint32_t multipliers_ = 0; // words
     std::uint32_t most_segments_ = 0;
-    std::uint32_t blocks_ = 0, nodes_ = 0, items_ = 0;
+    std::uint32_t blocks_ = 0, items_ = 0;
     std::uint32_t values_ = 0; // words
     std::uint32_t most_texels_ = 0;
     std::uint32_t waves_ = 1;

@@ -32,7 +32,7 @@ public:
 
     // False for a tree that the format forbids.
     bool count(const BlockShape& tile) {
-        const auto node = [&](Split) { ++size.nodes; };
+        const auto node = [](Split) {};
         const auto leaf = [&](const Block& block) {
             size.items += items_of(block.shape, planes_, block.shape.n[2], block.shape.n[3]);
             return ++size.blocks <= max_leaves && (!predicts_ || predict(block));
@@ -54,7 +54,7 @@ public:
                                 move_word(predictions_[i])});
     }
 
-    TreeSize size{.blocks = 0, .nodes = 0, .items = 0};
+    TreeSize size{.blocks = 0, .items = 0};
 
 private:
     static std::uint32_t move_word(const BlockPrediction& prediction) {

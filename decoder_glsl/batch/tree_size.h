@@ -14,7 +14,7 @@
 namespace tessera {
 
 struct TreeSize {
-    std::uint32_t blocks = 1, nodes = 1;
+    std::uint32_t blocks = 1;
     std::uint32_t items = 1;             // of texels.comp, at most
     std::vector<std::uint32_t> copies{}; // tsr_copy_words a block of a predicted tile; else empty
     std::uint32_t waves = 1;             // one more than the largest depth

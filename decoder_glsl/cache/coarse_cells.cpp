@@ -2,7 +2,6 @@
 
 #include "decoder_glsl/shaders/shader_layout.h"
 #include "format/samples.h"
-#include "format/samples.h"
 
 #include <algorithm>
 #include <array>

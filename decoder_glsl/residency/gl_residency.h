@@ -1,4 +1,4 @@
-// The three residencies behind SampledTexture, and what they share.
+// The two residencies behind SampledTexture, and what they share.
 #pragma once
 
 #include "decoder_glsl/residency/gl_tile_decoder.h"
@@ -40,7 +40,7 @@ class BatchFeed {
 public:
     using Flush = std::function<Status(DecodeBatch&)>;
     BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
-              bool keep_nodes, Flush flush);
+              Flush flush);
     // Errors: io, invalid_file; runtime, when a tile alone is larger than the limits; of `flush`.
     Status add(std::uint64_t tile, const TexelPlace& place);
     Status finish();
@@ -70,7 +70,6 @@ Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
                                                         TexelSource& source, bool hardware_filter);
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
                                                       const SampledTextureOptions& options);
-Result<std::unique_ptr<Resident>> make_coefficient_texture(TextureFile& file);
 
 // Layout of an ordinary texture: angular images side by side, folded over layers.
 struct PlainLayout {

@@ -233,7 +233,7 @@ private:
     // `look`: waits for the device to say which tiles were damaged. They decode to the background, so
     // from then on they are background.
     BatchFeed make_feed(bool look) {
-        return BatchFeed(file_, plan(), limits_within(work_bytes_, file_.tables.keeps_values()), false,
+        return BatchFeed(file_, plan(), limits_within(work_bytes_, file_.tables.keeps_values()),
                          [this, look](DecodeBatch& batch) -> Status {
                              TESSERA_TRY(file_.decoder.decode(batch, texels_));
                              if (!look)

@@ -34,7 +34,7 @@ public:
         const std::uint64_t left = file.budget > fixed ? file.budget - fixed : 0;
         BatchFeed feed(
             file, plain.plan,
-            limits_within(std::min(left, std::uint64_t{256} << 20), file.tables.keeps_values()), false,
+            limits_within(std::min(left, std::uint64_t{256} << 20), file.tables.keeps_values()),
             [&](DecodeBatch& batch) { return decode(file, batch); });
         TESSERA_TRY(fill_background(file));
         const TileGrid& grid = file.reader.grid();

@@ -14,14 +14,7 @@ namespace tessera {
 using namespace layout;
 
 const char* name_of(Residency residency) {
-    switch (residency) {
-    case Residency::on_load:
-        return "load";
-    case Residency::on_feedback:
-        return "feedback";
-    default:
-        return "sample";
-    }
+    return residency == Residency::on_load ? "load" : "feedback";
 }
 
 std::string mebibytes(std::uint64_t bytes) {
@@ -99,9 +92,8 @@ BatchLimits limits_within(std::uint64_t bytes, bool predicts) {
 }
 
 BatchFeed::BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
-                     bool keep_nodes, Flush flush)
-    : file_(file), limits_(limits),
-      builder_(file.tables, file.reader.grid(), limits, plan, keep_nodes),
+                     Flush flush)
+    : file_(file), limits_(limits), builder_(file.tables, file.reader.grid(), limits, plan),
       flush_(std::move(flush)) {}
 
 Status BatchFeed::add(std::uint64_t tile, const TexelPlace& place) {
@@ -184,9 +176,7 @@ Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
     std::unique_ptr<State> state = std::move(*prepared);
     auto resident = options.residency == Residency::on_load
                         ? make_plain_texture(state->file, options.hardware_filter)
-                    : options.residency == Residency::on_feedback
-                        ? make_cached_texture(state->file, options)
-                        : make_coefficient_texture(state->file);
+                        : make_cached_texture(state->file, options);
     if (!resident.ok())
         return resident.status();
     state->resident = std::move(*resident);
@@ -214,8 +204,6 @@ Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader
 
 std::vector<ShaderDefine> SampledTexture::defines() const {
     std::vector<ShaderDefine> defines;
-    if (state_->options.residency == Residency::on_sample)
-        return {{"TESSERA_RESIDENT_COEFFICIENTS", "1"}};
     if (state_->options.residency == Residency::on_feedback)
         defines.emplace_back("TESSERA_RESIDENT_CACHE", "1");
     if (state_->options.hardware_filter)

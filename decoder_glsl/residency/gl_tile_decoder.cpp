@@ -156,31 +156,19 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     return {};
 }
 
-Status GlTileDecoder::decode_levels(const DecodeBatch& batch) {
+Status GlTileDecoder::decode(const DecodeBatch& batch, const GlTexture& target) {
+    if (batch.tiles.empty())
+        return {};
     TESSERA_TRY(upload(batch));
     TESSERA_TRY(grow_buffer(work_, batch.work_words * 4, BufferUse::device, "decoder work"));
+    TESSERA_TRY(grow_buffer(coefficients_, std::max<std::uint64_t>(batch.coefficients, 1) * 16,
+                            BufferUse::device, "decoder coefficients"));
     TESSERA_TRY(work_.clear(0, 0, tsr_w_state * 4));
     tables_.bind_storage(0);
     batch_.bind_storage(1);
     work_.bind_storage(2);
-    run_entropy(batch);
-    return {};
-}
-
-Status GlTileDecoder::order_levels(const DecodeBatch& batch, const GlBuffer& coefficients) {
-    TESSERA_TRY(batch_.upload(0, bytes_of(batch.words)));
-    coefficients.bind_storage(3);
-    run_order(batch);
-    return take_gl_errors("decoding tiles");
-}
-
-Status GlTileDecoder::decode(const DecodeBatch& batch, const GlTexture& target) {
-    if (batch.tiles.empty())
-        return {};
-    TESSERA_TRY(grow_buffer(coefficients_, std::max<std::uint64_t>(batch.coefficients, 1) * 16,
-                            BufferUse::device, "decoder coefficients"));
-    TESSERA_TRY(decode_levels(batch));
     coefficients_.bind_storage(3);
+    run_entropy(batch);
     run_order(batch);
     TESSERA_TRY(run_transform(batch, target));
     return take_gl_errors("decoding tiles");
@@ -192,16 +180,8 @@ Result<std::vector<TileCounts>> GlTileDecoder::counts(const DecodeBatch& batch) 
     std::vector<TileCounts> counts(batch.tiles.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
         const std::uint32_t* state = words.data() + i * tsr_state_words;
-        counts[i] = {state[tsr_st_blocks], state[tsr_st_nodes], state[tsr_st_levels],
-                     state[tsr_st_largest], state[tsr_st_damaged]};
+        counts[i] = {state[tsr_st_blocks], state[tsr_st_levels], state[tsr_st_damaged]};
     }
-    return counts;
-}
-
-Result<std::vector<std::uint32_t>> GlTileDecoder::segment_levels(const DecodeBatch& batch) const {
-    std::vector<std::uint32_t> counts(batch.segments);
-    TESSERA_TRY(work_.read(std::uint64_t{batch.words[tsr_b_counts_at]} * 4,
-                           std::as_writable_bytes(std::span(counts))));
     return counts;
 }
 

@@ -21,9 +21,8 @@ Result<GlProgram> compute_program(const std::string& file,
 
 // What a decoded tile came to, as the device counted.
 struct TileCounts {
-    std::uint32_t blocks = 0, nodes = 0;
+    std::uint32_t blocks = 0;
     std::uint32_t coefficients = 0; // not 0
-    std::uint32_t largest = 0;      // of one block
     std::uint32_t damaged = 0;      // 0: sound; else tsr_damage_* of shaders/layout.glsl
 };
 
@@ -39,20 +38,12 @@ public:
     // whatever is issued later. Errors: runtime (no memory; target of another format).
     Status decode(const DecodeBatch& batch, const GlTexture& target);
 
-    // The two halves of it, for those who place coefficients themselves: trees and levels; then, with
-    // the segments' tsr_seg_sorted set in `batch` anew, the sorting into `coefficients`.
-    Status decode_levels(const DecodeBatch& batch);
-    Status order_levels(const DecodeBatch& batch, const GlBuffer& coefficients);
-
     // Of the last batch; waits for the device.
     Result<std::vector<TileCounts>> counts(const DecodeBatch& batch) const;
-    // Levels of each segment of the last batch; waits for the device.
-    Result<std::vector<std::uint32_t>> segment_levels(const DecodeBatch& batch) const;
 
     std::uint64_t bytes() const; // on the device
     // Gives back what decoding needs; the next batch takes it anew.
     void free_work();
-    void bind_tables() const { tables_.bind_storage(0); }
     const GlBuffer& batch_buffer() const { return batch_; }
     const GlBuffer& work_buffer() const { return work_; }
 

@@ -37,8 +37,7 @@ Result<Target> make_target(const ContainerReader& reader, bool half) {
 Result<std::vector<DecodeBatch>> make_batches(const ContainerReader& reader,
                                               const DecodeTables& tables, const Target& target) {
     const TileGrid& grid = reader.grid();
-    BatchBuilder builder(tables, grid, {.tiles = target.texture.shape().layers}, target.plan,
-                         false);
+    BatchBuilder builder(tables, grid, {.tiles = target.texture.shape().layers}, target.plan);
     std::vector<DecodeBatch> batches;
     std::uint64_t payload = 0;
     std::uint32_t layer = 0;

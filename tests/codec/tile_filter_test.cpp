@@ -205,9 +205,9 @@ TEST(EncodeFilter, MendsCoarseQuantisation) {
     EXPECT_LE(filtered.report.file_bytes, plain.report.file_bytes + 16);
 }
 
-TEST(EncodeFilter, OnlyWhereTilesAreDecodedWhole) {
+TEST(EncodeFilter, NotAtLowEffortsNorWithAGuarantee) {
     EncodeOptions options;
-    options.effort = 3; // what can be sampled from its coefficients stays so
+    options.effort = 3; // the filter is for tiles that copy
     EXPECT_FALSE(encode(options).parameters.filter.is_on());
     options.effort = 5;
     options.rate = {RateTarget::Kind::max_error, 2};

@@ -36,7 +36,7 @@ void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {
         GlTexture::create(half ? TexelFormat::rgba16f : TexelFormat::rgba8, shape, "tiles");
     ASSERT_TRUE(texture) << texture.status().message();
 
-    BatchBuilder builder(*tables, grid, {.tiles = batch_tiles}, plan, false);
+    BatchBuilder builder(*tables, grid, {.tiles = batch_tiles}, plan);
     std::uint64_t tile = 0;
     while (tile < reader.tile_count()) {
         for (std::uint32_t layer = 0; tile < reader.tile_count(); ++layer, ++tile) {
@@ -143,7 +143,7 @@ TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
         ASSERT_TRUE(texture);
         Random random(9);
         std::vector<Bytes> payloads;
-        BatchBuilder builder(*tables, grid, {}, plan, false);
+        BatchBuilder builder(*tables, grid, {}, plan);
         for (std::uint32_t tile = 0; tile < tiles; ++tile) {
             Bytes bytes = random.bytes(2 * static_cast<std::size_t>(random.range(1, 400)));
             if (random.chance(0.8)) {

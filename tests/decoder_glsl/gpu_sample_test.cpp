@@ -1,4 +1,4 @@
-// Sampling on the device: the three residencies against the sampler on the CPU, and what surrounds
+// Sampling on the device: both residencies against the sampler on the CPU, and what surrounds
 // them: budgets, coarse texels, eviction, damaged files.
 #include "format/texture.h"
 #include "decoder_glsl/gl_view_renderer.h"
@@ -57,7 +57,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool la
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = tile;
-    options.effort = 3; // without predictions, which on sample does not take
+    options.effort = 3; // predictions have tests of their own
     options.threads = 2;
     options.layers = layers;
     Bytes file;
@@ -159,21 +159,13 @@ constexpr double filter_precision = 2.0 / 512;
 TEST_F(GpuSample, AMillionSamplesAgreeWithTheCpu) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 60));
     const Judged judged = judge(file, 1000000);
-    // llvmpipe needs a minute for a million samples from coefficients.
-    Judged fewer = judged;
-    fewer.probes.resize(100000);
-    fewer.expected.resize(100000);
-    for (const Residency residency :
-         {Residency::on_load, Residency::on_feedback, Residency::on_sample})
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback})
         for (const bool filter : {false, true}) {
-            if (filter && residency == Residency::on_sample)
-                continue;
             SCOPED_TRACE(std::string(name_of(residency)) + (filter ? " filtered" : ""));
             auto texture = SampledTexture::create(file.reader(), with(residency, filter));
             ASSERT_TRUE(texture) << texture.status().message();
             EXPECT_EQ(texture->damaged_tiles(), 0u);
-            const Judged& asked = residency == Residency::on_sample ? fewer : judged;
-            const double worst = worst_difference(asked, sampled(*texture, asked.probes));
+            const double worst = worst_difference(judged, sampled(*texture, judged.probes));
             EXPECT_LE(worst, 1.0 / 255 + (filter ? filter_precision : 0));
             RecordProperty(std::string(name_of(residency)) + (filter ? "_filtered" : ""),
                            std::to_string(worst * 255));
@@ -186,8 +178,7 @@ TEST_F(GpuSample, EveryTypeAndChannelCount) {
             SampledFile file(mixed_file(type, channels, 40));
             const Judged judged = judge(file, 4000);
             const double range = type == SampleType::half16 ? 4 : 1;
-            for (const Residency residency :
-                 {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+            for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
                 SCOPED_TRACE(std::string(name_of(residency)) + " x" + std::to_string(channels));
                 auto texture = SampledTexture::create(file.reader(), with(residency, false));
                 ASSERT_TRUE(texture) << texture.status().message();
@@ -226,7 +217,7 @@ TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
 
 // Tiles of sides above 32, odd ones too; some too long for borders in a cache.
 TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
-    const auto check = [](const Bytes& bytes, bool predicted) {
+    const auto check = [](const Bytes& bytes) {
         SampledFile file(bytes);
         SCOPED_TRACE("tiles " + to_string(file.reader().header().tile_extent));
         const Judged judged = judge(file, 2000);
@@ -234,30 +225,24 @@ TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
         for (const glm::dvec4& colour : judged.expected)
             for (int c = 0; c < 4; ++c)
                 range = std::max(range, std::abs(colour[c]));
-        for (const Residency residency :
-             {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
-            if (residency == Residency::on_sample && predicted)
-                continue;
+        for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
             SCOPED_TRACE(name_of(residency));
-            const bool filter = residency != Residency::on_sample;
-            auto texture = SampledTexture::create(file.reader(), with(residency, filter));
+            auto texture = SampledTexture::create(file.reader(), with(residency, true));
             ASSERT_TRUE(texture) << texture.status().message();
             EXPECT_EQ(texture->damaged_tiles(), 0u);
             EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)),
-                      range * (1.0 / 255 + (filter ? filter_precision : 0)));
+                      range * (1.0 / 255 + filter_precision));
         }
     };
-    check(mixed_file(SampleType::unorm8, 3, 60, false, {128, 64, 4, 4}, {64, 64, 4, 4}), false);
-    check(mixed_file(SampleType::half16, 4, 60, false, {125, 45, 6, 5}, {63, 45, 3, 3}), false);
-    check(mixed_file(SampleType::unorm8, 3, 60, false, {64, 2, 32, 32}, {64, 1, 32, 32}), false);
+    check(mixed_file(SampleType::unorm8, 3, 60, false, {128, 64, 4, 4}, {64, 64, 4, 4}));
+    check(mixed_file(SampleType::half16, 4, 60, false, {125, 45, 6, 5}, {63, 45, 3, 3}));
+    check(mixed_file(SampleType::unorm8, 3, 60, false, {64, 2, 32, 32}, {64, 1, 32, 32}));
     // Trees of 11 levels.
     check(
-        random_case(63, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file,
-        false);
+        random_case(63, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file);
     check(
         random_case(62, SampleType::half16, 3, {125, 45, 6, 5}, {63, 45, 5, 3}, 0.6, 0.005, 4, 0.6)
-            .file,
-        true);
+            .file);
 }
 
 // A camera that looks at the middle of the sphere from `degrees` around it.
@@ -563,8 +548,7 @@ TEST_F(GpuSample, DamagedTilesAreCountedAndDrawnAsBackground) {
     const auto source = wrap_memory(bad);
     const auto reader = ContainerReader::open(*source);
     ASSERT_TRUE(reader) << reader.status().message();
-    for (const Residency residency :
-         {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
         SCOPED_TRACE(name_of(residency));
         auto texture = SampledTexture::create(*reader, with(residency, false));
         ASSERT_TRUE(texture) << texture.status().message();
@@ -619,30 +603,16 @@ TEST_F(GpuSample, SaysWhatDoesNotFit) {
               std::string::npos);
     EXPECT_NE(refusal(file.reader(), Residency::on_feedback, 1 << 18).find("budget"),
               std::string::npos);
-    EXPECT_NE(refusal(file.reader(), Residency::on_sample, 1 << 18).find("budget"),
-              std::string::npos);
 
     const DecodeCase lossless = encoded_case("smooth", {{33, 21, 9, 6}, SampleType::unorm8, 3},
                                              {RateTarget::Kind::max_error, 0});
     SampledFile exact(lossless.file);
-    EXPECT_NE(refusal(exact.reader(), Residency::on_sample, 64 << 20).find("corrections"),
-              std::string::npos);
     const Judged judged = judge(exact, 4000);
     for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
         auto texture = SampledTexture::create(exact.reader(), with(residency, false));
         ASSERT_TRUE(texture) << texture.status().message();
         EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), 1.0 / 255);
     }
-    SampledFile predicted(
-        random_case(5, SampleType::unorm8, 3, {40, 20, 9, 8}, {32, 16, 8, 8}, 0.7, 0.05, 4, 0.6)
-            .file);
-    EXPECT_NE(refusal(predicted.reader(), Residency::on_sample, 64 << 20).find("use on load"),
-              std::string::npos);
-    EXPECT_NE(choose_residency(predicted.reader(), 1 << 20), Residency::on_sample);
-    SampledFile filtered(
-        random_case(4, SampleType::unorm8, 3, {40, 20, 9, 8}, {32, 16, 8, 8}, 0.7, 0.05, 4).file);
-    EXPECT_NE(refusal(filtered.reader(), Residency::on_sample, 64 << 20).find("filter"),
-              std::string::npos);
     EXPECT_EQ(choose_residency(file.reader(), 1ull << 30), Residency::on_load);
     EXPECT_EQ(choose_residency(file.reader(), 2ull << 20), Residency::on_feedback);
 }
@@ -650,8 +620,7 @@ TEST_F(GpuSample, SaysWhatDoesNotFit) {
 // The same view from a fragment shader, as an engine would draw it.
 TEST_F(GpuSample, FragmentShadersDrawTheSame) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
-    for (const Residency residency :
-         {Residency::on_load, Residency::on_feedback, Residency::on_sample}) {
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
         SCOPED_TRACE(name_of(residency));
         auto texture = SampledTexture::create(file.reader(), with(residency, false));
         ASSERT_TRUE(texture);

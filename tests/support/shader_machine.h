@@ -68,9 +68,6 @@ inline uint TSR_ATOMIC_ADD(uint index, uint value) {
 inline void TSR_ATOMIC_OR(uint index, uint value) {
     tsr_work[index] |= value;
 }
-inline void TSR_ATOMIC_MAX(uint index, uint value) {
-    tsr_work[index] = std::max(tsr_work[index], value);
-}
 
 // The picture the texels go to.
 struct Image {

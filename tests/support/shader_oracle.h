@@ -43,7 +43,6 @@ class ShaderOracle {
 public:
     using Payload = std::vector<std::byte>;
     struct Layout {
-        bool keep_nodes = false;
         bool folded = false; // the texture folded over layers; else tiles side by side with gaps
     };
 
@@ -145,7 +144,7 @@ private:
 
     DecodeBatch make_batch(std::span<const Payload> payloads, const Layout& layout) {
         const TexelPlan texel_plan = plan(layout);
-        BatchBuilder builder(tables_, reader_.grid(), {}, texel_plan, layout.keep_nodes);
+        BatchBuilder builder(tables_, reader_.grid(), {}, texel_plan);
         for (std::uint64_t tile = 0; tile < payloads.size(); ++tile)
             builder.add(tile, payloads[tile], place(tile, layout));
         const Extent4& size = reader_.desc().size;
@@ -178,7 +177,7 @@ private:
             return "an empty payload is refused";
         if (!same_texels(slot, texels, layout))
             return "texels differ";
-        return sound ? check_blocks(slot, layout) : std::string();
+        return sound ? check_blocks(slot) : std::string();
     }
 
     // Order of `texels`: v, u, t, s.
@@ -227,8 +226,8 @@ private:
             pixels.begin(), pixels.end(), [](const auto& p) { return p.x != 0xDEADu; }));
     }
 
-    // Blocks, levels and the kept tree against those that the CPU's decoder holds.
-    std::string check_blocks(std::uint32_t slot, const Layout& layout) const {
+    // Blocks and numbers of nodes and levels against those that the CPU's decoder holds.
+    std::string check_blocks(std::uint32_t slot) const {
         using namespace shaders;
         const TileLevels& levels = decoder_.levels();
         const uint state = tsr_state_at(slot);
@@ -245,29 +244,7 @@ private:
                 if (origin[axis] != block.origin[axis] || sides[axis] != block.shape.n[axis])
                     return "block " + std::to_string(i) + " differs";
         }
-        uint nodes = 0, blocks = 0;
-        if (layout.keep_nodes &&
-            !same_tree(slot, 0, Block{{0, 0, 0, 0}, levels.shape, 0, 0}, nodes, blocks))
-            return "the kept tree differs";
         return {};
-    }
-
-    // The subtree kept at `at` against the next nodes and blocks in decoding order.
-    bool same_tree(std::uint32_t slot, std::uint32_t at, const Block& block, std::uint32_t& nodes,
-                   std::uint32_t& blocks) const {
-        using namespace shaders;
-        const auto& splits = decoder_.levels().splits;
-        if (at >= splits.size() || nodes >= splits.size())
-            return false;
-        const uint node = tsr_work[tsr_node_at(slot, at)];
-        const auto split = static_cast<Split>(splits[nodes++]);
-        if (split == Split::none)
-            return node == (0x80000000u | blocks++);
-        const Children children = children_of(block, split);
-        bool same = node >> 28 == static_cast<uint>(split);
-        for (uint i = 0; same && i < static_cast<uint>(children.count); ++i)
-            same = same_tree(slot, (node & 0x0FFFFFFFu) + i, children.block[i], nodes, blocks);
-        return same;
     }
 
     static inline const ShaderOracle* loaded_ = nullptr; // the shaders' buffers are global

@@ -35,7 +35,7 @@ inline std::set<std::string> names_after(std::string_view text, std::string_view
 inline std::vector<std::vector<ShaderDefine>> sampling_variants() {
     const ShaderDefine filter{"TESSERA_HARDWARE_FILTER", "1"};
     const ShaderDefine cache{"TESSERA_RESIDENT_CACHE", "1"};
-    return {{filter}, {cache}, {cache, filter}, {{"TESSERA_RESIDENT_COEFFICIENTS", "1"}}};
+    return {{filter}, {cache}, {cache, filter}};
 }
 
 // Every program as it is, and once more for each switch that only the host can set: a macro that

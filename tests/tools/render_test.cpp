@@ -495,7 +495,7 @@ double worst_difference(const View& a, const View& b, const Extent4& size, const
 
 TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
     for (const char* scene : {"composed", "lamps"}) {
-        // Without copies, which cannot be sampled from coefficients; and with.
+        // Without copies and with.
         const bool copies = std::string(scene) == "lamps";
         const std::vector<std::byte> bytes = small_tiles(scene, copies ? 5 : 3);
         const auto file = wrap_memory(bytes);
@@ -506,13 +506,9 @@ TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
         const Camera cameras[] = {camera_at(aslant, {45, 120, 90}),
                                   camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 90, 90}),
                                   camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 90, 70})};
-        for (const char* via : {"gpu", "load", "feedback", "sample"}) {
+        for (const char* via : {"gpu", "load", "feedback"}) {
             const auto renderer =
                 make_gpu_renderer(decoder->container(), paper_window, grey, {via, 64});
-            if (copies && std::string(via) == "sample") {
-                EXPECT_EQ(renderer.status().code(), ErrorCode::unsupported);
-                continue;
-            }
             ASSERT_TRUE(renderer.ok()) << renderer.status().message();
             for (const Camera& camera : cameras) {
                 const View expected = texture_view(*texels, camera, {}, {16, 8, 8, 8});
@@ -595,7 +591,7 @@ TEST_F(GpuRender, OrbitsByFeedback) {
     EXPECT_GT(json["device"]["bytes"].get<double>(), 0);
     for (const Json& view : json["views"])
         EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 45) << view;
-    ASSERT_TRUE(run({file, "-o", at("g.png"), "--size", "8x8", "--via", "sample"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("g.png"), "--size", "8x8", "--via", "load"}).ok());
     EXPECT_NE(out_.find("MiB held"), std::string::npos) << out_;
     fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1"},
           "--via cpu");

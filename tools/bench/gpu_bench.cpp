@@ -72,8 +72,6 @@ public:
             TESSERA_TRY(run_load());
         if (wants("feedback"))
             TESSERA_TRY(run_feedback());
-        if (wants("sample"))
-            TESSERA_TRY(run_sample());
         if (wants("decode"))
             TESSERA_TRY(run_decode());
         return {};
@@ -202,14 +200,6 @@ private:
                 return SampledTexture::create(reader_, with(Residency::on_load, filter, enough()));
             }));
         return {};
-    }
-
-    Status run_sample() {
-        BenchRow row = row_of("sample", false, "steady");
-        row.fetches = "evaluated";
-        return plain_row(std::move(row), [&] {
-            return SampledTexture::create(reader_, with(Residency::on_sample, false, enough()));
-        });
     }
 
     Status run_feedback() {

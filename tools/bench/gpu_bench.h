@@ -16,7 +16,7 @@ struct GpuBenchOptions {
     std::optional<unsigned> frames, warm_up; // absent: as many as suit the device
     std::optional<unsigned> budget_mib;      // of the tile cache; absent: see bench_gpu()
     std::string original;                    // of the uncompressed texture; empty: none
-    std::vector<std::string> skip;           // of "raw", "load", "feedback", "sample", "decode"
+    std::vector<std::string> skip;           // of "raw", "load", "feedback", "decode"
     ProgressFunction progress;
 };
 

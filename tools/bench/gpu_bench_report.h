@@ -18,8 +18,8 @@ Spread spread_of(std::vector<double> milliseconds); // zeros where there are non
 
 // One way to draw, and what it costs.
 struct BenchRow {
-    std::string via;     // "raw", "load", "feedback", "sample"
-    std::string fetches; // "16", "4 filtered", "evaluated"
+    std::string via;     // "raw", "load", "feedback"
+    std::string fetches; // "16", "4 filtered"
     std::string frame;   // "steady"; "cold": from an empty cache
     std::string missing; // why there are no figures; empty: there are
 

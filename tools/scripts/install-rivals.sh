@@ -3,12 +3,11 @@
 #   tools/scripts/install-rivals.sh            installs what is missing (as root)
 #   tools/scripts/install-rivals.sh --list     only says
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
-PACKAGES="x265 ffmpeg svt-av1 aom-tools libavif-bin libjxl-tools webp libopenjp2-tools astcenc zfp zstd"
+PACKAGES="x265 ffmpeg aom-tools libavif-bin libjxl-tools astcenc zfp"
 
 # Tools of each package, the first of which knows its version.
-TOOLS="x265:x265 ffmpeg:ffmpeg svt-av1:SvtAv1EncApp aom-tools:aomenc libavif-bin:avifenc,avifdec
-libjxl-tools:cjxl,djxl webp:cwebp,dwebp libopenjp2-tools:opj_compress,opj_decompress astcenc:astcenc
-zfp:zfp zstd:zstd"
+TOOLS="x265:x265 ffmpeg:ffmpeg aom-tools:aomenc libavif-bin:avifenc,avifdec
+libjxl-tools:cjxl,djxl astcenc:astcenc zfp:zfp"
 
 list_rivals() {
     say "Rivals"

@@ -152,7 +152,7 @@ for size in 1024x512x128x128 512x256x64x64 512x256x32x32 compressed 64x32x256x25
         add "$OUT/small-$size-$n.png" "${size/compressed/512x256x32x32 at 40 dB}"
     done
 done
-$T montage "${pictures[@]}" "${labels[@]}" --columns 5 -o corpus/paper_comparison.png
+$T sheet "${pictures[@]}" "${labels[@]}" --columns 5 -o corpus/paper_comparison.png
 pictures=()
 labels=()
 add "$OUT/far-1024x512x32x32-truth.png" "far: truth"
@@ -168,7 +168,7 @@ add "$OUT/close-3-512x256x32x32.png" "512x256x32x32"
 add "$OUT/close-3-64x32x256x256.png" "64x32x256x256"
 add "$OUT/close-4-512x256x32x32.png" "512x256x32x32, other pole"
 for n in 0 1 2 3; do add "$OUT/wave-$n-64x32x256x256.png" "64x32x256x256, $n/4 texel on"; done
-$T montage "${pictures[@]}" "${labels[@]}" --columns 4 --middle 260 -o corpus/paper_comparison_details.png
+$T sheet "${pictures[@]}" "${labels[@]}" --columns 4 --middle 260 -o corpus/paper_comparison_details.png
 
 cat "$TABLES"
 say "Done. Look at corpus/paper_comparison.png, corpus/paper_comparison_details.png and $TABLES"

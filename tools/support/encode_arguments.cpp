@@ -55,7 +55,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     app.add_option("--effort", a.effort, "0 (fastest) to 9 (smallest)")
         ->check(CLI::Range(0, 9))
         ->capture_default_str();
-    app.add_option("--tools", a.tools, tool_switches_help())->type_name("LIST");
+    app.add_option("--tools", a.tools)->group(""); // for experiments: tests/regression/ablation.md
     app.add_option("--tile", a.tile, "Largest tile UxVxSxT, u and v to 64, s and t to 32 (32x32x8x8, or 64x64x4x4 "
                    "where a trial finds it smaller; with --layers 32x32x4x4 in place of the latter)");
     app.add_flag("--layers", a.layers,

@@ -51,13 +51,4 @@ Result<ToolSwitches> parse_tool_switches(std::string_view text) {
     return switches;
 }
 
-std::string tool_switches_help() {
-    std::string text =
-        "Coding tools to switch off (-) or on (+) on top of the effort, with commas: "
-        "--tools=-copies,+grids; none and all stand for every tool.";
-    for (const CodingToolInfo& info : coding_tools)
-        text += std::string("\n") + info.name + ": " + info.help;
-    return text;
-}
-
 } // namespace tessera

@@ -4,7 +4,6 @@
 #include "codec/tile_encoder/tool_switches.h"
 #include "format/status.h"
 
-#include <string>
 #include <string_view>
 
 namespace tessera {
@@ -12,7 +11,5 @@ namespace tessera {
 // "-copies,+rotation"; "none" and "all" stand for every tool. Later words win; the text may be empty.
 // Errors: bad_argument, which lists the tools.
 Result<ToolSwitches> parse_tool_switches(std::string_view text);
-
-std::string tool_switches_help();
 
 } // namespace tessera

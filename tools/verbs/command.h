@@ -23,7 +23,6 @@ void add_info_command(CLI::App& app, Invocation& chosen);
 void add_validate_command(CLI::App& app, Invocation& chosen);
 void add_compare_command(CLI::App& app, Invocation& chosen);
 void add_sheet_command(CLI::App& app, Invocation& chosen);
-void add_montage_command(CLI::App& app, Invocation& chosen);
 void add_shaders_command(CLI::App& app, Invocation& chosen);
 void add_render_command(CLI::App& app, Invocation& chosen);
 void add_bench_command(CLI::App& app, Invocation& chosen);

@@ -68,9 +68,9 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         c.add_option("--original", o.original,
                      "The uncompressed texture (raw or .tess) to draw as raw and to measure PSNR "
                      "against; without it, the texels as the CPU decodes them");
-        c.add_option("--skip", o.skip, "Leave out some of raw,load,feedback,sample,decode")
+        c.add_option("--skip", o.skip, "Leave out some of raw,load,feedback,decode")
             ->delimiter(',')
-            ->check(CLI::IsMember({"raw", "load", "feedback", "sample", "decode"}));
+            ->check(CLI::IsMember({"raw", "load", "feedback", "decode"}));
         c.add_flag("--json", a.json, "Print JSON");
         c.add_flag("--quiet,-q", a.quiet, "No progress");
     };
@@ -82,7 +82,6 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; a frame\n"
         "            that marks its tiles, decoding them, and the frame drawn from them. Steady:\n"
         "            along the orbit, with what little each frame decodes\n"
-        "  sample    texels evaluated from their coefficients in the shader\n"
         "'16' fetches texels one by one, '4 filtered' lets the texture unit mix them.\n\n"
         "ms is a frame's time by the GPU's clock, decoding included, the median and what 95 in "
         "100\n"
@@ -95,7 +94,7 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         "Examples:\n"
         "  tessera bench gpu scene.tess\n"
         "  tessera bench gpu scene.tess --original scene.rgb --size 1280x720 --json\n"
-        "  tessera bench gpu scene.tess --budget 64 --skip raw,load,sample",
+        "  tessera bench gpu scene.tess --budget 64 --skip raw,load",
         declare, run);
 }
 

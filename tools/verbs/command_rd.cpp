@@ -3,7 +3,6 @@
 #include "tools/support/progress.h"
 #include "tools/rd/rd_run.h"
 #include "tools/support/texture_arguments.h"
-#include "tools/support/tool_switches_text.h"
 
 namespace tessera {
 namespace {
@@ -44,11 +43,12 @@ void declare_rates(CLI::App& c, RdOptions& o) {
     c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5, and a point each at 1 and 9)")
         ->delimiter(',')
         ->check(CLI::Range(0, 9));
-    c.add_option("--tools", o.tools, tool_switches_help())->type_name("LIST");
+    c.add_option("--tools", o.tools,
+                 "Coding tools off or on, -copies,+grids (tests/regression/ablation.md lists them)")
+        ->type_name("LIST");
     c.add_option("--rivals", o.rivals,
-                 "all, none, or ids with commas: x265, x265:8, x265:medium, svtav1, svtav1:8, aom, "
-                 "avif, avif:mosaic, jxl, jxl:mosaic, webp, webp:mosaic, jp2, jp2:mosaic, astc, "
-                 "zfp:rate, zfp:accuracy, exr:dwaa, zstd, raw (all)");
+                 "all, none, or ids with commas: x265, x265:8, x265:medium, aom, avif, "
+                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw (all)");
     c.add_option("--anchor", o.anchor,
                  "The codec that BD-rates are against (x265 if it ran, else tessera)");
 }

@@ -345,9 +345,8 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         c.add_option(
              "--via", r.via,
              "cpu, or on the GPU: load (decoded at once), feedback (a cache of the tiles in "
-             "view), sample (decoded in every pixel), or gpu: load where the budget has room for "
-             "it, else feedback")
-            ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback", "sample"}))
+             "view), or gpu: load where the budget has room for it, else feedback")
+            ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback"}))
             ->capture_default_str();
         c.add_option("--budget", r.budget_mib,
                      "MiB: of decoded texels in memory; on the GPU, of all that it holds for the "

@@ -84,8 +84,8 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
             ->check(CLI::IsMember({"gl450", "es310", "vulkan"}))
             ->capture_default_str();
         c.add_option("-D,--define", a.defines,
-                     "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_RESIDENT_COEFFICIENTS, "
-                     "TESSERA_HARDWARE_FILTER, TSR_OUTPUT_HALF, ...");
+                     "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, "
+                     "TSR_OUTPUT_HALF, ...");
     };
     add_verb<Arguments>(app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
                         "sample.glsl holds tessera_sample(), for pasting into a shader of your "

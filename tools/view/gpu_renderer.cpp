@@ -50,10 +50,9 @@ public:
 
     Status open() {
         SampledTextureOptions options;
-        options.residency = options_.via == "gpu"        ? choose_residency(reader_, budget())
-                            : options_.via == "load"     ? Residency::on_load
-                            : options_.via == "feedback" ? Residency::on_feedback
-                                                         : Residency::on_sample;
+        options.residency = options_.via == "gpu"    ? choose_residency(reader_, budget())
+                            : options_.via == "load" ? Residency::on_load
+                                                     : Residency::on_feedback;
         options.budget = budget();
         options.jobs_per_update = options_.tiles_per_frame;
         options.coarse_from = {options_.coarse_level, options_.coarse_texels};

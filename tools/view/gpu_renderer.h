@@ -14,8 +14,7 @@ namespace tessera {
 struct GpuRenderOptions {
     // As decoder_glsl/gl_sampled_texture.h explains: "load", all tiles decoded into an ordinary
     // texture; "feedback", a cache of the tiles that views touch, kept from one view to the next;
-    // "sample", nothing decoded but the entropy coding; "gpu", the first of them that the budget
-    // has room for.
+    // "gpu", the first of them that the budget has room for.
     std::string via = "feedback";
     unsigned budget_mib = 512;
     unsigned tiles_per_frame = 0; // on feedback: most that are decoded between two frames; 0: all

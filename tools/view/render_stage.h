@@ -16,7 +16,7 @@ struct StageRequest {
     std::string scene;        // the texture of a built-in scene, baked where it is looked at,
     std::string texture_size; // of "UxVxSxT" texels; empty: the scene's own
     DecodeOptions decode;     // of the file
-    std::string via = "cpu";  // cpu, load, feedback or sample
+    std::string via = "cpu";  // cpu, gpu, load or feedback
     unsigned budget_mib = 512;
     unsigned tiles_per_frame = 0;    // with feedback, see gpu_renderer.h
     std::string truth;               // a scene to ray trace directly, or empty
