@@ -79,7 +79,7 @@ JournalFacts facts_of(const EncodePlan& plan) {
         {"number of channels", std::to_string(desc.channels)},
         {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
         {"effort", std::to_string(o.effort)},
-        {"list of tools", tools_text(o.tools)},
+        {"list of tools", tools_text(plan.tools)},
         {"layers", o.layers ? "coarse levels" : "none"},
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},

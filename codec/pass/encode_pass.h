@@ -9,6 +9,7 @@
 #include "codec/entropy/tile_entropy.h"
 #include "codec/journal/tile_store.h"
 #include "codec/tile/tile_texels.h"
+#include "codec/tile_encoder/tool_switches.h"
 #include "format/tile/coding_parameters.h"
 #include "format/levels.h"
 
@@ -29,6 +30,7 @@ struct EncodePlan {
     Journal* journal = nullptr; // nullptr: payloads stay in memory
     TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
     std::uint64_t texels_that_matter = 0;
+    ToolSwitches tools; // options.tools, parsed
 };
 
 struct PassResult {

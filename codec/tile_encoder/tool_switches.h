@@ -1,10 +1,13 @@
 // Coding tools that can be switched off one by one, to see what each is worth, or on where an
-// effort leaves them out. What they are, and are worth: tests/regression/ablation.md.
+// effort leaves them out. What they are worth: tests/regression/ablation.md.
 #pragma once
+
+#include "format/status.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace tessera {
 
@@ -28,23 +31,28 @@ enum class CodingTool : std::uint8_t {
 struct CodingToolInfo {
     CodingTool tool;
     const char* name;
+    const char* help;
 };
 
 inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
-    {CodingTool::copies, "copies"},
-    {CodingTool::both, "both"},
-    {CodingTool::half, "half"},
-    {CodingTool::rotation, "rotation"},
-    {CodingTool::ycocg, "ycocg"},
-    {CodingTool::rotated_search, "rotated-search"},
-    {CodingTool::dependent, "dependent"},
-    {CodingTool::rdo, "rdo"},
-    {CodingTool::fitted_tables, "fitted-tables"},
-    {CodingTool::dense_tables, "dense-tables"},
-    {CodingTool::grids, "grids"},
-    {CodingTool::smooth, "smooth"},
-    {CodingTool::filter, "filter"},
-    {CodingTool::refine, "refine"},
+    {CodingTool::copies, "copies", "blocks copy from other views"},
+    {CodingTool::both, "both", "... from two directions at once"},
+    {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
+    {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
+    {CodingTool::ycocg, "ycocg", "YCoCg, not RGB; without it no rotation either"},
+    {CodingTool::rotated_search, "rotated-search",
+     "the search for blocks knows of rotated colours"},
+    {CodingTool::dependent, "dependent", "two quantisers in turn, chosen by a trellis"},
+    {CodingTool::rdo, "rdo",
+     "levels by rate and distortion, not rounded with a dead zone; without it not dependent "
+     "either"},
+    {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
+    {CodingTool::dense_tables, "dense-tables",
+     "... learnt from a dense start, too, where a trial finds it better"},
+    {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
+    {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
+    {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
+    {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
 }};
 
 // What was asked for on top of an effort. By itself nothing.
@@ -69,5 +77,8 @@ private:
     }
     std::uint32_t on_ = 0, off_ = 0;
 };
+
+// The words of EncodeOptions::tools. Errors: bad_argument, which lists the tools.
+Result<ToolSwitches> parse_tool_switches(const std::string& text);
 
 } // namespace tessera

@@ -4,7 +4,6 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
 #include "tools/support/parse.h"
-#include "tools/support/tool_switches_text.h"
 #include "format/tile/limits.h"
 
 #include <algorithm>
@@ -83,10 +82,8 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     EncodeOptions options;
     options.rate = make_rate(a);
     options.effort = a.effort;
-    const auto tools = parse_tool_switches(a.tools);
-    if (!tools.ok())
-        return tools.status();
-    options.tools = *tools;
+    TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
+    options.tools = a.tools;
     options.threads = threads;
     const auto slab_bytes = slab_budget(a.memory, threads);
     if (!slab_bytes.ok())
