@@ -4,7 +4,6 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
 #include "tools/support/parse.h"
-#include "format/tile/limits.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -23,16 +22,6 @@ RateTarget make_rate(const EncodeArguments& a) {
     if (a.max_error)
         return {Kind::max_error, *a.max_error};
     return {Kind::quality, a.quality.value_or(75)};
-}
-
-// Tiles have limits of their own, so this is not parse_extent's business.
-Result<Extent4> parse_tile(const std::string& text) {
-    auto tile = parse_extent(text);
-    for (std::size_t axis = 0; tile.ok() && axis < 4; ++axis)
-        if ((*tile)[axis] > static_cast<std::uint32_t>(max_side_along(axis)))
-            return Status(ErrorCode::bad_argument,
-                          "'" + text + "' has a side above 64 along u or v, or 32 along s or t");
-    return tile;
 }
 
 } // namespace
@@ -95,7 +84,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     options.journal = a.resume ? JournalUse::resume : JournalUse::start;
     options.cancelled = [] { return interrupted_by() != 0; };
     if (!a.tile.empty()) {
-        const auto tile = parse_tile(a.tile);
+        const auto tile = parse_extent(a.tile);
         if (!tile.ok())
             return tile.status().with_context("--tile");
         options.tile_extent = *tile;
