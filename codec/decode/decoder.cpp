@@ -139,19 +139,19 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
             options.progress("decode", static_cast<double>(done),
                              static_cast<double>(tiles.size()));
     };
-    if (options.integrity == Integrity::tile) // reads past the pages, so none are brought
-        return parallel_for(
-            workers, tiles.size(),
-            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); }, tell);
-    TilesAhead ahead(container, tiles);
+    // Tiles that are read past their pages have no use for pages that are brought ahead.
+    const bool by_pages = options.integrity == Integrity::page;
+    TilesAhead ahead(container, by_pages ? tiles : std::vector<std::uint64_t>());
     for (std::size_t done = 0; done < tiles.size();) {
-        const Result<std::size_t> window = ahead.ready(done);
-        TESSERA_TRY(window.status());
+        std::size_t window = tiles.size();
+        if (by_pages) {
+            TESSERA_TRY_ASSIGN(window, ahead.ready(done));
+        }
         TESSERA_TRY(parallel_for(
-            workers, *window,
+            workers, window,
             [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[done + i]); },
             [&](std::size_t i) { tell(done + i); }));
-        done += *window;
+        done += window;
     }
     tell(tiles.size());
     return {};
