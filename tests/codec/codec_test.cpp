@@ -1,7 +1,7 @@
 // The whole codec: encode, decode, what is promised about size, error, access and damage.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/encode/rate_control.h"
+#include "codec/pass/steps.h"
 #include "codec/texels/slabs.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/tile_encoder/tool_switches.h"
