@@ -1,5 +1,6 @@
 // Coarse levels: their numbering, means and interpolation, files that hold them, beginnings of such
 // files, damage that they stand in for, and readers on many threads.
+#include "format/container/syntax.h"
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/texels/level_texels.h"

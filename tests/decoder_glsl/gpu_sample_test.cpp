@@ -1,5 +1,6 @@
 // Sampling on the device: both residencies against the sampler on the CPU, and what surrounds
 // them: budgets, coarse texels, eviction, damaged files.
+#include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/texture.h"
 #include "decoder_glsl/gl_view_renderer.h"
 #include "tests/support/decode_cases.h"

@@ -1,5 +1,6 @@
 // Shader sources: what the preprocessor of ours makes of them, and that every program that ships is
 // good GLSL in every dialect.
+#include "decoder_glsl/shaders/shader_files.h"
 #include "decoder_glsl/shaders/shader_log.h"
 #include "decoder_glsl/shader_source.h"
 #include "tests/support/shader_programs.h"

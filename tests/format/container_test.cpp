@@ -1,4 +1,6 @@
 // The container: writing, opening, finding tiles, and refusing everything that is damaged.
+#include "format/container/syntax.h"
+#include "format/container/index.h"
 #include "format/io/bytes.h"
 #include "format/container_reader.h"
 #include "format/container/container_writer.h"

@@ -1,5 +1,6 @@
 // A whole file: opened, validated, every part of it that is small enough decoded. A second round
 // mends the checksums of header and sections, so that the fuzzer gets past them.
+#include "format/container/syntax.h"
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "format/io/bytes.h"

@@ -1,5 +1,6 @@
 // The library against the second decoder (tests/reference, written from FORMAT.md alone), on files
 // of the encoder, on hand-made and damaged files, and on frozen ones (tests/golden).
+#include "format/tile/features.h"
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/bake.h"
