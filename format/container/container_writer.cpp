@@ -262,7 +262,7 @@ Status Builder::write(ByteSink& sink) const {
     std::uint64_t offset = header_bytes + header_.section_count * section_entry_bytes;
     const auto add_entry = [&](const std::string& type, std::uint32_t crc, std::uint64_t length) {
         SectionEntry entry{{}, crc, offset, length};
-        std::ranges::copy(type, entry.type.begin());
+        std::copy_n(type.begin(), entry.type.size(), entry.type.begin());
         append_bytes(table, store_section(entry));
         offset += length;
     };

@@ -61,8 +61,10 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     for (int attempt = 0; attempt < attempts; ++attempt) {
         OutputFile file;
         file.path_ = path;
-        file.temporary_ = path + "." + std::to_string(::getpid()) +
-                          (attempt > 0 ? "-" + std::to_string(attempt) : "") + ".tmp";
+        file.temporary_ = path + "." + std::to_string(::getpid());
+        if (attempt > 0)
+            file.temporary_.append("-").append(std::to_string(attempt));
+        file.temporary_ += ".tmp";
         file.descriptor_ = sys::open(file.temporary_.c_str(), create_flags, 0666);
         if (file.descriptor_ >= 0)
             return file;
