@@ -17,7 +17,7 @@
 namespace tessera {
 namespace {
 
-Status bad(const std::string& what) {
+Status refused(const std::string& what) {
     return {ErrorCode::bad_argument, what};
 }
 
@@ -33,10 +33,10 @@ Status check_tile(const EncodeOptions& options) {
     for (std::size_t axis = 0; axis < 4; ++axis) {
         const std::uint32_t side = options.tile_extent[axis];
         if (side < 1 || side > static_cast<std::uint32_t>(max_side_along(axis)))
-            return bad("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
+            return refused("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
     }
     if (texel_count(options.tile_extent) > max_tile_texels)
-        return bad("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
+        return refused("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
     return {};
 }
 
@@ -58,29 +58,29 @@ Status check_rate(const RateTarget& rate, SampleType type) {
     const double value = rate.value;
     const double largest_error = type == SampleType::unorm8 ? 255 : 65535;
     if (!std::isfinite(value))
-        return bad("the rate target is not a number");
+        return refused("the rate target is not a number");
     switch (rate.kind) {
     case Kind::quality:
-        return value >= 1 && value <= 100 ? Status() : bad("quality must be 1 to 100");
+        return value >= 1 && value <= 100 ? Status() : refused("quality must be 1 to 100");
     case Kind::psnr:
         return value > 0 && value <= 120 ? Status()
-                                         : bad("target PSNR must be above 0, at most 120 dB");
+                                         : refused("target PSNR must be above 0, at most 120 dB");
     case Kind::max_error:
         return value >= 0 && value <= largest_error && value == std::floor(value)
                    ? Status()
-                   : bad("maximum error must be a whole number from 0 to " +
+                   : refused("maximum error must be a whole number from 0 to " +
                          std::to_string(static_cast<int>(largest_error)));
     case Kind::bpt:
     case Kind::bytes:
-        return value > 0 ? Status() : bad("the size target must be above 0");
+        return value > 0 ? Status() : refused("the size target must be above 0");
     }
-    return bad("unknown kind of rate target");
+    return refused("unknown kind of rate target");
 }
 
 // Numbers beyond those of FORMAT.md, which a cast may have brought.
 template <class Enum> Status check_known(Enum value, Enum last, const char* name) {
     return value <= last ? Status()
-                         : bad(std::string(name) + " " +
+                         : refused(std::string(name) + " " +
                                std::to_string(static_cast<unsigned>(value)) + " is unknown");
 }
 
@@ -101,7 +101,7 @@ Status check_description(const TextureDesc& desc, const Description& d) {
     constexpr std::string_view place = "header field ";
     if (message.starts_with(place))
         message.remove_prefix(place.size());
-    return status.ok() ? Status() : bad(std::string(message));
+    return status.ok() ? Status() : refused(std::string(message));
 }
 
 // Bytes that no file of this texture is below: one of nothing but background, with built-in tables.
@@ -135,7 +135,7 @@ Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) 
     TESSERA_TRY_ASSIGN(const std::uint64_t least, least_file_bytes(desc, options));
     if (wanted >= static_cast<double>(least))
         return {};
-    return bad("the target cannot be met: " + text_of(std::floor(wanted)) +
+    return refused("the target cannot be met: " + text_of(std::floor(wanted)) +
                " bytes are asked for, and no file of this texture is smaller than " +
                std::to_string(least));
 }
@@ -146,7 +146,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
     TESSERA_TRY(check_desc(desc));
     TESSERA_TRY(check_mask(options.mask, desc.size));
     if (options.effort < 0 || options.effort > 9)
-        return bad("effort must be 0 to 9");
+        return refused("effort must be 0 to 9");
     TESSERA_TRY(check_coding_tools(options.tools));
     TESSERA_TRY(check_tile(options));
     TESSERA_TRY(check_tile_count(desc, options));

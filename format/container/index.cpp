@@ -94,10 +94,6 @@ std::uint32_t record_crc(std::uint64_t identity, std::uint32_t group,
     return crc32c(body, crc32c(seed));
 }
 
-Status invalid(const std::string& text) {
-    return {ErrorCode::invalid_file, text};
-}
-
 } // namespace
 
 GroupIndex::PageRange GroupIndex::pages_of(std::uint64_t first, std::uint64_t last) const {

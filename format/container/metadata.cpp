@@ -71,10 +71,6 @@ std::string value_problem(const std::string& key, const std::string& value) {
     return is_text(value) ? "" : "metadata \"" + key + "\" is not UTF-8 without NUL";
 }
 
-Status invalid(const std::string& text) {
-    return {ErrorCode::invalid_file, text};
-}
-
 std::string to_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

@@ -94,10 +94,6 @@ template <class Fields, class Header> void walk_header(Fields& fields, Header& h
         h.reserved = std::uint64_t{reserved_78} << 32 | reserved_120;
 }
 
-Status invalid(const std::string& text) {
-    return {ErrorCode::invalid_file, text};
-}
-
 Status check_range(const char* field, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
     if (low <= value && value <= high)
         return {};

@@ -62,6 +62,11 @@ struct FileHeader {
     std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }
 };
 
+// An error invalid_file; the caller adds the file's name.
+inline Status invalid(const std::string& text) {
+    return {ErrorCode::invalid_file, text};
+}
+
 // Fields <-> the 128 bytes; neither checks anything.
 FileHeader load_header(std::span<const std::byte, header_bytes> bytes);
 std::array<std::byte, header_bytes> store_header(const FileHeader& header);

@@ -50,9 +50,9 @@ private:
     std::string path_;
 };
 
-class MemorySource : public ByteSource {
+class MemoryBytes : public ByteSource {
 public:
-    explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    explicit MemoryBytes(std::span<const std::byte> bytes) : bytes_(bytes) {}
     std::uint64_t size() const override { return bytes_.size(); }
     std::string name() const override { return "<memory>"; }
 
@@ -102,7 +102,7 @@ Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
 }
 
 std::unique_ptr<ByteSource> wrap_memory(std::span<const std::byte> bytes) {
-    return std::make_unique<MemorySource>(bytes);
+    return std::make_unique<MemoryBytes>(bytes);
 }
 
 // One lock for all counters: they serve tests and reports, and the class stays movable.
