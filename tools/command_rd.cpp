@@ -1,5 +1,6 @@
 #include "corpus/bake.h"
 #include "tools/command.h"
+#include "tools/option_checks.h"
 #include "tools/progress.h"
 #include "tools/rd/rd_run.h"
 #include "tools/texture_arguments.h"
@@ -67,7 +68,7 @@ void declare_sweep(CLI::App& c, RdOptions& o) {
     c.add_option("--cache", o.cache, "Folder of measurements, to go on from (OUTPUT/cache)");
     c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
     c.add_option("--timeout", o.timeout, "Seconds that a run of a rival's tool may take")
-        ->check(CLI::PositiveNumber)
+        ->check(number_between(1, 1e6))
         ->capture_default_str();
 }
 

@@ -3,6 +3,8 @@
 #include "tools/fill_text.h"
 #include "tools/interrupt.h"
 #include "tools/open_bytes.h"
+#include "tools/option_checks.h"
+#include "tools/output_folders.h"
 #include "tools/parse.h"
 #include "tools/progress.h"
 #include "tools/render_stage.h"
@@ -350,10 +352,11 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
             ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback", "sample"}))
             ->capture_default_str();
         c.add_option("--budget", r.budget_mib,
-                     "MiB: of decoded texels in memory; on the GPU, of all that it holds for the "
-                     "file")
-            ->check(CLI::Range(1u, 1u << 20))
-            ->capture_default_str();
+                     "Most decoded texels in memory; on the GPU, all that it holds for the file: "
+                     "512M, 2G, or a number of MiB")
+            ->transform(mebibytes())
+            ->type_name("SIZE")
+            ->default_str("512M");
         auto* truth = c.add_option("--truth", r.truth,
                                    "A built-in scene to ray trace and measure against, together "
                                    "with the uncompressed texture");

@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/contact_sheet.h"
 #include "tools/interrupt.h"
+#include "tools/output_folders.h"
 #include "tools/texture_arguments.h"
 #include "tools/texture_io.h"
 
@@ -66,11 +67,14 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
             ->capture_default_str();
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "sheet", "A PNG of some views and angular images",
-                        "Examples:\n"
-                        "  tessera sheet scene.exr scene.tess -o sheet.png\n"
-                        "  tessera sheet scene.tess -o sheet.png --views 5",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "sheet", "A PNG of some views and angular images",
+        "Views are spread over s and t, angular images over u and v; half floats are shown as\n"
+        "sRGB of x / (1 + x).\n\n"
+        "Examples:\n"
+        "  tessera sheet scene.exr scene.tess -o sheet.png\n"
+        "  tessera sheet scene.tess -o sheet.png --views 5",
+        declare, run);
 }
 
 } // namespace tessera

@@ -1,6 +1,8 @@
 #include "tools/fill_text.h"
 
+#include "tools/open_bytes.h"
 #include "tools/parse.h"
+#include "tools/texture_io.h"
 
 #include <algorithm>
 
@@ -46,6 +48,21 @@ std::string fill_text(const Decoder& decoder, const std::string& indent) {
     if (report.damaged_tiles > most_named)
         text += indent + "       and so on; tessera validate lists them all\n";
     return text;
+}
+
+Status with_partial_hint(const Status& status, ByteSource& file, const DecodeOptions& options) {
+    if (status.code() != ErrorCode::invalid_file || options.allow_partial ||
+        ContainerReader::open(file).ok() || !ContainerReader::open(file, OpenOptions{true}).ok())
+        return status;
+    return {status.code(), status.message() + "; --allow-partial reads the part that is there"};
+}
+
+Status with_partial_hint(const Status& status, const std::string& name,
+                         const DecodeOptions& options) {
+    if (status.code() != ErrorCode::invalid_file || kind_of_input(name) != TextureKind::tess)
+        return status;
+    const auto file = open_bytes(name);
+    return file.ok() ? with_partial_hint(status, **file, options) : status;
 }
 
 Json fill_json(const Decoder& decoder) {

@@ -12,6 +12,13 @@ namespace tessera {
 // At most eight damaged tiles are named with their texels.
 std::string fill_text(const Decoder& decoder, const std::string& indent);
 
+// An error of opening a file of which only the beginning is there, with the option that takes that.
+Status with_partial_hint(const Status& status, ByteSource& file, const DecodeOptions& options);
+
+// The same of the texture of this name, if it is a .tess.
+Status with_partial_hint(const Status& status, const std::string& name,
+                         const DecodeOptions& options);
+
 // {"received_bytes", "file_bytes", "missing_tiles", "damaged_tiles", "filled_texels", "damaged": [...]}
 Json fill_json(const Decoder& decoder);
 

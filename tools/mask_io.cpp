@@ -6,6 +6,7 @@
 #include "tools/copy_texture.h"
 #include "tools/interrupt.h"
 #include "tools/parse.h"
+#include "tools/standard_streams.h"
 #include "tools/texture_io.h"
 
 #include <utility>
@@ -79,7 +80,8 @@ Result<TextureHints> mask_hints(const MaskArguments& arguments, const Extent4& t
             return size.status().with_context("--mask-size");
         hints.size = *size;
     }
-    if (arguments.path.ends_with(".raw")) { // other names say what they hold
+    if (arguments.path.ends_with(".raw") ||
+        arguments.path == standard_stream) { // other names say what they hold
         hints.type = SampleType::unorm8;
         hints.channels = std::uint8_t{1};
     }

@@ -1,6 +1,7 @@
 #include "tools/open_bytes.h"
 
 #include "tools/parse.h"
+#include "tools/standard_streams.h"
 #ifdef TESSERA_HTTP
 #include "tools/http_source.h"
 #endif
@@ -51,6 +52,8 @@ std::string without_query(const std::string& name) {
 
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
     const std::string scheme = scheme_of(name);
+    if (name == standard_stream)
+        return open_standard_input();
     if (scheme.empty())
         return open_file(name);
     if (scheme == "http" || scheme == "https")

@@ -1,4 +1,4 @@
-// A .tess file by name: a path, or the URL of one on a web server.
+// A .tess file by name: a path, "-" for standard input, or the URL of one on a web server.
 #pragma once
 
 #include "format/byte_source.h"
@@ -15,7 +15,7 @@ bool is_url(const std::string& name);
 // The name without a URL's ?query and #fragment: what its ending says counts.
 std::string without_query(const std::string& name);
 
-// Opens a path (open_file()) or an http:// or https:// URL (HttpSource). Errors: those of the two;
+// Opens a path (open_file()), "-" (open_standard_input()) or an http:// or https:// URL (HttpSource). Errors: those of the two;
 // bad_argument (another scheme); unsupported (a URL, and TESSERA_HTTP is off in this build).
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name);
 

@@ -1,6 +1,7 @@
 #include "tools/picture.h"
 
 #include "format/output_file.h"
+#include "tools/output_folders.h"
 #include "tools/png_file.h"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ Status write_png(const std::string& path, const Picture& picture) {
     const auto png = encode_png({picture.width, picture.height, 3}, picture.rgb);
     if (!png.ok())
         return png.status().with_context(path);
+    TESSERA_TRY(make_parent_folders(path));
     auto file = OutputFile::create(path);
     if (!file.ok())
         return file.status();

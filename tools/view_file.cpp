@@ -1,7 +1,7 @@
 #include "tools/view_file.h"
 
 #include "tools/exr_stream.h"
-#include "tools/texture_io.h"
+#include "tools/output_folders.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -18,6 +18,7 @@ std::string ending_of(const std::string& path) {
 }
 
 Status write_exr(const std::string& path, const View& view) {
+    TESSERA_TRY(make_parent_folders(path));
     auto file = OutputFile::create(path);
     if (!file.ok())
         return file.status();
