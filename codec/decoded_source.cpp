@@ -66,7 +66,7 @@ public:
     Status read(const Box4& box, std::span<std::byte> out) override {
         if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
             TESSERA_TRY(ahead_.want(box));
-        return decoder_.decode_box(box, out);
+        return decoder_.decode_box(box, out, 1); // its callers are threads already
     }
 
 private:

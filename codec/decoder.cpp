@@ -12,6 +12,7 @@
 namespace tessera {
 
 struct Decoder::State {
+    std::unique_ptr<ByteSource> source; // of `container`, where the decoder owns it
     ContainerReader container;
     ColourCoding colour;
     std::vector<std::unique_ptr<TileCoding>> codings; // of the levels, finest first
@@ -25,10 +26,12 @@ struct Worker {
     std::vector<std::byte> texels, payload;
 };
 
-std::vector<Worker> make_workers(unsigned threads, const TileCoding& coding,
+// As many as `threads` asks for and `tiles` have use for.
+std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const TileCoding& coding,
                                  const ColourCoding& colour) {
+    const std::size_t count = std::clamp<std::size_t>(tiles, 1, thread_count(threads));
     std::vector<Worker> workers;
-    for (unsigned i = 0; i < thread_count(threads); ++i)
+    for (std::size_t i = 0; i < count; ++i)
         workers.push_back({TileDecoder(coding, colour), {}, {}});
     return workers;
 }
@@ -50,10 +53,23 @@ Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) 
     const ColourCoding colour{header.desc, header.colour, header.background,
                               (header.required_features & feature_corrections) != 0};
     std::unique_ptr<State> state(
-        new State{std::move(*container), colour, std::move(*codings), nullptr});
+        new State{nullptr, std::move(*container), colour, std::move(*codings), nullptr});
     state->fill =
         std::make_unique<CoarseFill>(state->container, state->colour, state->codings, options);
     return Decoder(std::move(state));
+}
+
+Result<Decoder> Decoder::open(std::unique_ptr<ByteSource> source, const DecodeOptions& options) {
+    if (source == nullptr)
+        return Status(ErrorCode::bad_argument, "there is no source of bytes to open");
+    TESSERA_TRY_ASSIGN(Decoder decoder, open(*source, options));
+    decoder.state_->source = std::move(source);
+    return decoder;
+}
+
+Result<Decoder> Decoder::open_file(const std::string& path, const DecodeOptions& options) {
+    TESSERA_TRY_ASSIGN(std::unique_ptr<ByteSource> source, tessera::open_file(path));
+    return open(std::move(source), options);
 }
 
 const ContainerReader& Decoder::container() const {
@@ -94,6 +110,11 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
 
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned threads,
                            Integrity integrity) const {
+    return decode_box(box, out, ReadOptions{threads, integrity, {}, {}});
+}
+
+Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
+                           const ReadOptions& options) const {
     const ContainerReader& container = state_->container;
     if (!is_inside(box, desc().size))
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
@@ -102,19 +123,26 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
         return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
     const TileGrid& grid = container.grid();
     std::vector<std::uint64_t> tiles = grid.tiles_touched(box);
-    std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
+    std::vector<Worker> workers =
+        make_workers(options.threads, tiles.size(), *state_->codings[0], state_->colour);
     const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
+        if (options.cancelled && options.cancelled())
+            return {ErrorCode::runtime, "interrupted"};
         const Box4 tile_box = grid.box(tile);
-        TESSERA_TRY(decode_tile(container, *state_->fill, tile, tile_box, integrity, worker));
+        TESSERA_TRY(
+            decode_tile(container, *state_->fill, tile, tile_box, options.integrity, worker));
         copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out, desc().texel_bytes());
         return {};
     };
-    const auto no_progress = [](std::size_t) {};
-    if (integrity == Integrity::tile) // reads past the pages, so none are brought
+    const auto tell = [&](std::size_t done) {
+        if (options.progress)
+            options.progress("decode", static_cast<double>(done),
+                             static_cast<double>(tiles.size()));
+    };
+    if (options.integrity == Integrity::tile) // reads past the pages, so none are brought
         return parallel_for(
             workers, tiles.size(),
-            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); },
-            no_progress);
+            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); }, tell);
     TilesAhead ahead(container, tiles);
     for (std::size_t done = 0; done < tiles.size();) {
         const Result<std::size_t> window = ahead.ready(done);
@@ -122,9 +150,10 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
         TESSERA_TRY(parallel_for(
             workers, *window,
             [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[done + i]); },
-            no_progress));
+            [&](std::size_t i) { tell(done + i); }));
         done += *window;
     }
+    tell(tiles.size());
     return {};
 }
 
@@ -135,7 +164,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
-    std::vector<Worker> workers = make_workers(threads, *state_->codings[0], state_->colour);
+    std::vector<Worker> workers =
+        make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
     const auto slabs =
         make_slabs(grid, box, sink.locality(), {slab_bytes / desc().texel_bytes(), false});
     if (!slabs)

@@ -6,8 +6,10 @@
 #include "format/container_reader.h"
 #include "format/texture.h"
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tessera {
@@ -17,6 +19,16 @@ enum class Integrity {
     page, // the page that holds each tile is read whole and its CRC32C checked (default)
     tile, // only the tile's own bytes are read; damage is found by the stream's end state, which
           // misses some flips
+};
+
+// How texels of a box are had.
+struct ReadOptions {
+    unsigned threads = 0; // 0: all cores
+    Integrity integrity = Integrity::page;
+    ProgressFunction progress; // of tiles
+    // Asked from several threads, before each tile; once it says true the call ends with the error
+    // "interrupted" (runtime) and unspecified texels.
+    std::function<bool()> cancelled;
 };
 
 // What is shown from coarser levels, or as background where there are none, instead of an error.
@@ -39,6 +51,11 @@ class Decoder {
 public:
     // Reads header, tables and index root: at most 2 reads. `source` must outlive the decoder.
     static Result<Decoder> open(ByteSource& source, const DecodeOptions& options = {});
+    // The same, and the decoder owns `source`.
+    static Result<Decoder> open(std::unique_ptr<ByteSource> source,
+                                const DecodeOptions& options = {});
+    // The file at `path`, which stays open as long as the decoder lives.
+    static Result<Decoder> open_file(const std::string& path, const DecodeOptions& options = {});
     Decoder(Decoder&&) noexcept;
     ~Decoder();
 
@@ -46,9 +63,11 @@ public:
     const TextureDesc& desc() const; // of level 0
 
     // Decodes the texels of `box` into `out` (desc().box_bytes(box) bytes, order as in texture.h),
-    // reading only the tiles that the box touches. threads 0: all cores.
-    Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 1,
+    // reading only the tiles that the box touches. threads 0: all cores. Errors: bad_argument (a box
+    // or a buffer that does not fit); io and invalid_file, those of the file.
+    Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 0,
                       Integrity integrity = Integrity::page) const;
+    Status decode_box(const Box4& box, std::span<std::byte> out, const ReadOptions& options) const;
 
     // Streams `box` into `sink` slab by slab in bounded memory, in coordinates of the whole
     // texture; calls sink.finish(). A slab holds at most `slab_bytes` of texels (sinks of

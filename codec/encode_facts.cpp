@@ -93,7 +93,7 @@ JournalFacts facts_of(const EncodePlan& plan) {
         {"number of channels", std::to_string(desc.channels)},
         {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
         {"effort", std::to_string(o.effort)},
-        {"list of tools", tools_text(o.tools)},
+        {"list of tools", tools_text(plan.tools)},
         {"layers", o.layers ? "coarse levels" : "none"},
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},
@@ -124,7 +124,7 @@ Metadata recorded_metadata(const EncodePlan& plan) {
     std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
     metadata[made_rate_key] = rate_text(options.rate);
     metadata[made_effort_key] = std::to_string(options.effort);
-    if (std::string tools = tools_text(options.tools); !tools.empty())
+    if (std::string tools = tools_text(plan.tools); !tools.empty())
         metadata[made_tools_key] = std::move(tools);
     return metadata;
 }

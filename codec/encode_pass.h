@@ -9,6 +9,7 @@
 #include "codec/tile_entropy.h"
 #include "codec/tile_store.h"
 #include "codec/tile_texels.h"
+#include "codec/tool_switches.h"
 #include "format/coding_parameters.h"
 #include "format/tile_grid.h"
 
@@ -29,6 +30,7 @@ struct EncodePlan {
     Journal* journal = nullptr; // nullptr: payloads stay in memory
     TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
     std::uint64_t texels_that_matter = 0;
+    ToolSwitches tools; // options.tools, parsed
 };
 
 struct PassResult {

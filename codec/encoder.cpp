@@ -6,51 +6,13 @@
 #include "codec/rate_control.h"
 #include "codec/texel_mask.h"
 #include "codec/tile_choice.h"
+#include "codec/tool_switches.h"
 #include "format/container_writer.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 namespace tessera {
-
-Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
-    using Kind = RateTarget::Kind;
-    const auto bad = [](const std::string& what) { return Status(ErrorCode::bad_argument, what); };
-    TESSERA_TRY(check_desc(desc));
-    TESSERA_TRY(check_mask(options.mask, desc.size));
-    if (options.effort < 0 || options.effort > 9)
-        return bad("effort must be 0 to 9");
-    std::uint64_t tile = 1;
-    const bool by_trial = options.tile_extent == tile_by_trial;
-    for (std::size_t axis = 0; axis < 4; ++axis) {
-        const std::uint32_t side = options.tile_extent[axis];
-        if ((side < 1 && !by_trial) || side > static_cast<std::uint32_t>(max_side_along(axis)))
-            return bad("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
-        tile *= side;
-    }
-    if (tile > max_tile_texels)
-        return bad("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
-    const double value = options.rate.value;
-    const double largest_error = desc.type == SampleType::unorm8 ? 255 : 65535;
-    if (!std::isfinite(value))
-        return bad("the rate target is not a number");
-    switch (options.rate.kind) {
-    case Kind::quality:
-        return value >= 1 && value <= 100 ? Status() : bad("quality must be 1 to 100");
-    case Kind::psnr:
-        return value > 0 && value <= 120 ? Status()
-                                         : bad("target PSNR must be above 0, at most 120 dB");
-    case Kind::max_error:
-        return value >= 0 && value <= largest_error && value == std::floor(value)
-                   ? Status()
-                   : bad("maximum error must be a whole number from 0 to " +
-                         std::to_string(static_cast<int>(largest_error)));
-    default:
-        return value > 0 ? Status() : bad("the size target must be above 0");
-    }
-}
-
 namespace {
 
 // Views of small files touch 30 to 40 % fewer bytes than with 2048, for 0.26 % in checksums.
@@ -135,7 +97,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     const Result<std::uint64_t> texels_that_matter =
         count_texels_that_matter(options.mask, desc.size, options.threads);
     TESSERA_TRY(texels_that_matter.status());
-    const EffortSettings effort = EffortSettings::of(options.effort, options.tools);
+    TESSERA_TRY_ASSIGN(const ToolSwitches tools, parse_tool_switches(options.tools));
+    const EffortSettings effort = EffortSettings::of(options.effort, tools);
     EncodePlan plan{
         source,
         options,
@@ -147,7 +110,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         effort,
         nullptr,
         options.mask,
-        *texels_that_matter};
+        *texels_that_matter,
+        tools};
     const bool resume = options.journal == JournalUse::resume;
     if (journal != nullptr && resume)
         TESSERA_TRY(journal->may_resume(facts_of(plan)));
@@ -245,19 +209,40 @@ Result<EncodeReport> encode_with_journal(TexelSource& source, const std::string&
 
 } // namespace
 
-Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
-                                   const EncodeOptions& options) {
+Result<EncodeReport>
+encode_stream(TexelSource& source,
+              const std::function<Status(std::span<const std::byte> piece)>& write,
+              const EncodeOptions& options) {
+    class Stream : public ByteSink {
+    public:
+        explicit Stream(const std::function<Status(std::span<const std::byte>)>& to) : to_(to) {}
+        Status append(std::span<const std::byte> bytes) override { return to_(bytes); }
+
+    private:
+        const std::function<Status(std::span<const std::byte>)>& to_;
+    };
     try {
         TESSERA_TRY(check_options(source.desc(), options));
-        return encode(source, options, nullptr,
-                      [&out](const ContainerContents& contents) -> Status {
-                          out.clear();
-                          VectorSink sink(out);
-                          return write_container(contents, sink).status();
-                      });
+        return encode(source, options, nullptr, [&](const ContainerContents& contents) -> Status {
+            Stream sink(write);
+            TESSERA_TRY(write_container(contents, sink));
+            return {};
+        });
     } catch (const std::exception& e) {
         return Status(ErrorCode::runtime, e.what());
     }
+}
+
+Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
+                                   const EncodeOptions& options) {
+    out.clear();
+    return encode_stream(
+        source,
+        [&out](std::span<const std::byte> piece) -> Status {
+            out.insert(out.end(), piece.begin(), piece.end());
+            return {};
+        },
+        options);
 }
 
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,

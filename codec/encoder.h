@@ -1,14 +1,15 @@
 // Texels -> a .tess file. The public face of the encoder.
 #pragma once
 
-#include "codec/tool_switches.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,7 +47,9 @@ constexpr Extent4 tile_by_trial{0, 0, 0, 0};
 struct EncodeOptions {
     RateTarget rate;
     int effort = 5;                    // 0 fastest .. 9 smallest
-    ToolSwitches tools;                // on top of the effort; for experiments
+    // Coding tools to switch on (+) or off (-) on top of the effort, for experiments: "-copies,+refine";
+    // "none" and "all" stand for every tool, later words win. Their names: coding_tools_help().
+    std::string tools;
     unsigned threads = 0;              // 0: all cores. Never changes the bytes.
     std::uint64_t slab_bytes = 512u << 20; // most texels of `source` that a slab holds at a time
                                            // (pictures; sources of Locality::any hold none). Never
@@ -95,6 +98,18 @@ struct EncodeReport {
     std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
 };
 
+// The coding tools that EncodeOptions::tools may name, one a line, each with what it does. What they
+// are worth: tests/regression/ablation.md.
+std::string coding_tools_help();
+
+// Errors: bad_argument, with the names, where EncodeOptions::tools would be refused.
+Status check_coding_tools(const std::string& tools);
+
+// Everything about an encode that can be refused before a texel is read: ranges, tile extents, tools,
+// the mask's shape, alpha against channels, metadata (UTF-8, sizes), a size target that not even a
+// file of nothing but background meets. The functions below begin with it, before they touch a disk.
+// Time: short, but a walk over the tiles' number for targets in bytes. Errors: bad_argument;
+// unsupported (more tiles than a file can have).
 Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 
 // Encodes `source` into the file `path` (written to a temporary name, then renamed).
@@ -115,6 +130,13 @@ Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
 // The same into memory.
 Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
                                    const EncodeOptions& options);
+
+// The same, handed to `write` from the first byte to the last in pieces of about a MiB, all from the
+// calling thread and all after encoding: rates are found by then. Errors: also those of `write`.
+Result<EncodeReport>
+encode_stream(TexelSource& source,
+              const std::function<Status(std::span<const std::byte> piece)>& write,
+              const EncodeOptions& options);
 
 // The folder of the journal for a file.
 std::string journal_path(const std::string& output);

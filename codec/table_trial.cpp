@@ -28,7 +28,7 @@ void count_copies_as_others(Statistics& counts) {
 Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
                                   const Sample& sample) {
     EncodePlan quick = plan;
-    quick.effort = EffortSettings::of(quick_effort, plan.options.tools);
+    quick.effort = EffortSettings::of(quick_effort, plan.tools);
     quick.effort.search.copies = {};
     parameters.parameters = dense_parameters();
     for (int round = 1;; ++round) {

@@ -10,14 +10,6 @@
 namespace tessera {
 namespace {
 
-// Small parallax and blur fit many views of a small place, large parallax and smooth pictures few
-// views of a large one. Shapes other than these were never the best (tests/regression/ablation.md).
-constexpr Extent4 usual_tile{32, 32, 8, 8};
-constexpr Extent4 wide_tile{64, 64, 4, 4};
-// Instead of the wide one in files with layers. What those are for is fetched view by view, and an
-// observer outside a sphere sees many directions of a wide place: wide tiles make a file of the composed
-// scene 8 % smaller, but each of four of the paper's five views 60 to 100 % larger (512x256x32x32, 40 dB).
-constexpr Extent4 short_tile{32, 32, 4, 4};
 // More would not leave the root of the index room in the first 8 KiB of a file: any texel could no
 // longer be read in three reads, the head, a record of the index and a page.
 constexpr std::uint64_t most_short_tiles = std::uint64_t{1} << 17;
@@ -104,7 +96,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     EncodePlan trial = plan;
     trial.colour.background = find_background(*patches, desc);
     trial.effort =
-        EffortSettings::of(std::min(plan.options.effort, most_effort), plan.options.tools);
+        EffortSettings::of(std::min(plan.options.effort, most_effort), plan.tools);
     const RateTarget& rate = plan.options.rate;
     const CodingParameters parameters = coding_parameters(
         step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,

@@ -2,9 +2,12 @@
 // effort leaves them out. What they are worth: tests/regression/ablation.md.
 #pragma once
 
+#include "format/status.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace tessera {
 
@@ -74,5 +77,8 @@ private:
     }
     std::uint32_t on_ = 0, off_ = 0;
 };
+
+// The words of EncodeOptions::tools. Errors: bad_argument, which lists the tools.
+Result<ToolSwitches> parse_tool_switches(const std::string& text);
 
 } // namespace tessera

@@ -18,6 +18,7 @@ constexpr std::size_t max_key_bytes = 255;
 constexpr std::size_t max_value_bytes = 1u << 20;
 constexpr std::size_t max_text_bytes = 1u << 24;
 constexpr std::size_t packing_header_bytes = 5;
+constexpr std::size_t entry_lengths_bytes = 6; // of the key and of the value
 constexpr int zstd_level = 9;
 // A Zstandard block is at least 4 bytes and yields at most 128 KiB.
 constexpr std::uint64_t max_zstd_ratio = 32768;
@@ -122,26 +123,35 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
 
 } // namespace
 
-Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata) {
+Status check_metadata(const Metadata& metadata) {
     const auto refuse = [](const std::string& text) {
         return Status(ErrorCode::bad_argument, text);
     };
     if (metadata.size() > max_entries)
         return refuse("more than 65536 metadata entries");
-    std::vector<std::byte> text;
-    append_le(text, static_cast<std::uint32_t>(metadata.size()));
+    std::size_t bytes = sizeof(std::uint32_t);
     for (const auto& [key, value] : metadata) {
         std::string problem = entry_problem(key, value.size());
         if (problem.empty())
             problem = value_problem(key, value);
         if (!problem.empty())
             return refuse(problem);
+        bytes += entry_lengths_bytes + key.size() + value.size();
+        if (bytes > max_text_bytes)
+            return refuse("metadata has more than 2^24 bytes");
+    }
+    return {};
+}
+
+Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata) {
+    TESSERA_TRY(check_metadata(metadata));
+    std::vector<std::byte> text;
+    append_le(text, static_cast<std::uint32_t>(metadata.size()));
+    for (const auto& [key, value] : metadata) {
         append_le(text, static_cast<std::uint16_t>(key.size()));
         append_le(text, static_cast<std::uint32_t>(value.size()));
         append_bytes(text, std::as_bytes(std::span(key)));
         append_bytes(text, std::as_bytes(std::span(value)));
-        if (text.size() > max_text_bytes)
-            return refuse("metadata has more than 2^24 bytes");
     }
 
     std::vector<std::byte> packed(ZSTD_compressBound(text.size()));

@@ -39,11 +39,16 @@ private:
     std::string message_;
 };
 
-// A value, or the Status that says why there is none.
+// A value, or the Status that says why there is none: ok() and status().ok() are always the same.
 template <class T> class [[nodiscard]] Result {
 public:
     Result(T value) : value_(std::move(value)) {}
-    Result(Status status) : status_(std::move(status)) {}
+    // `status` should be an error. Success without a value is a mistake of whoever wrote the call, and
+    // becomes an error of its own, so that nobody looks at a value that is not there.
+    Result(Status status) : status_(std::move(status)) {
+        if (status_.ok())
+            status_ = {ErrorCode::runtime, "internal error: a result without value"};
+    }
 
     bool ok() const { return value_.has_value(); }
     explicit operator bool() const { return ok(); }
@@ -61,15 +66,35 @@ private:
     std::optional<T> value_;
 };
 
-// Leaves the enclosing function with the error of `expression`, if it has one. The counter keeps the
-// names of nested uses (a lambda inside the expression) apart.
-#define TESSERA_TRY(expression) TESSERA_TRY_NUMBERED(expression, __COUNTER__)
-#define TESSERA_TRY_NUMBERED(expression, number) TESSERA_TRY_NAMED(expression, number)
-#define TESSERA_TRY_NAMED(expression, number) TESSERA_TRY_STATUS(expression, try_status_##number)
-#define TESSERA_TRY_STATUS(expression, name)                                                       \
+namespace detail {
+// What TESSERA_TRY looks at.
+inline Status status_of(Status status) {
+    return status;
+}
+template <class T> Status status_of(const Result<T>& result) {
+    return result.status();
+}
+} // namespace detail
+
+// Leaves the enclosing function with the error of `expression`, a Status or a Result, if it has one.
+// The counter keeps the names of nested uses (a lambda inside the expression) apart.
+#define TESSERA_TRY(...) TESSERA_TRY_STATUS(TESSERA_TRY_NAME(__COUNTER__), __VA_ARGS__)
+// The same for a Result whose value is wanted: TESSERA_TRY_ASSIGN(const auto box, parse_box(text));
+// The value is moved out. Two statements: it needs the braces of an if or a loop around it.
+#define TESSERA_TRY_ASSIGN(declaration, ...)                                                       \
+    TESSERA_TRY_VALUE(declaration, TESSERA_TRY_NAME(__COUNTER__), __VA_ARGS__)
+
+#define TESSERA_TRY_NAME(number) TESSERA_TRY_JOIN(number)
+#define TESSERA_TRY_JOIN(number) tessera_try_##number
+#define TESSERA_TRY_STATUS(name, ...)                                                              \
     do {                                                                                           \
-        if (::tessera::Status name = (expression); !name.ok())                                     \
+        if (::tessera::Status name = ::tessera::detail::status_of(__VA_ARGS__); !name.ok())        \
             return name;                                                                           \
     } while (false)
+#define TESSERA_TRY_VALUE(declaration, name, ...)                                                  \
+    auto name = (__VA_ARGS__);                                                                     \
+    if (!name.ok())                                                                                \
+        return name.status();                                                                      \
+    declaration = std::move(*name)
 
 } // namespace tessera

@@ -97,7 +97,9 @@ bool is_section_type(const std::string& type);
 // Whether this version knows what the section holds.
 bool is_known_section(const std::string& type);
 
-// Body of section `meta` (1.3). Errors: bad_argument, naming the key and the limit.
+// The limits of 1.3. Errors: bad_argument, naming the key and the limit.
+Status check_metadata(const Metadata& metadata);
+// Body of section `meta` (1.3). Errors: those of check_metadata.
 Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata);
 // Errors: invalid_file, without the file's name.
 Result<Metadata> unpack_metadata(std::span<const std::byte> section);

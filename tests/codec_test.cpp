@@ -4,6 +4,7 @@
 #include "codec/rate_control.h"
 #include "codec/slabs.h"
 #include "codec/tile_decoder.h"
+#include "codec/tool_switches.h"
 #include "format/crc32c.h"
 #include "tests/codec_test_support.h"
 
@@ -221,18 +222,13 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
         EncodeOptions all = options_for({Kind::quality, 70}, 7);
         all.tile_extent = {16, 16, 4, 4};
         const Encoded full = encode(texture, all);
-        const auto check = [&](const char* name, bool none, CodingTool tool) {
+        const auto check = [&](const std::string& name) {
             EncodeOptions options = all;
-            if (none)
-                options.tools.set_all(false);
-            else
-                options.tools.set(tool, false);
+            options.tools = name;
             const Encoded encoded = encode(texture, options);
             // Whether copies are smoothed is left to a trial, a tree may be right as it is, and this grain
             // is not to be filtered: prediction_test.cpp, tree_edits_test.cpp, tile_filter_test.cpp.
-            const bool may_do_nothing = tool == CodingTool::smooth ||
-                                        tool == CodingTool::refine || tool == CodingTool::filter;
-            if (none || !may_do_nothing) {
+            if (name != "-smooth" && name != "-refine" && name != "-filter") {
                 EXPECT_NE(encoded.file, full.file) << name;
             }
             const Bytes texels = decode_all(encoded.file, texture.desc());
@@ -243,8 +239,8 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
         };
         for (const CodingToolInfo& info : coding_tools)
-            check(info.name, false, info.tool);
-        check("none", true, {});
+            check(std::string("-") + info.name);
+        check("none");
     }
 }
 
@@ -252,17 +248,16 @@ TEST(Tools, OnTopOfAnyEffort) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
     const auto without = [&](int effort) {
         EncodeOptions options = options_for({Kind::quality, 70}, effort);
-        options.tools.set_all(false);
+        options.tools = "none";
         return encode(texture, options).file;
     };
     EXPECT_EQ(without(0), without(9)); // nothing is left for an effort to choose
     const Encoded fastest = encode(texture, options_for({Kind::quality, 70}, 0));
-    for (const CodingTool tool : {CodingTool::copies, CodingTool::rotation, CodingTool::dependent,
-                                  CodingTool::fitted_tables, CodingTool::grids}) {
+    for (const char* tools : {"+copies", "+rotation", "+dependent", "+fitted-tables", "+grids"}) {
         EncodeOptions options = options_for({Kind::quality, 70}, 0);
-        options.tools.set(tool, true);
+        options.tools = tools;
         const Encoded encoded = encode(texture, options);
-        EXPECT_NE(encoded.file, fastest.file) << static_cast<int>(tool);
+        EXPECT_NE(encoded.file, fastest.file) << tools;
         const Bytes texels = decode_all(encoded.file, texture.desc());
         EXPECT_NEAR(encoded.report.psnr,
                     difference(texture.texels, texels, SampleType::unorm8).psnr, 1e-9);
@@ -272,7 +267,7 @@ TEST(Tools, OnTopOfAnyEffort) {
 TEST(Tools, KeepTheMaximumError) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
     EncodeOptions options = options_for({Kind::max_error, 2}, 3);
-    options.tools.set_all(false);
+    options.tools = "none";
     const Encoded encoded = encode(texture, options);
     EXPECT_LE(
         difference(texture.texels, decode_all(encoded.file, texture.desc()), SampleType::unorm8)

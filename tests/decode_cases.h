@@ -31,7 +31,7 @@ inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& de
     options.threads = 2;
     options.tile_extent = tile;
     options.effort = effort;
-    options.tools.set(CodingTool::dense_tables, false); // a decoder cannot tell; half of the time
+    options.tools = "-dense-tables"; // a decoder cannot tell; half of the time
     DecodeCase made;
     made.name = texture + " " + to_string(desc.size) + " x" + std::to_string(desc.channels) +
                 (desc.type == SampleType::half16 ? " half" : "") + " rate " +

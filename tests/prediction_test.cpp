@@ -161,7 +161,7 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     EXPECT_TRUE(smooth.parameters.smooth_copies);
     options.threads = 3;
     EXPECT_EQ(encode_file_of(source, options).file, smooth.file);
-    options.tools.set(CodingTool::smooth, false);
+    options.tools = "-smooth";
     const EncodedFile plain = encode_file_of(source, options);
     EXPECT_FALSE(plain.parameters.smooth_copies);
     EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
@@ -184,7 +184,7 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     options.rate = {RateTarget::Kind::quality, 60};
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
     options.effort = 3; // without copies there is nothing to smooth
-    options.tools.set(CodingTool::smooth, true);
+    options.tools = "+smooth";
     EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
 }
 

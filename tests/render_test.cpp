@@ -449,7 +449,7 @@ protected:
         EncodeOptions options;
         options.tile_extent = {16, 8, 8, 8};
         options.effort = effort;
-        options.tools.set(CodingTool::dense_tables, false); // a decoder cannot tell
+        options.tools = "-dense-tables"; // a decoder cannot tell
         return encoded(*source, options);
     }
 };

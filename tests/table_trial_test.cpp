@@ -30,7 +30,7 @@ double excess(bool dense_tables, double quality) {
     test::MemoryTexture texture = white_noise();
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
-    options.tools.set(CodingTool::dense_tables, dense_tables);
+    options.tools = dense_tables ? "+dense-tables" : "-dense-tables";
     test::Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();

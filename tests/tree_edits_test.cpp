@@ -122,7 +122,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const auto encode = [&](bool refined, test::Bytes& file) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 55};
-        options.tools.set(CodingTool::refine, refined);
+        options.tools = refined ? "+refine" : "-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();
         return report ? report->psnr : 0.0;

@@ -123,10 +123,8 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
     options.effort = a.effort;
-    const auto tools = parse_tool_switches(a.tools);
-    if (!tools.ok())
-        return tools.status();
-    options.tools = *tools;
+    TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
+    options.tools = a.tools;
     options.threads = threads;
     const auto slab_bytes = slab_budget(a.memory, threads);
     if (!slab_bytes.ok())

@@ -46,12 +46,9 @@ bool meets_target(const RateTarget& rate, const EncodeReport& r) {
 }
 
 Result<EncodeReport> encode_to_standard_output(TexelSource& source, const EncodeOptions& options) {
-    std::vector<std::byte> file;
-    auto report = encode_memory(source, file, options);
-    if (!report.ok())
-        return report;
-    TESSERA_TRY(write_standard_output(file));
-    TESSERA_TRY(flush_standard_output());
+    auto report = encode_stream(source, write_standard_output, options);
+    if (report.ok())
+        TESSERA_TRY(flush_standard_output());
     return report;
 }
 

@@ -1,17 +1,9 @@
 // Switches of coding tools as words: the option --tools.
 #pragma once
 
-#include "codec/tool_switches.h"
-#include "format/status.h"
-
 #include <string>
-#include <string_view>
 
 namespace tessera {
-
-// "-copies,+rotation"; "none" and "all" stand for every tool. Later words win; the text may be empty.
-// Errors: bad_argument, which lists the tools.
-Result<ToolSwitches> parse_tool_switches(std::string_view text);
 
 std::string tool_switches_help();
 

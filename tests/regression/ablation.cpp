@@ -4,6 +4,7 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/memory_source.h"
+#include "codec/tool_switches.h"
 #include "tests/regression/textures.h"
 #include "tools/rd/bd_rate.h"
 
@@ -36,7 +37,7 @@ struct Curve {
     double encode_seconds = 0, decode_seconds = 0; // of all points
 };
 
-Result<Curve> measure(const Task& task, const ToolSwitches& tools) {
+Result<Curve> measure(const Task& task, const std::string& tools) {
     Curve curve;
     MemorySource source(task.texture.desc, task.texture.texels);
     std::vector<std::byte> texels(task.texture.texels.size());
@@ -69,18 +70,14 @@ Result<Curve> measure(const Task& task, const ToolSwitches& tools) {
 }
 
 struct Experiment {
-    std::string name;
-    ToolSwitches tools;
+    std::string tools; // also its name
 };
 
 std::vector<Experiment> experiments() {
     std::vector<Experiment> all;
-    for (const CodingToolInfo& info : coding_tools) {
-        all.push_back({std::string("-") + info.name, {}});
-        all.back().tools.set(info.tool, false);
-    }
-    all.push_back({"none", {}});
-    all.back().tools.set_all(false);
+    for (const CodingToolInfo& info : coding_tools)
+        all.push_back({std::string("-") + info.name});
+    all.push_back({"none"});
     return all;
 }
 
@@ -117,9 +114,9 @@ Status add_table(const Task& task, std::string& text) {
     for (const Experiment& experiment : experiments()) {
         const Result<Curve> curve = measure(task, experiment.tools);
         if (!curve)
-            return curve.status().with_context(experiment.name);
+            return curve.status().with_context(experiment.tools);
         const auto rate = bd_rate(full->points, curve->points);
-        add_line(text, "| " + experiment.name + " | " +
+        add_line(text, "| " + experiment.tools + " | " +
                            (rate ? number("%+.1f", rate->percent) : "no overlap") + " | " +
                            number("x %.2f", full->decode_seconds / curve->decode_seconds) + " | " +
                            number("x %.2f", curve->encode_seconds / full->encode_seconds) + " |\n");

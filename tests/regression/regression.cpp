@@ -3,10 +3,10 @@
 // PEERS.rgb is the unpacked composed_128x64x32x32.rgb of the rivals' figures. Bits, PSNR and errors
 // are exact and compared by the caller; speeds are printed for people (shared machines: ratios
 // count).
-#include "codec/access_cost.h"
 #include "codec/encoder.h"
 #include "codec/memory_source.h"
 #include "tests/regression/textures.h"
+#include "tools/rd/access_cost.h"
 
 #include <chrono>
 #include <cstdio>

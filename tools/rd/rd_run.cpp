@@ -7,7 +7,6 @@
 #include "tools/rd/plot.h"
 #include "tools/rd/sweep.h"
 #include "tools/rd/tessera_codec.h"
-#include "tools/tool_switches_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -219,9 +218,7 @@ Result<RdReport> run_rd(const RdOptions& options) {
                                                              : "all");
     if (!rivals.ok())
         return rivals.status();
-    const auto tools = parse_tool_switches(options.tools);
-    if (!tools.ok())
-        return tools.status();
+    TESSERA_TRY(check_coding_tools(options.tools).with_context("--tools"));
     std::error_code error;
     std::filesystem::create_directories(options.output, error);
     if (error)

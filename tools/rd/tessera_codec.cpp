@@ -1,13 +1,12 @@
 #include "tools/rd/tessera_codec.h"
 
-#include "codec/access_cost.h"
 #include "codec/decoder.h"
 #include "codec/memory_source.h"
 #include "format/crc32c.h"
 #include "format/version.h"
 #include "tools/interrupt.h"
+#include "tools/rd/access_cost.h"
 #include "tools/rd/rivals.h" // best_time
-#include "tools/tool_switches_text.h"
 
 #include <chrono>
 
@@ -83,11 +82,8 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
 
 Result<Coded> code(int effort, const std::string& tools, const CodingJob& job,
                    const std::string& setting) {
-    const auto switches = parse_tool_switches(tools);
-    if (!switches.ok())
-        return switches.status();
     EncodeOptions options;
-    options.tools = *switches;
+    options.tools = tools;
     options.rate = rate_of(setting);
     options.effort = effort;
     options.threads = job.threads;
