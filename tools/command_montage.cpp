@@ -1,5 +1,4 @@
 #include "tools/command.h"
-#include "tools/output_folders.h"
 #include "tools/panels.h"
 #include "tools/png_file.h"
 #include "tools/texture_arguments.h"

@@ -15,6 +15,7 @@
 #include "codec/decoder.h"
 #include "format/metadata.h"
 #include "format/texture.h"
+#include "tools/output_folders.h" // its users write files, too
 #include "tools/texture_hints.h"
 
 #include <memory>
