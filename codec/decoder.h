@@ -1,10 +1,10 @@
 // A .tess file -> texels. The public face of the decoder.
 #pragma once
 
-#include "codec/encoder.h" // ProgressFunction
 #include "format/byte_source.h"
 #include "format/container_reader.h"
 #include "format/texture.h"
+#include "format/work.h"
 
 #include <functional>
 #include <memory>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // How much of the file is checked while texels are read.
 enum class Integrity {

@@ -4,6 +4,7 @@
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
+#include "format/work.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // How many bits, or how much error. Exactly one kind is chosen.
 struct RateTarget {
@@ -29,9 +30,6 @@ struct RateTarget {
     Kind kind = Kind::quality;
     double value = 75;
 };
-
-// Called from one thread at a time; `done` of `total` in arbitrary units, `stage` in a word or two.
-using ProgressFunction = std::function<void(const char* stage, double done, double total)>;
 
 // Whether encode_file keeps finished tiles in a folder "<path>.journal" until the file is there.
 enum class JournalUse {
@@ -74,6 +72,11 @@ struct EncodeOptions {
     // time): a resume under other facts is refused.
     std::vector<std::pair<std::string, std::string>> source_facts;
 };
+
+// A mask has one channel of unorm8 (0: don't care), sides that are the texture's or 1 (what it says
+// there holds all along that side), and Locality::any; nullptr stands for one by which all texels
+// matter. Errors: bad_argument.
+Status check_mask(const TexelSource* mask, const Extent4& texture_size);
 
 // A coarse level that was stored in front of the texture.
 struct CodedLevel {

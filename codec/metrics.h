@@ -8,10 +8,10 @@
 // codec's own policy. Linear 1.0 is taken to be 100 cd/m2.
 #pragma once
 
-#include "codec/encoder.h" // ProgressFunction
-#include "format/sample_code.h"
+#include "format/samples.h"
 #include "format/status.h"
 #include "format/texture.h"
+#include "format/work.h"
 
 #include <array>
 #include <cstddef>
@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // 10 log10(peak^2 / mse); infinite for an mse of 0.
 double psnr_of(double mse, double peak);

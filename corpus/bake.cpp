@@ -2,7 +2,7 @@
 
 #include "corpus/sampling.h"
 #include "corpus/shade.h"
-#include "format/half.h"
+#include "format/samples.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // Desktop OpenGL 4.5 core through EGL. A device of its own (a GPU, with or without a display
 // attached) is taken before Mesa's software rasteriser; among equals the first one that EGL lists.

@@ -1,29 +1,26 @@
 // A compressed texture that shaders sample: the host side of shaders/sample.glsl, for OpenGL 4.5.
 //
-// Three ways to be resident give the same picture:
+// Two ways to be resident give the same picture:
 //   on load      all tiles are decoded into an ordinary texture: fastest to sample, most memory;
 //   on feedback  sampling marks the tiles that it touches, and update() decodes the missing ones into
-//                a tile cache of fixed size; until then their coarse texels are drawn;
-//   on sample    nothing is decoded but the entropy coding: the shader evaluates texels from the
-//                coefficients, exactly. Least memory, slowest. Not for files with corrections or
-//                predictions.
+//                a tile cache of fixed size; until then their coarse texels are drawn.
 #pragma once
 
-#include "decoder_glsl/gl_tile_decoder.h"
-#include "decoder_glsl/tile_cache.h"
-#include "format/level_table.h"
+#include "decoder_glsl/shader_source.h"
+#include "format/container_reader.h"
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
-enum class Residency { on_load, on_feedback, on_sample };
-const char* name_of(Residency residency); // "load", "feedback", "sample"
+enum class Residency { on_load, on_feedback };
+const char* name_of(Residency residency); // "load", "feedback"
 
 // A coarse level of the file (ContainerReader::levels()) and its texels: of that level's size, of the
 // texture's type and channels, boxes in any order.
@@ -62,6 +59,29 @@ struct UpdateReport {
     // interrupted); they wait, and the next frame that touches them asks again. Else ok.
     Status trouble;
 };
+
+// Sums over all frames; a tile counts once a frame however often it is touched.
+struct TileCacheStats {
+    std::uint64_t frames = 0;    // begin_frame()
+    std::uint64_t hits = 0;      // tiles that were in a slot when first touched in a frame
+    std::uint64_t decodes = 0;   // jobs given out
+    std::uint64_t evictions = 0; // tiles that lost their slot to another
+    std::uint64_t late = 0;      // tiles without a slot because the frame holds them all
+    std::uint64_t deferred = 0;  // tiles without a slot because of max_jobs
+    std::uint64_t failures = 0;  // tiles marked as failed
+    std::uint64_t put_off = 0;   // tiles that lost their slot for the rest of a frame
+};
+
+// The passes, as they are timed apart.
+enum class DecodeStage {
+    upload,    // batch to the device
+    entropy,   // trees, levels, corrections
+    order,     // dequantisation and sorting
+    transform, // inverse transform, filter, colour and writing the texels
+};
+
+// Called around each stage of a decode, for timing.
+using StageHook = std::function<void(DecodeStage stage, bool begins)>;
 
 // Needs a current OpenGL 4.5 context at every call, as its destructor does; one thread.
 class SampledTexture {
@@ -103,13 +123,37 @@ public:
     // on_feedback: a budget, in bytes, whose cache has a slot for each of `tiles`; else 0.
     std::uint64_t budget_for(std::uint64_t tiles) const;
     const TileCacheStats* cache_stats() const;
-    void set_stage_hook(GlTileDecoder::StageHook hook);
+    void set_stage_hook(StageHook hook);
 
 private:
     struct State;
     explicit SampledTexture(std::unique_ptr<State> state);
     static Result<std::unique_ptr<State>> prepare(const ContainerReader& reader,
                                                   const SampledTextureOptions& options);
+    std::unique_ptr<State> state_;
+};
+
+// All tiles of a file in batches, decoded as often as one likes into memory that is used again for
+// each batch: what decoding on load does without reading the file. For measuring. Needs a current
+// OpenGL 4.5 context at every call, as its destructor does.
+class WholeFileDecoder {
+public:
+    // Reads the file and decodes it once. Errors: invalid_file, where a tile is damaged; io, runtime;
+    // unsupported, above 1 GiB of compressed tiles.
+    static Result<WholeFileDecoder> create(const ContainerReader& reader);
+    WholeFileDecoder(WholeFileDecoder&&) noexcept;
+    WholeFileDecoder& operator=(WholeFileDecoder&&) noexcept;
+    ~WholeFileDecoder();
+
+    std::uint64_t blocks() const;       // of all tiles
+    std::uint64_t coefficients() const; // that are not 0
+    void set_stage_hook(StageHook hook);
+    // Issues the work of all batches; `cancelled` is asked before each. Errors: runtime.
+    Status decode(const std::function<bool()>& cancelled = {});
+
+private:
+    struct State;
+    explicit WholeFileDecoder(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };
 

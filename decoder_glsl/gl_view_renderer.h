@@ -5,9 +5,10 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <memory>
+#include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // A pinhole camera relative to the centre of the sphere. The ray through a place of the picture runs
 // along forward + x right + y up, x and y from -1 (left, bottom) to 1 (right, top).
@@ -23,20 +24,21 @@ class GlViewRenderer {
 public:
     // `texture` must outlive it.
     static Result<GlViewRenderer> create(const SampledTexture& texture);
+    GlViewRenderer(GlViewRenderer&&) noexcept;
+    GlViewRenderer& operator=(GlViewRenderer&&) noexcept;
+    ~GlViewRenderer();
 
     // Issues one frame. runtime: no memory for the picture.
     Status draw(const ViewCamera& camera);
     // The last frame, RGBA floats, row 0 at the top; waits for the device.
     Result<std::vector<float>> read() const;
 
-    std::uint64_t bytes() const { return picture_.bytes() + view_.bytes(); }
+    std::uint64_t bytes() const; // on the device
 
 private:
-    GlViewRenderer() = default;
-    const SampledTexture* texture_ = nullptr;
-    GlProgram program_;
-    GlBuffer view_;
-    GlTexture picture_;
+    struct State;
+    explicit GlViewRenderer(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
 };
 
 } // namespace tessera

@@ -16,7 +16,6 @@
 // without any caller's define; plain `*.glsl` are for inclusion. No file has a #version line.
 #pragma once
 
-#include "decoder_glsl/shader_files.h"
 #include "format/status.h"
 
 #include <span>
@@ -24,7 +23,7 @@
 #include <string_view>
 #include <utility>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 enum class ShaderDialect {
     gl450,  // desktop OpenGL 4.5 core
@@ -34,6 +33,8 @@ enum class ShaderDialect {
 
 // Name and value of a macro: the name an identifier that GLSL does not reserve, the value one line.
 using ShaderDefine = std::pair<std::string, std::string>;
+
+struct ShaderFile; // decoder_glsl/shaders/shader_files.h
 
 constexpr int max_include_depth = 16;
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // One of several ranges that are wanted together: out.size() bytes from `offset` on.
 struct ReadRequest {
@@ -77,5 +77,42 @@ private:
     std::vector<Read> reads_;
     std::uint64_t asked_ = 0;
 };
+
+// For passes through a whole file over a network: 
+// `inner` read in aligned pieces of 1 MiB, of which the last 16 used are kept. Pays where nearly
+// every byte is wanted, in ascending order. After the first error all reads that need `inner` fail
+// with it: a network that is down is not waited for again at every page. Thread-safe; `inner` must outlive it.
+std::unique_ptr<ByteSource> read_ahead(ByteSource& inner);
+
+// What follows is for those who write a source for a network: which requests it should make of many
+// ranges. A request costs a round trip, so ranges that lie near each other are fetched as one, with
+// the bytes between them.
+
+// What a reader asks for first (FORMAT.md 1): a source that must fetch something to open fetches this.
+inline constexpr std::size_t first_read_bytes = 8192;
+// Ranges at most this many bytes apart always become one request. Six requests are in flight, so
+// one costs the line no more than a sixth of a round trip: 5 KB at 20 ms and 1.6 MB/s.
+inline constexpr std::uint64_t near_bytes = 4096;
+// Ranges further apart, up to the bytes of a whole round trip, are joined, the nearest first, while
+// what comes between is at most this share of what is wanted. (Views of a 0.6 MB file, 8 to 13 % of
+// it in 14 to 19 requests, took 24 to 40 % in 6 where every gap of 32 KiB was closed.)
+inline constexpr std::uint64_t far_bytes = 32768;
+inline constexpr std::uint64_t wasted_share = 16; // a sixteenth
+// A request does not grow beyond this many bytes by merging: several run at once, and one that breaks
+// off is repeated whole. A single range that is longer stays one request.
+inline constexpr std::uint64_t max_merged_bytes = std::uint64_t{4} << 20;
+
+struct MergedRead {
+    std::uint64_t offset = 0, length = 0; // bytes
+    std::vector<std::size_t> requests;    // which of the requests lie in it
+};
+
+// Ascending by offset; every request that is not empty lies whole in exactly one. Ranges at most
+// `near` bytes apart are joined up to `longest` bytes. Precondition: no range ends past 2^64 - 1.
+// Thread-safe.
+std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests, std::uint64_t near,
+                                    std::uint64_t longest);
+// The same by the rules above.
+std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests);
 
 } // namespace tessera

@@ -2,14 +2,12 @@
 #pragma once
 
 #include "format/byte_source.h"
-#include "format/index.h"
-#include "format/level_table.h"
+#include "format/levels.h"
 #include "format/metadata.h"
 #include "format/status.h"
-#include "format/syntax.h"
 #include "format/texture.h"
-#include "format/tile_grid.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // Where a tile's bytes are. length 0: every texel of the tile is the file's background.
 struct TileLocation {
@@ -73,10 +71,30 @@ struct SectionInfo {
     bool required = false, known = false;
 };
 
+// What the header says of the file itself.
+struct FileFacts {
+    std::uint16_t version_major = 0, version_minor = 0;
+    std::vector<std::string> required_features, optional_features; // by name
+    std::string colour;                                            // transform of the texture
+    std::uint32_t page_bytes = 0;
+    std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), channel order
+};
+
+// What the index says about the tiles of all levels.
+struct TileSummary {
+    std::uint64_t tiles = 0, empty = 0;
+    std::uint64_t bytes = 0, largest = 0; // of all tiles, of the largest one
+};
+
 struct OpenOptions {
     // Accept bytes that stop between the end of the index and the end of the file.
     bool allow_partial = false;
 };
+
+struct FileHeader; // format/container/syntax.h
+struct GroupIndex; // format/container/index.h
+class LevelTable;  // format/container/level_table.h
+class OpenContainer;
 
 // An open container. All const members are thread-safe; they share small caches (at most about
 // 16 MiB of pages and 1024 index records), and a page or record that several threads want at once
@@ -91,26 +109,32 @@ public:
     ContainerReader& operator=(ContainerReader&&) noexcept;
     ~ContainerReader();
 
-    const FileHeader& header() const { return header_; }
-    const TextureDesc& desc() const { return header_.desc; }
-    const Description& description() const { return header_.description; }
-    const Metadata& metadata() const { return metadata_; }
-    const LevelTable& level_table() const { return table_; }
-    std::span<const Level> levels() const { return table_.levels(); }
-    const TileGrid& grid(std::size_t level = 0) const { return levels()[level].grid; }
-    std::uint64_t tile_count() const { return table_.tile_count(); } // of all levels
-    std::uint32_t group_count() const { return table_.group_count(); }
+    const TextureDesc& desc() const; // of level 0
+    const Description& description() const;
+    const Metadata& metadata() const;
+    std::span<const Level> levels() const; // the texture first, then coarser and coarser
+    const TileGrid& grid(std::size_t level = 0) const;
+    std::uint64_t tile_count() const; // of all levels
+    std::uint32_t group_count() const;
+    FileFacts facts() const;
+    std::uint64_t file_bytes() const; // of the whole file, as its header says
     // Whether the source ends before the file does; only with allow_partial.
-    bool is_partial() const { return source_->size() < header_.file_size; }
-    std::uint64_t source_bytes() const { return source_->size(); }
-    std::span<const SectionInfo> sections() const { return sections_; }
-    std::string name() const { return source_->name(); }
+    bool is_partial() const;
+    std::uint64_t source_bytes() const;
+    std::span<const SectionInfo> sections() const;
+    std::string name() const; // of the source
 
     // Bytes of section CODE, opaque here.
-    std::span<const std::byte> codec_parameters() const { return section_bytes("CODE"); }
+    std::span<const std::byte> codec_parameters() const;
     // Bytes of the first section of that type before INDX, e.g. "prxy"; empty when there is none.
     std::span<const std::byte> section_bytes(const std::string& type) const;
 
+    // Reads the whole index. Errors: io, invalid_file.
+    Result<TileSummary> summarise_tiles() const;
+
+    // For those who know the format's records (headers of format/container).
+    const FileHeader& header() const;
+    const LevelTable& level_table() const;
     // Index of group `group` (tiles 256 * group ..), one read when it is not cached.
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
 
@@ -139,7 +163,7 @@ public:
     // hold well; for walks over all groups. Returns the first group beyond. Errors: io.
     Result<std::uint32_t> prefetch_groups(std::uint32_t first) const;
     // Whether prefetch() pays, see ByteSource.
-    bool wants_prefetch() const { return source_->wants_prefetch(); }
+    bool wants_prefetch() const;
 
     using Progress = std::function<void(double done, double total)>; // bytes of DATA
     // Checks everything that open() could not: all index records and pages. Reads DATA once, holds
@@ -147,70 +171,8 @@ public:
     std::vector<Finding> validate(const Progress& progress = {}) const;
 
 private:
-    // Precondition: groups that exist, each once, at most window_groups * 2.
-    Status bring_groups(std::span<const std::uint32_t> groups) const;
-    struct Caches;
-    friend std::vector<Finding> validate_container(ByteSource&, const Progress&,
-                                                   const OpenOptions&);
-
-    ContainerReader();
-    // Does the work of open(); `rule` is the rule being checked when an error is returned.
-    Status load(ByteSource& source, const OpenOptions& options, ContainerRule& rule);
-    Status load_header(const OpenOptions& options, ContainerRule& rule);
-    Status load_sections(ContainerRule& rule);
-    Status load_levels();
-    Status load_root();
-    // Precondition: the section exists.
-    const SectionInfo& section(const std::string& type) const;
-    Status invalid(const std::string& text) const;
-
-    struct RootEntry {
-        std::uint64_t data, index; // bytes, absolute
-    };
-    RootEntry root(std::uint32_t group) const;
-    GroupKey group_key(std::uint32_t group) const;
-    struct IndexRange {
-        std::uint64_t offset, length; // bytes
-    };
-    IndexRange index_range(std::uint32_t group) const;
-    Result<GroupIndex> read_group(std::uint32_t group, ContainerRule& rule) const;
-    Result<GroupIndex> parse_group(std::uint32_t group, std::span<const std::byte> bytes,
-                                   ContainerRule& rule) const;
-    Status no_such_tile(std::uint64_t tile) const;
-
-    // A tile's bytes [begin, end) and the index that says so.
-    struct Place {
-        std::shared_ptr<const GroupIndex> index;
-        std::uint32_t group = 0;
-        std::uint64_t begin = 0, end = 0;
-    };
-    Result<Place> place_of(std::uint64_t tile) const;
-    Status check_page(std::uint32_t group, std::size_t number, const Page& page,
-                      std::span<const std::byte> bytes) const;
-    Result<std::vector<std::byte>> read_page(std::uint32_t group, std::size_t number,
-                                             const Page& page) const;
-    Status check_pages(const Place& place, const GroupIndex::PageRange& pages,
-                       std::span<const std::byte> bytes) const;
-    Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
-
-    void note_curiosities(std::vector<Finding>& out) const;
-    // Adds to `missing` the tiles that have not been received.
-    void validate_group(std::uint32_t group, std::vector<Finding>& out,
-                        std::uint64_t& missing) const;
-
-    ByteSource* source_ = nullptr;
-    FileHeader header_;
-    // From the stored bytes of the first reads where they are there, else from the source.
-    Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
-    bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
-        return offset <= head_.size() && length <= head_.size() - offset;
-    }
-    std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
-    std::vector<SectionInfo> sections_;
-    Metadata metadata_;
-    LevelTable table_;
-    std::span<const std::byte> root_; // into head_
-    std::unique_ptr<Caches> caches_;
+    explicit ContainerReader(std::unique_ptr<OpenContainer> container);
+    std::unique_ptr<OpenContainer> container_;
 };
 
 // validate() for bytes that may not even open: then why they do not is the first finding.

@@ -12,10 +12,12 @@
 //   * directions that point into the surface (d . ez < 0) clamp to the nearest s, 0 or 1.
 #pragma once
 
+#include "format/status.h"
+
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // Local frame at a surface point: ez the outward normal, ex horizontal, ey = ez x ex.
 struct SurfaceFrame {

@@ -1,4 +1,4 @@
-// A file that appears under its final name only when it is whole.
+// A file, or a folder of files, that appears under its final name only when it is whole.
 #pragma once
 
 #include "format/status.h"
@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 // Writes to "<path>.<pid>.tmp" beside the target; commit() syncs and renames it over `path`.
 // Destroyed without commit(), it removes the temporary file; an existing file at `path` is
@@ -39,6 +39,27 @@ private:
     std::string path_, temporary_;
     int descriptor_ = -1;
     std::uint64_t appended_ = 0;
+};
+
+// Files go to "<path>.<pid>.tmp"; commit() renames that folder to `path`, in place of a folder that
+// is there, which is put back where that fails. Destroyed without commit(), it removes what it made.
+// Errors: io, with the path and the system's reason. Movable; add() is thread-safe for different names.
+class OutputFolder {
+public:
+    OutputFolder() = default;
+    OutputFolder(OutputFolder&& other) noexcept;
+    OutputFolder& operator=(OutputFolder&& other) noexcept;
+    ~OutputFolder();
+
+    static Result<OutputFolder> create(const std::string& path);
+    // Writes one new file of the folder.
+    Status add(const std::string& name, std::span<const std::byte> bytes) const;
+    Status commit();
+    const std::string& path() const { return path_; }
+
+private:
+    void discard();
+    std::string path_, temporary_; // the latter empty: there is nothing to remove
 };
 
 } // namespace tessera

@@ -1,7 +1,6 @@
 #include "format/sampler.h"
 
-#include "format/half.h"
-#include "format/sample_code.h"
+#include "format/samples.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <array>
 #include <glm/vec4.hpp>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 struct WeightedTexel {
     std::uint32_t u = 0, v = 0, s = 0, t = 0;

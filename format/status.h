@@ -5,7 +5,14 @@
 #include <string>
 #include <utility>
 
-namespace tessera {
+// What public headers declare can be seen from outside a shared library; nothing else can.
+#if defined(__GNUC__)
+#define TESSERA_PUBLIC [[gnu::visibility("default")]]
+#else
+#define TESSERA_PUBLIC
+#endif
+
+namespace TESSERA_PUBLIC tessera {
 
 // What kind of thing went wrong. The numbers are the tool's exit codes and stay fixed.
 enum class ErrorCode {

@@ -1,6 +1,7 @@
 #include "format/texture.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace tessera {
 
@@ -53,6 +54,48 @@ Status check_desc(const TextureDesc& desc) {
                 std::to_string(desc.channels) + " channels, only 1 to 4 are defined"};
     if (desc.type != SampleType::unorm8 && desc.type != SampleType::half16)
         return {ErrorCode::bad_argument, "unknown sample type"};
+    return {};
+}
+
+namespace {
+
+// Copies a run; runs are mostly eight texels, too short for a call of memcpy to pay.
+void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
+    if (bytes >= 16 && bytes <= 32) {
+        std::memcpy(to, from, 16);
+        std::memcpy(to + bytes - 16, from + bytes - 16, 16);
+    } else {
+        std::memcpy(to, from, bytes);
+    }
+}
+
+} // namespace
+
+void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
+              const Box4& to_box, std::span<std::byte> to, std::size_t texel_bytes) {
+    const Extent4 f = from_box.extent(), d = to_box.extent();
+    const std::size_t run = (part.end[axis_s] - part.begin[axis_s]) * texel_bytes;
+    const auto offset = [&](const Box4& box, const Extent4& n, std::uint64_t v, std::uint64_t u,
+                            std::uint64_t t) {
+        return ((((v - box.begin[axis_v]) * n[axis_u] + (u - box.begin[axis_u])) * n[axis_t] +
+                 (t - box.begin[axis_t])) *
+                    n[axis_s] +
+                (part.begin[axis_s] - box.begin[axis_s])) *
+               texel_bytes;
+    };
+    for (std::uint64_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
+        for (std::uint64_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
+            for (std::uint64_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t)
+                copy_run(to.data() + offset(to_box, d, v, u, t),
+                         from.data() + offset(from_box, f, v, u, t), run);
+}
+
+Status MemorySource::read(const Box4& box, std::span<std::byte> out) {
+    const Box4 whole = Box4::whole(desc_.size);
+    if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box) ||
+        texels_.size() != desc_.box_bytes(whole))
+        return {ErrorCode::bad_argument, "box or buffer does not fit the texture"};
+    copy_box(box, whole, texels_, box, out, desc_.texel_bytes());
     return {};
 }
 

@@ -15,7 +15,7 @@
 #include <span>
 #include <string>
 
-namespace tessera {
+namespace TESSERA_PUBLIC tessera {
 
 enum class SampleType : std::uint8_t { unorm8 = 0, half16 = 1 };
 
@@ -82,7 +82,7 @@ enum class Locality {
     angular_cells, // slabs that span all of u, v over a few s, t (one picture per view)
     places,        // slabs that span all of s, t over some u, v (raw files; sinks only)
 };
-// A driver short of memory cuts slabs further (codec/slabs.h): sources get parts of them.
+// A driver short of memory cuts slabs further (codec/texels/slabs.h): sources get parts of them.
 
 // Somewhere texels come from.
 //
@@ -112,6 +112,26 @@ public:
     virtual Status write(const Box4& box, std::span<const std::byte> texels) = 0;
     virtual Status end_slab() { return {}; }
     virtual Status finish() { return {}; }
+};
+
+// Copies the texels of `part`, which lies in both boxes, from the dense texels of one box to those
+// of another.
+void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
+              const Box4& to_box, std::span<std::byte> to, std::size_t texel_bytes);
+
+// Texels in memory as a source. The caller keeps the texels (dense, all of the texture) alive.
+// Thread-safe.
+class MemorySource : public TexelSource {
+public:
+    MemorySource(const TextureDesc& desc, std::span<const std::byte> texels)
+        : desc_(desc), texels_(texels) {}
+    const TextureDesc& desc() const override { return desc_; }
+    // Errors: bad_argument (the box, `out` or the texels do not fit the texture).
+    Status read(const Box4& box, std::span<std::byte> out) override;
+
+private:
+    TextureDesc desc_;
+    std::span<const std::byte> texels_;
 };
 
 } // namespace tessera

@@ -1,12 +1,77 @@
-# Fails when a file includes a header of a layer that its own does not see.
+# Fails when a file includes what it should not see. The rules:
+#   1. A module sees the modules below it (sees_*).
+#   2. A header directly in format/, codec/ or decoder_glsl/ is public; one in a folder below is its
+#      module's own business: tools see public headers of other modules only, and so do corpus and
+#      public headers themselves. (codec and decoder_glsl are built on format's insides.)
+#   3. The folders of a module see themselves and those before them in the order of folders_*. Files
+#      directly in a module's folder see all of it.
+#   4. There are at most 20 public headers.
 #   cmake -DROOT=folder -P check_layering.cmake
 cmake_policy(SET CMP0057 NEW) # IN_LIST
+set(layers format codec decoder_glsl corpus tools)
 set(sees_format format)
 set(sees_codec codec format)
 set(sees_decoder_glsl decoder_glsl format)
 set(sees_corpus corpus format)
 set(sees_tools tools codec corpus decoder_glsl format)
-set(layers format codec decoder_glsl corpus tools)
+
+set(folders_format io tile container)
+set(folders_codec kernels tile texels entropy reconstruct decode tile_encoder journal fit pass trials encode compare c_api)
+set(folders_decoder_glsl shaders batch cache gl residency draw)
+set(folders_corpus)
+set(folders_tools support http picture texture_io view bench rd verbs)
+set(built_on_insides codec decoder_glsl) # of format
+set(public_modules format codec decoder_glsl)
+set(most_public_headers 20)
+
+# Where `file`, a path such as codec/encode/encoder.cpp, stands: its folder's number in its module's
+# order; -1 directly in the module.
+function(rank_of file variable)
+    string(REPLACE "/" ";" parts ${file})
+    list(LENGTH parts depth)
+    list(GET parts 0 module)
+    list(GET parts 1 folder)
+    set(rank -1)
+    if(depth GREATER 2)
+        list(FIND folders_${module} ${folder} rank)
+        if(rank LESS 0)
+            message(SEND_ERROR "${file}: ${module} has no folder ${folder} in the order of its folders")
+        endif()
+    endif()
+    set(${variable} ${rank} PARENT_SCOPE)
+endfunction()
+
+# Whether `file` is a header that users see.
+function(is_public file variable)
+    set(answer FALSE)
+    if(file MATCHES "^(format|codec|decoder_glsl)/[^/]*\\.h$")
+        set(answer TRUE)
+    endif()
+    set(${variable} ${answer} PARENT_SCOPE)
+endfunction()
+
+function(check_include layer name target)
+    string(REGEX MATCH "^[^/]*" module "${target}")
+    if(NOT module IN_LIST sees_${layer})
+        message(SEND_ERROR "${name}: ${layer} must not see ${module}: ${target}")
+        return()
+    endif()
+    is_public(${target} target_is_public)
+    is_public(${name} name_is_public)
+    if(name_is_public AND NOT target_is_public)
+        message(SEND_ERROR "${name}: a public header must not include the internal ${target}")
+    elseif(NOT module STREQUAL layer)
+        if(module IN_LIST public_modules AND NOT target_is_public AND NOT layer IN_LIST built_on_insides)
+            message(SEND_ERROR "${name}: ${target} is internal to ${module}")
+        endif()
+    else()
+        rank_of(${name} own)
+        rank_of(${target} other)
+        if(own GREATER -1 AND other GREATER own)
+            message(SEND_ERROR "${name}: its folder comes before that of ${target}")
+        endif()
+    endif()
+endfunction()
 
 set(seen 0)
 foreach(layer IN LISTS layers)
@@ -19,9 +84,8 @@ foreach(layer IN LISTS layers)
         foreach(line IN LISTS includes)
             if(line MATCHES "\"\\.\\.?/|\"[^\"]*/\\.\\./")
                 message(SEND_ERROR "${name}: relative include: ${line}")
-            elseif(line MATCHES "[<\"](format|codec|decoder_glsl|corpus|tools|tests)/" AND
-                   NOT CMAKE_MATCH_1 IN_LIST sees_${layer})
-                message(SEND_ERROR "${name}: ${layer} must not see ${CMAKE_MATCH_1}: ${line}")
+            elseif(line MATCHES "[<\"]((format|codec|decoder_glsl|corpus|tools|tests)/[^\">]*)")
+                check_include(${layer} ${name} ${CMAKE_MATCH_1})
             elseif(line MATCHES "[<\"](curl/|httplib)" AND NOT layer STREQUAL "tools")
                 message(SEND_ERROR "${name}: only tools may see the network: ${line}")
             elseif(line MATCHES "\"([^\"/]*)\"" AND NOT layer STREQUAL "decoder_glsl")
@@ -33,4 +97,10 @@ endforeach()
 if(seen EQUAL 0)
     message(FATAL_ERROR "no sources below '${ROOT}'")
 endif()
-message(STATUS "${seen} files checked")
+
+file(GLOB public ${ROOT}/format/*.h ${ROOT}/codec/*.h ${ROOT}/decoder_glsl/*.h)
+list(LENGTH public public_count)
+if(public_count GREATER most_public_headers)
+    message(SEND_ERROR "${public_count} public headers, at most ${most_public_headers} are wanted")
+endif()
+message(STATUS "${seen} files checked, ${public_count} public headers")

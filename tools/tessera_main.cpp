@@ -1,10 +1,11 @@
 // tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
 
 #include "format/version.h"
-#include "tools/command.h"
-#include "tools/interrupt.h"
-#include "tools/suggestions.h"
-#include "tools/usage_error.h"
+#include "tools/verbs/command.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/parse.h"
+#include "tools/support/suggestions.h"
+#include "tools/support/usage_error.h"
 
 #include <csignal>
 #include <cstdio>
@@ -14,9 +15,9 @@
 namespace tessera {
 namespace {
 
-const char* const verbs[] = {"bake",    "encode", "decode",  "info",    "validate",
-                             "compare", "sheet",  "montage", "shaders", "render",
-                             "bench",   "rd",     "serve",   "help",    "version"};
+const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
+                             "compare", "sheet",  "shaders", "render", "bench",
+                             "rd",      "serve",  "help",    "version"};
 
 const char* const main_help =
     "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
@@ -75,7 +76,6 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
     add_info_command(app, chosen);
     add_validate_command(app, chosen);
     add_sheet_command(app, chosen);
-    add_montage_command(app, chosen);
     add_shaders_command(app, chosen);
     add_render_command(app, chosen);
     add_bench_command(app, chosen);

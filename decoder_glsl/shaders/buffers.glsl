@@ -5,14 +5,13 @@
 #include "dialect.glsl"
 #include "layout.glsl"
 
-#if !defined(__cplusplus) && !defined(TSR_READ_ONLY)
+#ifndef __cplusplus
 layout(std430, binding = 0) restrict readonly buffer TesseraTables { uint tsr_tables[]; };
 layout(std430, binding = 1) restrict readonly buffer TesseraBatch { uint tsr_batch[]; };
 layout(std430, binding = 2) restrict buffer TesseraWork { uint tsr_work[]; };
 layout(std430, binding = 3) restrict buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
 #define TSR_ATOMIC_ADD(index, value) atomicAdd(tsr_work[index], value)
 #define TSR_ATOMIC_OR(index, value) atomicOr(tsr_work[index], value)
-#define TSR_ATOMIC_MAX(index, value) atomicMax(tsr_work[index], value)
 #endif
 
 uint tsr_table(uint at) {
@@ -48,8 +47,6 @@ uint tsr_first_place(uint shape) {
     return shape << tsr_place_shape;
 }
 
-// Sampling only reads tables and coefficients, and declares them itself.
-#ifndef TSR_READ_ONLY
 uint tsr_batch_word(uint at) {
     return at < uint(tsr_batch.length()) ? tsr_batch[at] : 0u;
 }
@@ -94,12 +91,6 @@ uint tsr_copy(uint tile, uint block, int field) {
     return tsr_batch_word(tsr_header(tsr_b_copies_at) + copies + block * uint(tsr_copy_words) +
                           uint(field));
 }
-// A kept node of the tile's split tree; nowhere, if the tile has no room for it.
-uint tsr_node_at(uint tile, uint slot) {
-    if (slot >= tsr_tile(tile, tsr_tile_node_room))
-        return tsr_nowhere;
-    return tsr_header(tsr_b_node_at) + tsr_tile(tile, tsr_tile_nodes) + slot;
-}
 void tsr_damage(uint tile, uint what) {
     uint at = tsr_state_at(tile) + uint(tsr_st_damaged);
     if (at < uint(tsr_work.length()))
@@ -115,7 +106,5 @@ uint tsr_payload_word(uint byte_at) {
         word |= tsr_batch_word(at + 1u) << 8;
     return word & 0xFFFFu;
 }
-
-#endif
 
 #endif

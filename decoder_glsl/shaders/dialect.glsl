@@ -1,5 +1,5 @@
 // The words in which GLSL and C++ differ. Every file here that is not a *.comp.glsl main compiles in
-// both: the tests build the integer core as C++ through GLM and fuzz it (tests/shader_machine.h
+// both: the tests build the integer core as C++ through GLM and fuzz it (tests/support/shader_machine.h
 // gives the C++ meaning of these words).
 #ifndef TSR_DIALECT
 #define TSR_DIALECT

@@ -101,9 +101,6 @@ void tsr_end_block(TSR_INOUT(TsrSegmentWalk) w) {
     tsr_set_work(at + uint(tsr_k_counts), w.counts);
     tsr_set_work(at + uint(tsr_k_rest), uint(w.colour) | (w.largest_s << 8) | (w.largest_t << 16) |
                                             (w.segment_of_tile << 24));
-    uint largest = tsr_state_at(w.tile) + uint(tsr_st_largest);
-    if (w.count > w.first && largest < uint(tsr_work.length()))
-        TSR_ATOMIC_MAX(largest, w.count - w.first);
     w.block += 1u;
 }
 
@@ -161,7 +158,7 @@ int tsr_next_state(int state, uint magnitude) {
     return int((next >> uint(4 * state)) & 7u);
 }
 
-// Index of the magnitude's table (see magnitude_table in format/code_tables.h).
+// Index of the magnitude's table (see magnitude_table in format/tile/code_tables.h).
 int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
     bool dc = w.at == 0;
     int first = ((w.copies ? 2 : 0) + quantiser) * 66;

@@ -119,7 +119,7 @@ void tsr_order_level(uint slot) {
     if (rotated)
         x = ivec3(tsr_turn_back(x, colour - 1, 0), tsr_turn_back(x, colour - 1, 1),
                   tsr_turn_back(x, colour - 1, 2));
-    uint sorted = tsr_segment(segment, tsr_seg_sorted) + run + before;
+    uint sorted = raw + run + before;
     if (sorted < uint(tsr_coefficients.length()))
         tsr_coefficients[sorted] = uvec4(frequency, uint(x.x), uint(x.y), uint(x.z));
 }

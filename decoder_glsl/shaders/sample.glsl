@@ -1,7 +1,7 @@
 // tessera_sample(): the colour that leaves a textured surface in a direction. For any stage.
 //
-//     #define TESSERA_RESIDENT_CACHE 1         or _COEFFICIENTS; without either, a plain texture
-//     #define TESSERA_HARDWARE_FILTER 1        4 filtered fetches instead of 16; not of coefficients
+//     #define TESSERA_RESIDENT_CACHE 1         a tile cache; without, a plain texture
+//     #define TESSERA_HARDWARE_FILTER 1        4 filtered fetches instead of 16
 //     #include "sample.glsl"
 //     vec4 colour = tessera_sample(from_centre, direction);
 //
@@ -14,12 +14,11 @@
 // in Vulkan set 0, but textures set 2):
 //   TESSERA_BINDING_SAMPLER  4  storage buffer: sizes, page table, coarse texels
 //   TESSERA_BINDING_MARKS    5  storage buffer, written: CACHE only, one word a tile
-//   TESSERA_BINDING_DIRECTORY 6, 0 (tables) and 3 (coefficients): COEFFICIENTS only
-//   TESSERA_UNIT_TEXELS      0  sampler2DArray: not of coefficients
+//   TESSERA_UNIT_TEXELS      0  sampler2DArray
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
 // CACHE: a tile that is not there yet gives its coarse texels, and is marked so that the host
-// decodes it; COEFFICIENTS evaluates every texel from its block's coefficients, exactly.
+// decodes it.
 #ifndef TSR_SAMPLE
 #define TSR_SAMPLE
 #ifndef TESSERA_BINDING_SAMPLER
@@ -76,9 +75,6 @@ vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
     return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
 }
 
-#ifdef TESSERA_RESIDENT_COEFFICIENTS
-#include "sample_coefficients.glsl"
-#else
 layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
 // The mix of the four texels of a footprint, neighbours in one layer.
 vec4 tsr_fetched(ivec3 pixel, TsrAngularFootprint f) {
@@ -105,7 +101,6 @@ vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
 #else
 #include "sample_plain.glsl"
 #endif
-#endif
 
 vec4 tsr_surface_texel(int u, int v, ivec4 size, vec3 direction) {
     ivec2 texel = ivec2(u, v);
@@ -117,20 +112,11 @@ vec4 tessera_sample(vec3 from_centre, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
     TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, ivec2(size.x, size.y));
     // Each of the four surface texels has its own frame, hence its own angles.
-#ifdef TESSERA_RESIDENT_COEFFICIENTS
-    // A loop: compilers that unroll this one take minutes for a shader that waits for memory anyway.
-    vec4 corner[4];
-    for (int i = 0; i < 4; ++i)
-        corner[i] = tsr_surface_texel((i & 1) == 0 ? f.low.x : f.high.x,
-                                      i < 2 ? f.low.y : f.high.y, size, direction);
-    return tsr_mix4(corner[0], corner[1], corner[2], corner[3], f.weight);
-#else
     vec4 low_low = tsr_surface_texel(f.low.x, f.low.y, size, direction);
     vec4 high_low = tsr_surface_texel(f.high.x, f.low.y, size, direction);
     vec4 low_high = tsr_surface_texel(f.low.x, f.high.y, size, direction);
     vec4 high_high = tsr_surface_texel(f.high.x, f.high.y, size, direction);
     return tsr_mix4(low_low, high_low, low_high, high_high, f.weight);
-#endif
 }
 
 #endif

@@ -35,8 +35,4 @@ const int tsr_coarse_uv = 4;
 const int tsr_coarse_st = 2;
 const int tsr_coarse_texels = 64;
 
-// Directory of a texture that is sampled from its coefficients: two words a tile (its first node, its
-// first block record), then nodes and block records (layout.glsl).
-const int tsr_d_words = 2;
-
 #endif

@@ -55,7 +55,7 @@ TsrItem tsr_item(uint number) {
     item.move = tsr_copy(item.tile, item.block, tsr_copy_move);
     uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);
     item.coefficients =
-        tsr_segment(segment, tsr_seg_sorted) + tsr_work_word(block + uint(tsr_k_first));
+        tsr_segment(segment, tsr_seg_raw) + tsr_work_word(block + uint(tsr_k_first));
     item.colour_count = min(counts & 0xFFFFu, 3u * uint(tsr_max_coded));
     item.alpha_count = min(counts >> 16, uint(tsr_max_coded));
     item.plane_before = item.patch_of.support_t * item.patch_of.support_s * item.positions;

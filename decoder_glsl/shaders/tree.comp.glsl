@@ -3,12 +3,12 @@
 
 struct TsrNode {
     uint place;  // as in tsr_k_place
-    uint depths; // spatial | angular << 4 | slot of its own in the kept tree << 8
+    uint depths; // spatial | angular << 4
 };
 
 // Child number `child` of a node split along both axes of a pair, or along the only one of them that
-// is longer than 1. `first_slot` is where the children's slots begin.
-TsrNode tsr_child(TsrNode parent, int split, uint child, uint first_slot) {
+// is longer than 1.
+TsrNode tsr_child(TsrNode parent, int split, uint child) {
     uint shape = tsr_shape_of(parent.place);
     ivec4 sides = tsr_sides_of(shape);
     int side_a = split == 1 ? sides.x : sides.z;
@@ -25,13 +25,8 @@ TsrNode tsr_child(TsrNode parent, int split, uint child, uint first_slot) {
     TsrNode node;
     uint origins = tsr_first_place(1u) - 1u;
     node.place = (((parent.place & origins) + moved) & origins) | tsr_first_place(id);
-    node.depths = (parent.depths & 255u) + (split == 1 ? 1u : 16u) + ((first_slot + child) << 8);
+    node.depths = parent.depths + (split == 1 ? 1u : 16u);
     return node;
-}
-
-void tsr_store_node(uint tile, uint slot, uint value) {
-    if (tsr_header(tsr_b_keep_nodes) != 0u)
-        tsr_set_work(tsr_node_at(tile, slot), value);
 }
 
 void tsr_pass_component(TSR_INOUT(TsrRans) r, int table) {
@@ -80,7 +75,6 @@ void tsr_decode_tree(uint tile) {
     uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint blocks = 0u;
     uint nodes = 0u;
-    uint slots = 1u;
     bool predicts = tsr_table(tsr_t_predicts) != 0u;
     bool copies = false;
     for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {
@@ -88,7 +82,7 @@ void tsr_decode_tree(uint tile) {
         TsrNode node = stack[waiting - 1];
         uint classes = uint(tsr_depth_classes);
         uint spatial = min(node.depths & 15u, classes - 1u);
-        uint angular = min((node.depths >> 4) & 15u, classes - 1u);
+        uint angular = min(node.depths >> 4, classes - 1u);
         int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * classes + angular);
         nodes += 1u;
         if (split == 0) {
@@ -96,7 +90,6 @@ void tsr_decode_tree(uint tile) {
                 break;
             waiting -= 1;
             tsr_set_work(tsr_block_at(tile, blocks), node.place);
-            tsr_store_node(tile, node.depths >> 8, 0x80000000u | blocks);
             blocks += 1u;
             if (predicts)
                 tsr_pass_prediction(r, node.place, copies);
@@ -108,18 +101,16 @@ void tsr_decode_tree(uint tile) {
         // stack of a legal tree grows past 29 (sides of 9, 17, 17, 17).
         if ((ids & 0xFFFFu) == 0xFFFFu || waiting > 32)
             break;
-        tsr_store_node(tile, node.depths >> 8, (uint(split) << 28) | slots);
         waiting -= 1;
         bool four = (tsr_shape(tsr_shape_of(node.place), children + 1) & 0xFFFFu) != 0xFFFFu;
         if (four) {
-            stack[waiting] = tsr_child(node, split, 3u, slots);
-            stack[waiting + 1] = tsr_child(node, split, 2u, slots);
+            stack[waiting] = tsr_child(node, split, 3u);
+            stack[waiting + 1] = tsr_child(node, split, 2u);
             waiting += 2;
         }
-        stack[waiting] = tsr_child(node, split, 1u, slots);
-        stack[waiting + 1] = tsr_child(node, split, 0u, slots);
+        stack[waiting] = tsr_child(node, split, 1u);
+        stack[waiting + 1] = tsr_child(node, split, 0u);
         waiting += 2;
-        slots += four ? 4u : 2u;
     }
     uint at = tsr_state_at(tile);
     tsr_set_work(at + uint(tsr_st_blocks), blocks);
@@ -128,7 +119,6 @@ void tsr_decode_tree(uint tile) {
     tsr_set_work(at + uint(tsr_st_nodes), nodes);
     tsr_set_work(at + uint(tsr_st_damaged), waiting > 0 ? tsr_damage_tree : 0u);
     tsr_set_work(at + uint(tsr_st_levels), 0u);
-    tsr_set_work(at + uint(tsr_st_largest), 0u);
 }
 
 #ifndef __cplusplus

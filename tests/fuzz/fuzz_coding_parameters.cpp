@@ -1,5 +1,5 @@
 // Section CODE: refused, or parameters in range that survive being written again.
-#include "format/coding_parameters.h"
+#include "format/tile/coding_parameters.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tessera::fuzz {

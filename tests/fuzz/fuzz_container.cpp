@@ -2,10 +2,10 @@
 // mends the checksums of header and sections, so that the fuzzer gets past them.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/bytes.h"
+#include "format/io/bytes.h"
 #include "format/container_reader.h"
-#include "format/crc32c.h"
-#include "tests/codec_test_support.h"
+#include "format/io/crc32c.h"
+#include "tests/support/codec_test_support.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tessera::fuzz {

@@ -1,15 +1,14 @@
-// The decoder's shaders as C++ (tests/shader_machine.h) on payloads that nothing has checked, against
+// The decoder's shaders as C++ (tests/support/shader_machine.h) on payloads that nothing has checked, against
 // the CPU's decoder; or, with bit 7 of the first byte, on batches whose words are changed, too.
 //
-// Input: byte 0: setting (3 bits), corrections, keep_nodes, folded, predictions (and then no
-// corrections), changed; byte 1: grid; byte 2:
-// number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
+// Input: byte 0: setting (3 bits), corrections, folded, predictions (and then no corrections), a bit
+// that means nothing, changed; byte 1: grid; byte 2: number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
 // then the payloads, each but the last behind its u16 length.
-#include "format/bytes.h"
-#include "tests/codec_test_support.h"
+#include "format/io/bytes.h"
+#include "tests/support/codec_test_support.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/random_predictions.h"
-#include "tests/shader_oracle.h"
+#include "tests/support/random_predictions.h"
+#include "tests/support/shader_oracle.h"
 
 #include <map>
 
@@ -54,7 +53,7 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
 // `first`: byte 0 of an input.
 ShaderOracle& oracle(unsigned first, unsigned grid) {
     const unsigned setting = first & 7u;
-    const bool predictions = (first & 64u) != 0, corrections = !predictions && (first & 8u) != 0;
+    const bool predictions = (first & 32u) != 0, corrections = !predictions && (first & 8u) != 0;
     static std::map<std::array<unsigned, 4>, std::unique_ptr<ShaderOracle>> all;
     auto& found = all[{setting, corrections, predictions, grid}];
     if (!found) {
@@ -143,8 +142,8 @@ std::vector<Bytes> seeds() {
     for (unsigned i = 0; i < 96; ++i) {
         Case made;
         made.grid = i % grids.size();
-        made.first = (i * 5 % 64) | (i >= 48 ? 64u : 0u) | (i % 2 ? 128u : 0u);
-        const bool corrections = (made.first & 72u) == 8u;
+        made.first = (i * 5 % 32) | (i >= 48 ? 32u : 0u) | (i % 2 ? 128u : 0u);
+        const bool corrections = (made.first & 40u) == 8u;
         const ShaderOracle& file = oracle(made.first, made.grid);
         const auto tiles = std::min<std::uint64_t>(1 + i % 4, file.reader().tile_count());
         for (std::uint64_t tile = 0; tile < tiles; ++tile)
@@ -169,7 +168,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::uint32_t first = input.take(1);
     const std::uint32_t grid = input.take(1) % fuzz::grids.size();
     test::ShaderOracle& oracle = fuzz::oracle(first, grid);
-    const test::ShaderOracle::Layout layout{(first & 16u) != 0, (first & 32u) != 0};
+    const test::ShaderOracle::Layout layout{(first & 16u) != 0};
     const auto tiles = std::min<std::uint64_t>(1 + input.take(1) % 4, oracle.reader().tile_count());
     std::vector<std::pair<std::uint32_t, std::uint32_t>> changes;
     if (first & 128u)

@@ -1,10 +1,10 @@
 // Measures what each coding tool is worth: encodes without it, and writes tables between the two
-// marks in ablation.md. tools/ablation.sh builds and runs it.
+// marks in ablation.md. tools/scripts/ablation.sh builds and runs it.
 //   ablation ablation.md [PEERS.rgb]
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/memory_source.h"
-#include "codec/tool_switches.h"
+#include "format/texture.h"
+#include "codec/tile_encoder/tool_switches.h"
 #include "tests/regression/textures.h"
 #include "tools/rd/bd_rate.h"
 

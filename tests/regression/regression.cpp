@@ -4,7 +4,7 @@
 // are exact and compared by the caller; speeds are printed for people (shared machines: ratios
 // count).
 #include "codec/encoder.h"
-#include "codec/memory_source.h"
+#include "format/texture.h"
 #include "tests/regression/textures.h"
 #include "tools/rd/access_cost.h"
 

@@ -1,9 +1,9 @@
-// Prints format/default_parameters.cpp for the symbols of some .tess files, each file weighing the
+// Prints format/tile/default_parameters.cpp for the symbols of some .tess files, each file weighing the
 // same. Used when the contexts change:
-//   train_defaults a.tess b.tess ... > format/default_parameters.cpp
+//   train_defaults a.tess b.tess ... > format/tile/default_parameters.cpp
 #include "codec/decoder.h"
-#include "codec/table_fit.h"
-#include "codec/tile_decoder.h"
+#include "codec/fit/table_fit.h"
+#include "codec/reconstruct/tile_decoder.h"
 
 #include <cmath>
 #include <cstdio>
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
         }
     }
     std::printf("// Made by tests/regression/train_defaults from files of the corpus.\n"
-                "#include \"format/code_tables.h\"\n\nnamespace tessera {\n\n"
+                "#include \"format/tile/code_tables.h\"\n\nnamespace tessera {\n\n"
                 "const Parameters& default_parameters() {\n"
                 "    static const Parameters parameters = {\n");
     for (std::size_t p = 0; p < parameter_count; ++p) {

@@ -1,5 +1,5 @@
-// Codecs of arrays and bytes: zfp in four dimensions, OpenEXR's DWAA, zstd, and no codec at all.
-#include "format/sample_code.h"
+// Codecs of arrays: zfp in four dimensions, OpenEXR's DWAA, and no codec at all.
+#include "format/samples.h"
 #include "tools/rd/bt709.h"
 #include "tools/rd/exr_rival.h"
 #include "tools/rd/rivals.h"
@@ -125,39 +125,7 @@ Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
     return coded;
 }
 
-// --- zstd and nothing ----------------------------------------------------------------------------
-
-Result<Coded> code_zstd(const CodingJob& job, const std::string& setting) {
-    const std::string in = job.folder.at("in.raw"), packed = job.folder.at("raw.zst"),
-                      out = job.folder.at("out.raw");
-    TESSERA_TRY(write_bytes(in, job.texture.texels));
-    const auto encoded = seconds_of_tool(
-        {"zstd", "-q", "-f", "-" + value_of(setting), "--long=27", in, "-o", packed}, job.timeout,
-        ticker(job, "encoding"));
-    if (!encoded.ok())
-        return encoded.status();
-    const auto decoded = best_time([&] {
-        return seconds_of_tool({"zstd", "-q", "-f", "-d", "--long=27", packed, "-o", out},
-                               job.timeout, ticker(job, "decoding"));
-    });
-    if (!decoded.ok())
-        return decoded.status();
-    const auto bytes = bytes_of_file(packed);
-    if (!bytes.ok())
-        return bytes.status();
-    auto back = bytes_in_file(out);
-    if (!back.ok())
-        return back.status();
-    if (back->size() != job.texture.texels.size())
-        return Status(ErrorCode::runtime, "zstd: decoded a texture of another size");
-    Coded coded;
-    coded.bytes = *bytes;
-    coded.encode_seconds = *encoded;
-    coded.decode_seconds = *decoded;
-    coded.texels = std::move(*back);
-    coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
-    return coded;
-}
+// --- nothing --------------------------------------------------------------------------------------
 
 Result<Coded> keep_raw(const CodingJob& job, const std::string&) {
     Coded coded;
@@ -171,14 +139,12 @@ Result<Coded> keep_raw(const CodingJob& job, const std::string&) {
 }
 
 Rival array_rival(const char* id, const char* layout, std::vector<std::string> tools,
-                  const char* package, std::vector<std::string> version,
-                  std::vector<std::string> settings) {
+                  const char* package, std::vector<std::string> settings) {
     Rival rival;
     rival.id = id;
     rival.layout = layout;
     rival.tools = std::move(tools);
     rival.package = package;
-    rival.version_arguments = std::move(version);
     rival.settings = std::move(settings);
     rival.run = code_zfp;
     return rival;
@@ -193,25 +159,20 @@ std::vector<Rival> array_rivals() {
         return all.back();
     };
     Rival& rate = add(array_rival("zfp:rate", "fixed rate, 4D blocks, Cb and Cr at half the rate",
-                                  {"zfp"}, "zfp", {}, {"rate 1", "rate 2", "rate 3", "rate 4"}));
+                                  {"zfp"}, "zfp", {"rate 1", "rate 2", "rate 3", "rate 4"}));
     rate.coarser = {"rate 0.5"};
     rate.finer = {"rate 6", "rate 8"};
     Rival& accuracy = add(array_rival(
         "zfp:accuracy", "fixed accuracy, 4D blocks, Cb and Cr at twice the tolerance", {"zfp"},
-        "zfp", {}, {"tolerance 256", "tolerance 128", "tolerance 64", "tolerance 32"}));
+        "zfp", {"tolerance 256", "tolerance 128", "tolerance 64", "tolerance 32"}));
     accuracy.coarser = {"tolerance 512", "tolerance 1024"};
     accuracy.finer = {"tolerance 16", "tolerance 8"};
     Rival& exr = add(array_rival("exr:dwaa", "OpenEXR's DWAA, mosaic of views, half floats", {}, "",
-                                 {}, {"level 4000", "level 2000", "level 1000", "level 500"}));
+                                 {"level 4000", "level 2000", "level 1000", "level 500"}));
     exr.coarser = {"level 8000", "level 16000"};
     exr.finer = {"level 200", "level 100"};
     exr.run = code_exr_mosaic;
-    Rival& zstd = add(array_rival("zstd", "raw bytes, window of 128 MB, lossless", {"zstd"}, "zstd",
-                                  {"--version"}, {"level 3", "level 19"}));
-    zstd.run = code_zstd;
-    zstd.in_plot = false;
-    zstd.quick = true;
-    Rival& raw = add(array_rival("raw", "nothing is coded", {}, "", {}, {"as it is"}));
+    Rival& raw = add(array_rival("raw", "nothing is coded", {}, "", {"as it is"}));
     raw.run = keep_raw;
     raw.in_plot = false;
     raw.quick = true;

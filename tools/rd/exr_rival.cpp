@@ -1,8 +1,8 @@
 #include "tools/rd/exr_rival.h"
 
-#include "tools/exr_samples.h"
-#include "tools/exr_stream.h"
-#include "tools/parallel.h"
+#include "tools/texture_io/exr_samples.h"
+#include "tools/texture_io/exr_stream.h"
+#include "format/work.h"
 #include "tools/rd/rivals.h"
 
 #include <ImfChannelList.h>

@@ -1,6 +1,6 @@
 #include "tools/rd/measurement.h"
 
-#include "format/crc32c.h"
+#include "tools/support/checksum.h"
 #include "tools/rd/rivals.h" // bytes_in_file, write_bytes
 
 #include <cctype>
@@ -113,7 +113,7 @@ std::optional<Measurement> measurement_from_json(const Json& json) {
 std::string MeasurementCache::path_of(const Json& key) const {
     const std::string text = key.dump();
     char crc[16];
-    std::snprintf(crc, sizeof crc, "%08x", crc32c(std::as_bytes(std::span(text))));
+    std::snprintf(crc, sizeof crc, "%08x", checksum(std::as_bytes(std::span(text))));
     return folder_ + "/" + word(key, "codec") + "_" + word(key, "setting") + "_" + crc + ".json";
 }
 

@@ -1,7 +1,7 @@
 // One codec at one setting on one texture, and how it is kept between runs.
 #pragma once
 
-#include "tools/json_text.h"
+#include "tools/support/json_text.h"
 #include "tools/rd/quality.h"
 
 #include <optional>

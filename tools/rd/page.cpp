@@ -1,5 +1,5 @@
 // The report as one HTML file that needs nothing else.
-#include "tools/parse.h"
+#include "tools/support/parse.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/report.h"
 

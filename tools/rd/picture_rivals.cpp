@@ -1,6 +1,6 @@
 // Codecs of pictures: one picture per view, or all views in one mosaic.
-#include "tools/parallel.h"
-#include "tools/png_file.h"
+#include "format/work.h"
+#include "tools/picture/png_file.h"
 #include "tools/rd/picture_tools.h"
 #include "tools/rd/rivals.h"
 #include "tools/rd/view_layout.h"
@@ -101,7 +101,7 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     }));
     const auto encoded = run_for_all(pictures.size(), job, "encoding", [&](std::size_t i) {
         return tool.encode(file("in", i, tool.pictures), file("coded", i, tool.ending), setting,
-                           pictures[i], threads);
+                           threads);
     });
     if (!encoded.ok())
         return encoded.status();
@@ -185,7 +185,7 @@ Result<Coded> code_astc(const CodingJob& job, const std::string& setting) {
     return coded;
 }
 
-Rival picture_rival(const PictureTool& tool) {
+Rival rival_of(const PictureTool& tool) {
     Rival rival;
     rival.id = tool.id;
     rival.layout = tool.about;
@@ -199,28 +199,36 @@ Rival picture_rival(const PictureTool& tool) {
     return rival;
 }
 
+Rival rival_by_views(const PictureTool& tool) {
+    Rival rival = rival_of(tool);
+    rival.layout += ", one file per view";
+    rival.run = [&tool](const CodingJob& job, const std::string& setting) {
+        return code_views(tool, job, setting);
+    };
+    return rival;
+}
+
+Rival avif_mosaic() {
+    Rival rival = rival_of(avif_tool());
+    rival.id += ":mosaic";
+    rival.layout += ", all views in one picture";
+    rival.quick = true;
+    rival.run = [](const CodingJob& job, const std::string& setting) {
+        return code_mosaic(avif_tool(), job, setting);
+    };
+    return rival;
+}
+
+Rival astc_rival() {
+    Rival rival = rival_of(astc_tool());
+    rival.run = code_astc;
+    return rival;
+}
+
 } // namespace
 
 std::vector<Rival> picture_rivals() {
-    std::vector<Rival> all;
-    for (const PictureTool& tool : picture_tools()) {
-        Rival views = picture_rival(tool), mosaic = views;
-        views.layout += ", one file per view";
-        views.run = [&tool](const CodingJob& job, const std::string& setting) {
-            return code_views(tool, job, setting);
-        };
-        mosaic.id += ":mosaic";
-        mosaic.layout += ", all views in one picture";
-        mosaic.quick = true;
-        mosaic.run = [&tool](const CodingJob& job, const std::string& setting) {
-            return code_mosaic(tool, job, setting);
-        };
-        all.push_back(std::move(views));
-        all.push_back(std::move(mosaic));
-    }
-    all.push_back(picture_rival(astc_tool()));
-    all.back().run = code_astc;
-    return all;
+    return {rival_by_views(avif_tool()), avif_mosaic(), rival_by_views(jxl_tool()), astc_rival()};
 }
 
 } // namespace tessera

@@ -1,10 +1,7 @@
 // The command lines of picture codecs.
 #pragma once
 
-#include "tools/picture.h"
-
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -21,13 +18,13 @@ struct PictureTool {
     const char* pictures; // what it reads and writes besides; ppm costs it the least
     std::vector<std::string> settings, coarser, finer;
     std::vector<std::string> (*encode)(const std::string& in, const std::string& out,
-                                       const std::string& setting, const Picture& picture,
-                                       const std::string& threads);
+                                       const std::string& setting, const std::string& threads);
     std::vector<std::string> (*decode)(const std::string& in, const std::string& out,
                                        const std::string& threads);
 };
 
-std::span<const PictureTool> picture_tools(); // AVIF, JPEG XL, WebP, JPEG 2000
+const PictureTool& avif_tool();
+const PictureTool& jxl_tool();
 const PictureTool& astc_tool();
 
 } // namespace tessera

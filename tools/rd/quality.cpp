@@ -1,11 +1,11 @@
 #include "tools/rd/quality.h"
 
-#include "codec/memory_source.h"
+#include "format/texture.h"
 #include "format/sampler.h"
-#include "tools/camera.h"
-#include "tools/parallel.h"
+#include "tools/view/camera.h"
+#include "format/work.h"
 #include "tools/rd/bt709.h"
-#include "tools/view_file.h"
+#include "tools/view/view_file.h"
 
 #include <array>
 #include <cmath>

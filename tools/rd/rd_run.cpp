@@ -1,9 +1,9 @@
 #include "tools/rd/rd_run.h"
 
-#include "tools/interrupt.h"
-#include "tools/parallel.h"
-#include "tools/parse.h"
-#include "tools/progress.h"
+#include "tools/support/interrupt.h"
+#include "format/work.h"
+#include "tools/support/parse.h"
+#include "tools/support/progress.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/sweep.h"
 #include "tools/rd/tessera_codec.h"

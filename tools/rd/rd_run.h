@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/rd/report.h"
-#include "tools/texture_hints.h"
+#include "tools/support/texture_hints.h"
 
 #include <string>
 #include <vector>

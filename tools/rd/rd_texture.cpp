@@ -1,12 +1,12 @@
 #include "tools/rd/rd_texture.h"
 
-#include "codec/copy_box.h"
+#include "format/texture.h"
 #include "corpus/bake.h"
-#include "format/crc32c.h"
-#include "tools/interrupt.h"
-#include "tools/parallel.h"
-#include "tools/parse.h"
-#include "tools/texture_io.h"
+#include "tools/support/checksum.h"
+#include "tools/support/interrupt.h"
+#include "format/work.h"
+#include "tools/support/parse.h"
+#include "tools/texture_io/texture_io.h"
 
 #include <algorithm>
 #include <cctype>
@@ -134,7 +134,7 @@ const std::byte* RdTexture::texel(std::uint32_t u, std::uint32_t v, std::uint32_
 void describe_texels(RdTexture& texture) {
     const std::size_t bytes = texture.desc.texel_bytes();
     texture.checksum = to_string(texture.desc.size) + " " + std::to_string(texture.desc.channels) +
-                       " x " + name_of(texture.desc.type) + " " + hex(crc32c(texture.texels));
+                       " x " + name_of(texture.desc.type) + " " + hex(checksum(texture.texels));
     std::unordered_map<std::uint64_t, std::uint64_t> counts;
     for (std::size_t at = 0; at < texture.texels.size(); at += bytes) {
         std::uint64_t value = 0;

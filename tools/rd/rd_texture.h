@@ -3,8 +3,8 @@
 
 #include "codec/encoder.h" // ProgressFunction
 #include "format/texture.h"
-#include "tools/texture_hints.h"
-#include "tools/view_renderer.h"
+#include "tools/support/texture_hints.h"
+#include "tools/view/view_renderer.h"
 
 #include <cstddef>
 #include <optional>

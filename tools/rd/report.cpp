@@ -1,6 +1,6 @@
 #include "tools/rd/report.h"
 
-#include "tools/parse.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <cmath>
@@ -185,7 +185,7 @@ std::vector<std::string> definitions(const RdReport& report) {
         "for a texel, for a view: bytes of the file that a reader of one texel, or of the U x V "
         "texels of one (s,t), has to fetch when it holds header and index. tessera: counted, the "
         "mean of 64 texels and 8 views. Sequences: from the key frame on, about half of the "
-        "group on average. Files per view: one file. Mosaics, zstd and zfp at fixed accuracy: the "
+        "group on average. Files per view: one file. AVIF's mosaic and zfp at fixed accuracy: the "
         "whole "
         "file. zfp at fixed rate, ASTC and DWAA: the blocks or chunks touched.",
         "BD-rate: how many more bits a codec needs than the anchor at equal PSNR (Bjontegaard, "

@@ -1,7 +1,7 @@
 // What `tessera rd` found out, as text, CSV, JSON, plots and one page.
 #pragma once
 
-#include "tools/json_text.h"
+#include "tools/support/json_text.h"
 #include "tools/rd/bd_rate.h"
 #include "tools/rd/measurement.h"
 #include "tools/rd/rivals.h"

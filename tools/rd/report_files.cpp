@@ -1,7 +1,7 @@
 // The report as text, CSV and JSON.
 #include "tools/rd/report.h"
 
-#include "tools/parse.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "format/byte_source.h"
 #include "format/output_file.h"
-#include "tools/parallel.h"
+#include "format/work.h"
 
 #include <cctype>
 #include <filesystem>
@@ -102,7 +102,7 @@ RivalChoice choose_rivals(const std::vector<Rival>& wanted, const TextureDesc& d
         else if (!missing.empty())
             choice.absent.push_back({rival.id, "not installed: " + missing + " (Debian package " +
                                                    rival.package +
-                                                   "; tools/install-rivals.sh installs it)"});
+                                                   "; tools/scripts/install-rivals.sh installs it)"});
         else
             choice.present.push_back({rival.id, rival.layout, version_of(rival), rival.settings,
                                       rival.coarser, rival.finer, rival.in_plot, rival.run});

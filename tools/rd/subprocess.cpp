@@ -1,7 +1,7 @@
 #include "tools/rd/subprocess.h"
 
-#include "tools/interrupt.h"
-#include "tools/parse.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/parse.h"
 
 #include <cerrno>
 #include <chrono>

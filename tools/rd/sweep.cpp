@@ -1,7 +1,7 @@
 #include "tools/rd/sweep.h"
 
-#include "tools/interrupt.h"
-#include "tools/parallel.h"
+#include "tools/support/interrupt.h"
+#include "format/work.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 #include "tools/rd/tessera_codec.h"
 
 #include "codec/decoder.h"
-#include "codec/memory_source.h"
-#include "format/crc32c.h"
+#include "format/texture.h"
+#include "tools/support/checksum.h"
 #include "format/version.h"
-#include "tools/interrupt.h"
+#include "tools/support/interrupt.h"
 #include "tools/rd/access_cost.h"
 #include "tools/rd/rivals.h" // best_time
 
@@ -22,7 +22,7 @@ std::string build_version() {
         const auto program = bytes_in_file("/proc/self/exe");
         char crc[16] = "";
         if (program.ok())
-            std::snprintf(crc, sizeof crc, " %08x", crc32c(*program));
+            std::snprintf(crc, sizeof crc, " %08x", checksum(*program));
         return std::string(library_version) + crc;
     }();
     return version;

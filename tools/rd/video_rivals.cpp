@@ -14,7 +14,6 @@ struct VideoInput {
 };
 
 struct VideoTool {
-    Chroma chroma = Chroma::full;
     bool in_y4m = false;
     unsigned group = 0; // frames between key frames; 0: only the first is one
     const char* ending = "";
@@ -46,36 +45,6 @@ std::vector<std::string> x265_slower(const VideoInput& in, const std::string& ou
 std::vector<std::string> x265_medium(const VideoInput& in, const std::string& out,
                                      const std::string& setting, unsigned group) {
     return x265("medium", in, out, setting, group);
-}
-
-std::vector<std::string> svt_av1(const VideoInput& in, const std::string& out,
-                                 const std::string& setting, unsigned group) {
-    // Its key frame interval counts the frames between two key frames.
-    return {"SvtAv1EncApp",
-            "-i",
-            in.path,
-            "-w",
-            in.width,
-            "-h",
-            in.height,
-            "--fps",
-            "30",
-            "-n",
-            in.frames,
-            "--preset",
-            "5",
-            "--crf",
-            value_of(setting),
-            "--keyint",
-            group > 0 ? std::to_string(group - 1) : "-1",
-            "--irefresh-type",
-            "2",
-            "--lp",
-            in.threads,
-            "--no-progress",
-            "1",
-            "-b",
-            out};
 }
 
 std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
@@ -113,21 +82,9 @@ Status write_y4m(const std::string& path, std::span<const std::byte> video, cons
 
 // ffmpeg decodes all of them, to the very planes that the encoder was given.
 std::vector<std::string> decoder(const std::string& in, const std::string& out,
-                                 const VideoInput& input, Chroma chroma) {
-    return {"ffmpeg",
-            "-nostdin",
-            "-v",
-            "error",
-            "-threads",
-            input.threads,
-            "-y",
-            "-i",
-            in,
-            "-f",
-            "rawvideo",
-            "-pix_fmt",
-            chroma == Chroma::full ? "yuv444p" : "yuv420p",
-            out};
+                                 const VideoInput& input) {
+    return {"ffmpeg", "-nostdin", "-v", "error",    "-threads", input.threads, "-y",
+            "-i",     in,         "-f", "rawvideo", "-pix_fmt", "yuv444p",     out};
 }
 
 // A reader starts at a key frame and decodes on; on average half of the group.
@@ -145,7 +102,7 @@ Result<Coded> code_video(const VideoTool& tool, const CodingJob& job, const std:
                            std::to_string(frames), threads_text(job.threads)};
     const std::string stream = job.folder.at(std::string("video.") + tool.ending);
     const std::string output = job.folder.at("out.yuv");
-    const auto video = video_of(job.texture, tool.chroma);
+    const auto video = video_of(job.texture);
     TESSERA_TRY(tool.in_y4m ? write_y4m(input.path, video, input, video.size() / frames)
                             : write_bytes(input.path, video));
     Coded coded;
@@ -159,7 +116,7 @@ Result<Coded> code_video(const VideoTool& tool, const CodingJob& job, const std:
         return bytes.status();
     coded.bytes = *bytes;
     const auto decoded = best_time([&] {
-        return seconds_of_tool(decoder(stream, output, input, tool.chroma), job.timeout,
+        return seconds_of_tool(decoder(stream, output, input), job.timeout,
                                ticker(job, "decoding"));
     });
     if (!decoded.ok())
@@ -173,10 +130,8 @@ Result<Coded> code_video(const VideoTool& tool, const CodingJob& job, const std:
                                               " bytes of video instead of " +
                                               std::to_string(video.size()));
     coded.texels.resize(job.texture.texels.size());
-    store_video(*back, tool.chroma, n, coded.texels);
+    store_video(*back, n, coded.texels);
     coded.texel_bytes = coded.view_bytes = access_bytes(coded.bytes, frames, tool.group);
-    if (tool.chroma == Chroma::half)
-        coded.note = "4:2:0";
     return coded;
 }
 
@@ -210,30 +165,21 @@ std::vector<Rival> video_rivals() {
     const Ladder crf{{"crf 34", "crf 29", "crf 24", "crf 19"},
                      {"crf 39", "crf 44"},
                      {"crf 14", "crf 9", "crf 4"}};
-    const Ladder av1{{"crf 50", "crf 40", "crf 30", "crf 20"}, {"crf 58"}, {"crf 12", "crf 5"}};
     const Ladder cq{{"cq 54", "cq 44", "cq 32", "cq 20"}, {"cq 60"}, {"cq 12", "cq 5"}};
     std::vector<Rival> all;
     const auto add = [&all](Rival rival) { all.push_back(std::move(rival)); };
     add(video_rival("x265", "preset slower, tune psnr, YCgCo 4:4:4, one sequence of views",
                     {"x265"}, "x265 and ffmpeg", {"--version"}, crf,
-                    {Chroma::full, false, 0, "hevc", x265_slower}));
+                    {false, 0, "hevc", x265_slower}));
     add(video_rival("x265:8", "preset slower, tune psnr, YCgCo 4:4:4, groups of 8 views", {"x265"},
-                    "x265 and ffmpeg", {"--version"}, crf,
-                    {Chroma::full, false, 8, "hevc", x265_slower}));
+                    "x265 and ffmpeg", {"--version"}, crf, {false, 8, "hevc", x265_slower}));
     add(video_rival("x265:medium", "preset medium, tune psnr, YCgCo 4:4:4, one sequence of views",
                     {"x265"}, "x265 and ffmpeg", {"--version"}, crf,
-                    {Chroma::full, false, 0, "hevc", x265_medium}));
+                    {false, 0, "hevc", x265_medium}));
     all.back().usual = false;
     all.back().quick = true;
-    add(video_rival("svtav1", "preset 5, one sequence of views, 4:2:0 (it knows no other)",
-                    {"SvtAv1EncApp"}, "svt-av1 and ffmpeg", {"--version"}, av1,
-                    {Chroma::half, false, 0, "ivf", svt_av1}));
-    add(video_rival("svtav1:8", "preset 5, groups of 8 views, 4:2:0 (it knows no other)",
-                    {"SvtAv1EncApp"}, "svt-av1 and ffmpeg", {"--version"}, av1,
-                    {Chroma::half, false, 8, "ivf", svt_av1}));
     add(video_rival("aom", "libaom at speed 4, YCgCo 4:4:4, one sequence of views", {"aomenc"},
-                    "aom-tools and ffmpeg", {"--help"}, cq,
-                    {Chroma::full, true, 0, "ivf", libaom}));
+                    "aom-tools and ffmpeg", {"--help"}, cq, {true, 0, "ivf", libaom}));
     return all;
 }
 

@@ -2,7 +2,7 @@
 // All of these take and give 8-bit RGB.
 #pragma once
 
-#include "tools/picture.h"
+#include "tools/picture/picture.h"
 #include "tools/rd/rd_texture.h"
 
 #include <vector>
@@ -25,15 +25,11 @@ void store_view(const Picture& picture, std::uint32_t x, std::uint32_t y, const 
                 ViewIndex view, std::vector<std::byte>& texels);
 void store_mosaic(const Picture& picture, const Extent4& size, std::vector<std::byte>& texels);
 
-// Planes of a frame after each other, full range; frames in serpentine order.
-enum class Chroma {
-    full, // 4:4:4, as Y Cg Co, with which x265 needs 3 % fewer bits than with BT.709 at equal PSNR
-    half, // 4:2:0, as Y Cb Cr of BT.709
-};
-std::vector<std::byte> video_of(const RdTexture& texture, Chroma chroma);
+// Planes of a frame after each other, full range, 4:4:4; frames in serpentine order. Y Cg Co, with
+// which x265 needs 3 % fewer bits than with BT.709 at equal PSNR.
+std::vector<std::byte> video_of(const RdTexture& texture);
 // Precondition: `video` is as long as video_of() makes it.
-void store_video(std::span<const std::byte> video, Chroma chroma, const Extent4& size,
+void store_video(std::span<const std::byte> video, const Extent4& size,
                  std::vector<std::byte>& texels);
-std::size_t video_bytes(const Extent4& size, Chroma chroma);
 
 } // namespace tessera

@@ -2,7 +2,7 @@
 //   consumer_cpp FILE.tess   the file to write; afterwards a file beside it that is not there is opened
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/memory_source.h"
+#include "format/texture.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,0 +1,297 @@
+// The C interface to the encoder.
+#include "codec/c_api/c_api_support.h"
+
+#include "codec/encoder.h"
+#include "format/texture.h"
+
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+using namespace tessera;
+using namespace tessera::c_api;
+
+namespace {
+
+class CallbackTexels : public TexelSource {
+public:
+    CallbackTexels(const TextureDesc& desc, const tessera_texel_source& source)
+        : desc_(desc), source_(source), turn_(source.one_at_a_time != 0) {}
+    const TextureDesc& desc() const override { return desc_; }
+    bool cheap_to_reread() const override { return source_.slow == 0; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        const auto turn = turn_.take();
+        return status_of_callback("read", [&] {
+            return source_.read(source_.user, box.begin.data(), box.end.data(), out.data(),
+                                out.size());
+        });
+    }
+
+private:
+    const TextureDesc desc_;
+    const tessera_texel_source source_;
+    TurnLock turn_;
+};
+
+Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source& source) {
+    TESSERA_TRY_ASSIGN(const TextureDesc desc, take_texture(source.texture));
+    if ((source.texels == nullptr) == (source.read == nullptr))
+        return bad("tessera_texel_source: texels or read, one of them, must be set");
+    if (source.read != nullptr)
+        return std::unique_ptr<TexelSource>(std::make_unique<CallbackTexels>(desc, source));
+    const std::uint64_t needed = desc.box_bytes(Box4::whole(desc.size));
+    if (source.texel_bytes != needed)
+        return bad("texel_bytes is " + std::to_string(source.texel_bytes) + "; a texture of " +
+                   to_string(desc.size) + " has " + std::to_string(needed) + " bytes");
+    return std::unique_ptr<TexelSource>(std::make_unique<MemorySource>(
+        desc, std::span(static_cast<const std::byte*>(source.texels), source.texel_bytes)));
+}
+
+Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source* source,
+                                                 const char* what) {
+    if (source == nullptr)
+        return missing(what);
+    TESSERA_TRY_ASSIGN(const tessera_texel_source wanted,
+                       take_struct(source, {}, "tessera_texel_source"));
+    Result<std::unique_ptr<TexelSource>> made = make_source(wanted);
+    return made.ok() ? std::move(made)
+                     : Result<std::unique_ptr<TexelSource>>(made.status().with_context(what));
+}
+
+Result<Description> make_description(const tessera_description* given) {
+    TESSERA_TRY_ASSIGN(const tessera_description d, take_struct(given, {}, "tessera_description"));
+    Description description;
+    TESSERA_TRY_ASSIGN(description.proxy, take_enum(d.proxy, Proxy::mesh, "proxy"));
+    TESSERA_TRY_ASSIGN(description.surface_map,
+                       take_enum(d.surface_map, SurfaceMap::mesh_uv, "surface_map"));
+    TESSERA_TRY_ASSIGN(description.angular_map,
+                       take_enum(d.angular_map, AngularMap::planar_views, "angular_map"));
+    TESSERA_TRY_ASSIGN(description.transfer, take_enum(d.transfer, Transfer::linear, "transfer"));
+    TESSERA_TRY_ASSIGN(description.primaries,
+                       take_enum(d.primaries, Primaries::bt709, "primaries"));
+    TESSERA_TRY_ASSIGN(description.alpha, take_enum(d.alpha, AlphaMode::premultiplied, "alpha"));
+    std::copy_n(d.sphere_centre, 3, description.sphere_centre);
+    description.sphere_radius = d.sphere_radius;
+    std::copy_n(d.viewing_radius, 2, description.viewing_radius);
+    return description;
+}
+
+// Calls take(key, value) for each of the entries. Errors: bad_argument (a null pointer), and take's.
+template <class Take>
+Status for_each_entry(const tessera_key_value* entries, std::size_t count, const char* what,
+                      const Take& take) {
+    if (entries == nullptr && count > 0)
+        return missing(what);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (entries[i].key == nullptr || entries[i].value == nullptr)
+            return missing(what).with_context("entry " + std::to_string(i));
+        TESSERA_TRY(take(entries[i].key, entries[i].value));
+    }
+    return {};
+}
+
+tessera_encode_options default_options() {
+    const EncodeOptions defaults;
+    tessera_encode_options options = {};
+    options.struct_size = sizeof options;
+    options.rate_kind = static_cast<int32_t>(defaults.rate.kind);
+    options.rate_value = defaults.rate.value;
+    options.effort = defaults.effort;
+    options.memory_bytes = defaults.slab_bytes;
+    options.verify = defaults.verify ? 1 : 0;
+    return options;
+}
+
+// The options of one call, and what they refer to.
+class Call {
+public:
+    static Result<std::unique_ptr<Call>> make(const tessera_encode_options* given) {
+        TESSERA_TRY_ASSIGN(const tessera_encode_options o,
+                           take_struct(given, default_options(), "tessera_encode_options"));
+        std::unique_ptr<Call> call(new Call(o));
+        TESSERA_TRY(call->fill(o));
+        return call;
+    }
+
+    const EncodeOptions& options() const { return options_; }
+    Status explain(const Status& status) const { return watch_.explain(status); }
+
+private:
+    explicit Call(const tessera_encode_options& o) : watch_(o.progress, o.cancelled, o.user) {}
+
+    Status fill(const tessera_encode_options& o) {
+        if (o.reserved != 0)
+            return bad("tessera_encode_options: reserved is not 0");
+        TESSERA_TRY_ASSIGN(options_.rate.kind,
+                           take_enum(o.rate_kind, RateTarget::Kind::max_error, "rate_kind"));
+        options_.rate.value = o.rate_value;
+        options_.effort = o.effort;
+        options_.threads = o.threads;
+        std::copy_n(o.tile, 4, options_.tile_extent.begin());
+        options_.verify = o.verify != 0;
+        options_.strict = o.strict != 0;
+        options_.layers = o.layers != 0;
+        options_.slab_bytes = o.memory_bytes;
+        options_.tools = o.tools != nullptr ? o.tools : "";
+        if (o.mask != nullptr) {
+            TESSERA_TRY_ASSIGN(mask_, make_source(o.mask, "mask"));
+            options_.mask = mask_.get();
+        }
+        TESSERA_TRY_ASSIGN(options_.description, make_description(o.description));
+        TESSERA_TRY(for_each_entry(
+            o.metadata, o.metadata_count, "metadata", [this](const char* key, const char* value) {
+                return options_.metadata.emplace(key, value).second
+                           ? Status()
+                           : bad("metadata \"" + std::string(key) + "\" is given twice");
+            }));
+        TESSERA_TRY_ASSIGN(options_.journal, take_enum(o.journal, JournalUse::resume, "journal"));
+        TESSERA_TRY(for_each_entry(o.source_facts, o.source_fact_count, "source_facts",
+                                   [this](const char* name, const char* value) {
+                                       options_.source_facts.emplace_back(name, value);
+                                       return Status();
+                                   }));
+        options_.progress = watch_.progress_function();
+        options_.cancelled = watch_.cancelled_function();
+        return {};
+    }
+
+    Watch watch_;
+    std::unique_ptr<TexelSource> mask_;
+    EncodeOptions options_;
+};
+
+tessera_encode_report make_report(const EncodeReport& r, const TextureDesc& desc) {
+    tessera_encode_report report = {};
+    report.file_bytes = r.file_bytes;
+    report.raw_bytes = r.raw_bytes;
+    report.bits_per_texel = r.bits_per_texel;
+    report.psnr = r.psnr;
+    report.max_error = r.max_error;
+    report.seconds = r.seconds;
+    report.texels_that_matter = r.texels_that_matter.value_or(texel_count(desc.size));
+    report.nan_count = r.nan_count;
+    report.infinity_count = r.infinity_count;
+    report.passes = r.passes;
+    report.target_met = r.note.empty() ? 1 : 0;
+    r.note.copy(report.note, sizeof report.note - 1);
+    return report;
+}
+
+// `encode` is the call of one of the encoder's functions.
+template <class Encode>
+Status run(const tessera_texel_source* source, const tessera_encode_options* options,
+           tessera_encode_report* report, const Encode& encode) {
+    TESSERA_TRY_ASSIGN(const std::unique_ptr<TexelSource> texels, make_source(source, "source"));
+    TESSERA_TRY_ASSIGN(const std::unique_ptr<Call> call, Call::make(options));
+    if (report != nullptr) // before the work, not after it
+        TESSERA_TRY(check_struct_size(report->struct_size, "tessera_encode_report"));
+    const Result<EncodeReport> reached = encode(*texels, call->options());
+    if (!reached.ok())
+        return call->explain(reached.status());
+    return report == nullptr ? Status()
+                             : give_struct(report, make_report(*reached, texels->desc()),
+                                           "tessera_encode_report");
+}
+
+// Bytes that free() frees.
+class Buffer {
+public:
+    Buffer() = default;
+    ~Buffer() { std::free(bytes_); }
+    Buffer(const Buffer&) = delete;
+    Buffer& operator=(const Buffer&) = delete;
+
+    Status append(std::span<const std::byte> piece) {
+        if (piece.size() > room_ - size_) {
+            const std::size_t room = std::max(size_ + piece.size(), 2 * room_);
+            void* larger = std::realloc(bytes_, room);
+            if (larger == nullptr)
+                return {ErrorCode::runtime, "out of memory for a file of more than " +
+                                                std::to_string(size_) + " bytes"};
+            bytes_ = larger;
+            room_ = room;
+        }
+        if (!piece.empty())
+            std::memcpy(static_cast<std::byte*>(bytes_) + size_, piece.data(), piece.size());
+        size_ += piece.size();
+        return {};
+    }
+    std::size_t size() const { return size_; }
+    void* release() { return std::exchange(bytes_, nullptr); }
+
+private:
+    void* bytes_ = nullptr;
+    std::size_t size_ = 0, room_ = 0;
+};
+
+} // namespace
+
+void tessera_texel_source_init_sized(tessera_texel_source* source, size_t struct_size) {
+    init_struct(source, struct_size, {});
+}
+
+void tessera_encode_options_init_sized(tessera_encode_options* options, size_t struct_size) {
+    init_struct(options, struct_size, default_options());
+}
+
+void tessera_encode_report_init_sized(tessera_encode_report* report, size_t struct_size) {
+    init_struct(report, struct_size, {});
+}
+
+int tessera_check_options(const tessera_texture* texture, const tessera_encode_options* options) {
+    return guarded([&]() -> Status {
+        if (texture == nullptr)
+            return missing("texture");
+        TESSERA_TRY_ASSIGN(const TextureDesc desc, take_texture(*texture));
+        TESSERA_TRY_ASSIGN(const std::unique_ptr<Call> call, Call::make(options));
+        return check_options(desc, call->options());
+    });
+}
+
+int tessera_encode_to_path(const tessera_texel_source* source, const char* path,
+                           const tessera_encode_options* options, tessera_encode_report* report) {
+    return guarded([&]() -> Status {
+        if (path == nullptr)
+            return missing("path");
+        return run(source, options, report, [path](TexelSource& texels, const EncodeOptions& o) {
+            return encode_file(texels, path, o);
+        });
+    });
+}
+
+int tessera_encode_to_memory(const tessera_texel_source* source, void** file, size_t* file_bytes,
+                             const tessera_encode_options* options, tessera_encode_report* report) {
+    return guarded([&]() -> Status {
+        if (file == nullptr || file_bytes == nullptr)
+            return missing("file or file_bytes");
+        *file = nullptr;
+        *file_bytes = 0;
+        Buffer buffer;
+        TESSERA_TRY(run(source, options, report, [&](TexelSource& texels, const EncodeOptions& o) {
+            return encode_stream(
+                texels,
+                [&buffer](std::span<const std::byte> piece) { return buffer.append(piece); }, o);
+        }));
+        *file_bytes = buffer.size();
+        *file = buffer.release();
+        return {};
+    });
+}
+
+int tessera_encode_to_function(const tessera_texel_source* source, tessera_write_function write,
+                               void* user, const tessera_encode_options* options,
+                               tessera_encode_report* report) {
+    return guarded([&]() -> Status {
+        if (write == nullptr)
+            return missing("write");
+        return run(source, options, report, [=](TexelSource& texels, const EncodeOptions& o) {
+            return encode_stream(
+                texels,
+                [=](std::span<const std::byte> piece) {
+                    return status_of_callback(
+                        "write", [&] { return write(user, piece.data(), piece.size()); });
+                },
+                o);
+        });
+    });
+}

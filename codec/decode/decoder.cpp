@@ -1,0 +1,236 @@
+#include "codec/decoder.h"
+
+#include "codec/decode/coarse_fill.h"
+#include "format/texture.h"
+#include "format/work.h"
+#include "codec/texels/slabs.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "format/container/tiles_ahead.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+struct Decoder::State {
+    std::unique_ptr<ByteSource> source; // of `container`, where the decoder owns it
+    ContainerReader container;
+    ColourCoding colour;
+    std::vector<std::unique_ptr<TileCoding>> codings; // of the levels, finest first
+    std::unique_ptr<CoarseFill> fill;
+};
+
+namespace {
+
+struct Worker {
+    TileDecoder decoder;
+    std::vector<std::byte> texels, payload;
+};
+
+// As many as `threads` asks for and `tiles` have use for.
+std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const TileCoding& coding,
+                                 const ColourCoding& colour) {
+    const std::size_t count = std::clamp<std::size_t>(tiles, 1, thread_count(threads));
+    std::vector<Worker> workers;
+    for (std::size_t i = 0; i < count; ++i)
+        workers.push_back({TileDecoder(coding, colour), {}, {}});
+    return workers;
+}
+
+} // namespace
+
+Decoder::Decoder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Decoder::Decoder(Decoder&&) noexcept = default;
+Decoder::~Decoder() = default;
+
+Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) {
+    Result<ContainerReader> container = ContainerReader::open(source, {options.allow_partial});
+    if (!container)
+        return container.status();
+    auto codings = level_codings(*container);
+    if (!codings)
+        return codings.status().with_context(source.name());
+    const FileHeader& header = container->header();
+    const ColourCoding colour{header.desc, header.colour, header.background,
+                              (header.required_features & feature_corrections) != 0};
+    std::unique_ptr<State> state(
+        new State{nullptr, std::move(*container), colour, std::move(*codings), nullptr});
+    state->fill =
+        std::make_unique<CoarseFill>(state->container, state->colour, state->codings, options);
+    return Decoder(std::move(state));
+}
+
+Result<Decoder> Decoder::open(std::unique_ptr<ByteSource> source, const DecodeOptions& options) {
+    if (source == nullptr)
+        return Status(ErrorCode::bad_argument, "there is no source of bytes to open");
+    TESSERA_TRY_ASSIGN(Decoder decoder, open(*source, options));
+    decoder.state_->source = std::move(source);
+    return decoder;
+}
+
+Result<Decoder> Decoder::open_file(const std::string& path, const DecodeOptions& options) {
+    TESSERA_TRY_ASSIGN(std::unique_ptr<ByteSource> source, tessera::open_file(path));
+    return open(std::move(source), options);
+}
+
+const ContainerReader& Decoder::container() const {
+    return state_->container;
+}
+
+const TextureDesc& Decoder::desc() const {
+    return state_->container.desc();
+}
+
+namespace {
+
+Status decode_payload(const ContainerReader& container, std::uint64_t tile, const Box4& box,
+                      Integrity integrity, Worker& worker) {
+    if (integrity == Integrity::tile) {
+        TESSERA_TRY(container.read_tile(tile, worker.payload));
+        return worker.decoder.decode(worker.payload, tile_shape(box), worker.texels);
+    }
+    const Result<TileBytes> bytes = container.load_tile(tile);
+    TESSERA_TRY(bytes.status());
+    return worker.decoder.decode(bytes->bytes, tile_shape(box), worker.texels);
+}
+
+// Decodes one tile into worker.texels, or fills it where that is allowed.
+Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
+                   const Box4& box, Integrity integrity, Worker& worker) {
+    worker.texels.resize(container.desc().box_bytes(box));
+    const Status status = decode_payload(container, tile, box, integrity, worker);
+    if (!status.ok() && fill.may_fill(tile, status)) {
+        fill.note(tile);
+        return fill.fill(box, worker.texels);
+    }
+    return status.with_context(container.name() + ": tile " + std::to_string(tile) + " (texels " +
+                               to_string(box) + ")");
+}
+
+} // namespace
+
+Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned threads,
+                           Integrity integrity) const {
+    return decode_box(box, out, ReadOptions{threads, integrity, {}, {}});
+}
+
+Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
+                           const ReadOptions& options) const {
+    const ContainerReader& container = state_->container;
+    if (!is_inside(box, desc().size))
+        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                             " does not lie inside " + to_string(desc().size)};
+    if (out.size() != desc().box_bytes(box))
+        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    const TileGrid& grid = container.grid();
+    std::vector<std::uint64_t> tiles = grid.tiles_touched(box);
+    std::vector<Worker> workers =
+        make_workers(options.threads, tiles.size(), *state_->codings[0], state_->colour);
+    const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
+        if (options.cancelled && options.cancelled())
+            return {ErrorCode::runtime, "interrupted"};
+        const Box4 tile_box = grid.box(tile);
+        TESSERA_TRY(
+            decode_tile(container, *state_->fill, tile, tile_box, options.integrity, worker));
+        copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out, desc().texel_bytes());
+        return {};
+    };
+    const auto tell = [&](std::size_t done) {
+        if (options.progress)
+            options.progress("decode", static_cast<double>(done),
+                             static_cast<double>(tiles.size()));
+    };
+    if (options.integrity == Integrity::tile) // reads past the pages, so none are brought
+        return parallel_for(
+            workers, tiles.size(),
+            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); }, tell);
+    TilesAhead ahead(container, tiles);
+    for (std::size_t done = 0; done < tiles.size();) {
+        const Result<std::size_t> window = ahead.ready(done);
+        TESSERA_TRY(window.status());
+        TESSERA_TRY(parallel_for(
+            workers, *window,
+            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[done + i]); },
+            [&](std::size_t i) { tell(done + i); }));
+        done += *window;
+    }
+    tell(tiles.size());
+    return {};
+}
+
+Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
+                       const ProgressFunction& progress, std::uint64_t slab_bytes) const {
+    const ContainerReader& container = state_->container;
+    if (!is_inside(box, desc().size))
+        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                             " does not lie inside " + to_string(desc().size)};
+    const TileGrid& grid = container.grid();
+    std::vector<Worker> workers =
+        make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
+    const auto slabs =
+        make_slabs(grid, box, sink.locality(), {slab_bytes / desc().texel_bytes(), false});
+    if (!slabs)
+        return slabs.status();
+    std::vector<std::uint64_t> order;
+    for (const Slab& slab : *slabs)
+        order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
+    const std::size_t total = order.size();
+    TilesAhead ahead(container, std::move(order));
+    std::size_t done = 0;
+    for (const Slab& slab : *slabs) {
+        TESSERA_TRY(sink.begin_slab(slab.box));
+        for (std::span<const std::uint64_t> left = slab.tiles; !left.empty();) {
+            const Result<std::size_t> window = ahead.ready(done);
+            TESSERA_TRY(window.status());
+            const auto tiles = left.first(std::min(*window, left.size()));
+            TESSERA_TRY(parallel_for(
+                workers, tiles.size(),
+                [&](Worker& worker, std::size_t i) -> Status {
+                    const Box4 tile_box = grid.box(tiles[i]);
+                    TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
+                                            Integrity::page, worker));
+                    const Box4 part = intersect(tile_box, slab.box);
+                    if (part == tile_box)
+                        return sink.write(part, worker.texels);
+                    std::vector<std::byte> texels(desc().box_bytes(part));
+                    copy_box(part, tile_box, worker.texels, part, texels, desc().texel_bytes());
+                    return sink.write(part, texels);
+                },
+                [&](std::size_t i) {
+                    if (progress)
+                        progress("decode", static_cast<double>(done + i),
+                                 static_cast<double>(total));
+                }));
+            done += tiles.size();
+            left = left.subspan(tiles.size());
+        }
+        TESSERA_TRY(sink.end_slab());
+    }
+    return sink.finish();
+}
+
+Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
+                                  std::span<std::byte> out) const {
+    const ContainerReader& container = state_->container;
+    if (level == 0 || level >= container.levels().size())
+        return {ErrorCode::bad_argument,
+                container.name() + ": there is no coarse level " + std::to_string(level)};
+    if (!is_inside(box, container.levels()[level].size))
+        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                             " does not lie inside " +
+                                             to_string(container.levels()[level].size) +
+                                             " of coarse level " + std::to_string(level)};
+    if (out.size() != desc().box_bytes(box))
+        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    return state_->fill->texels_of(level, box, out);
+}
+
+Status Decoder::check_tile(std::uint64_t tile) const {
+    std::vector<std::byte> texels;
+    return state_->fill->decode(tile, texels);
+}
+
+FillReport Decoder::fill_report() const {
+    return state_->fill->report();
+}
+
+} // namespace tessera

@@ -1,0 +1,159 @@
+// What can be refused before anything is encoded.
+#include "codec/encoder.h"
+
+#include "codec/texels/texel_mask.h"
+#include "codec/trials/tile_choice.h"
+#include "format/tile/coding_parameters.h"
+#include "format/container/container_writer.h"
+#include "format/tile/limits.h"
+#include "format/container/syntax.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string_view>
+
+namespace tessera {
+namespace {
+
+Status bad(const std::string& what) {
+    return {ErrorCode::bad_argument, what};
+}
+
+std::string text_of(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+Status check_tile(const EncodeOptions& options) {
+    if (options.tile_extent == tile_by_trial)
+        return {};
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        const std::uint32_t side = options.tile_extent[axis];
+        if (side < 1 || side > static_cast<std::uint32_t>(max_side_along(axis)))
+            return bad("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
+    }
+    if (texel_count(options.tile_extent) > max_tile_texels)
+        return bad("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
+    return {};
+}
+
+// The tile extents among which an encode chooses.
+std::vector<Extent4> possible_tiles(const EncodeOptions& options) {
+    if (options.tile_extent != tile_by_trial)
+        return {options.tile_extent};
+    return {usual_tile, options.layers ? short_tile : wide_tile};
+}
+
+Status check_tile_count(const TextureDesc& desc, const EncodeOptions& options) {
+    if (TileGrid(desc.size, possible_tiles(options).front()).tiles() > max_tiles)
+        return {ErrorCode::unsupported, "more than 2^32 - 1 tiles"};
+    return {};
+}
+
+Status check_rate(const RateTarget& rate, SampleType type) {
+    using Kind = RateTarget::Kind;
+    const double value = rate.value;
+    const double largest_error = type == SampleType::unorm8 ? 255 : 65535;
+    if (!std::isfinite(value))
+        return bad("the rate target is not a number");
+    switch (rate.kind) {
+    case Kind::quality:
+        return value >= 1 && value <= 100 ? Status() : bad("quality must be 1 to 100");
+    case Kind::psnr:
+        return value > 0 && value <= 120 ? Status()
+                                         : bad("target PSNR must be above 0, at most 120 dB");
+    case Kind::max_error:
+        return value >= 0 && value <= largest_error && value == std::floor(value)
+                   ? Status()
+                   : bad("maximum error must be a whole number from 0 to " +
+                         std::to_string(static_cast<int>(largest_error)));
+    case Kind::bpt:
+    case Kind::bytes:
+        return value > 0 ? Status() : bad("the size target must be above 0");
+    }
+    return bad("unknown kind of rate target");
+}
+
+// Numbers beyond those of FORMAT.md, which a cast may have brought.
+template <class Enum> Status check_known(Enum value, Enum last, const char* name) {
+    return value <= last ? Status()
+                         : bad(std::string(name) + " " +
+                               std::to_string(static_cast<unsigned>(value)) + " is unknown");
+}
+
+Status check_description(const TextureDesc& desc, const Description& d) {
+    TESSERA_TRY(check_known(d.proxy, Proxy::mesh, "proxy"));
+    TESSERA_TRY(check_known(d.surface_map, SurfaceMap::mesh_uv, "surface map"));
+    TESSERA_TRY(check_known(d.angular_map, AngularMap::planar_views, "angular map"));
+    TESSERA_TRY(check_known(d.transfer, Transfer::linear, "transfer"));
+    TESSERA_TRY(check_known(d.primaries, Primaries::bt709, "primaries"));
+    TESSERA_TRY(check_known(d.alpha, AlphaMode::premultiplied, "alpha"));
+    // The rules that the header is checked by, in words that do not speak of a header.
+    FileHeader header;
+    header.desc = desc;
+    header.section_count = min_sections;
+    header.description = d;
+    const Status status = check_fields(header);
+    std::string_view message = status.message();
+    constexpr std::string_view place = "header field ";
+    if (message.starts_with(place))
+        message.remove_prefix(place.size());
+    return status.ok() ? Status() : bad(std::string(message));
+}
+
+// Bytes that no file of this texture is below: one of nothing but background, with built-in tables.
+Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOptions& options) {
+    const std::vector<std::byte> coding = write_coding_parameters({});
+    ContainerContents contents;
+    contents.desc = desc;
+    contents.description = options.description;
+    contents.metadata = options.metadata;
+    contents.codec_parameters = coding;
+    contents.tile_length = [](std::uint64_t) { return std::uint64_t{0}; };
+    contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (const Extent4& tile : possible_tiles(options)) {
+        if (TileGrid(desc.size, tile).tiles() > max_tiles)
+            continue; // the encoder does not choose it then
+        contents.tile_extent = tile;
+        TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
+        least = std::min(least, bytes);
+    }
+    return least;
+}
+
+Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) {
+    using Kind = RateTarget::Kind;
+    const RateTarget& rate = options.rate;
+    if (rate.kind != Kind::bytes && rate.kind != Kind::bpt)
+        return {};
+    const auto texels = static_cast<double>(texel_count(desc.size));
+    const double wanted = rate.kind == Kind::bytes ? rate.value : rate.value * texels / 8;
+    TESSERA_TRY_ASSIGN(const std::uint64_t least, least_file_bytes(desc, options));
+    if (wanted >= static_cast<double>(least))
+        return {};
+    return bad("the target cannot be met: " + text_of(std::floor(wanted)) +
+               " bytes are asked for, and no file of this texture is smaller than " +
+               std::to_string(least));
+}
+
+} // namespace
+
+Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
+    TESSERA_TRY(check_desc(desc));
+    TESSERA_TRY(check_mask(options.mask, desc.size));
+    if (options.effort < 0 || options.effort > 9)
+        return bad("effort must be 0 to 9");
+    TESSERA_TRY(check_coding_tools(options.tools));
+    TESSERA_TRY(check_tile(options));
+    TESSERA_TRY(check_tile_count(desc, options));
+    TESSERA_TRY(check_rate(options.rate, desc.type));
+    TESSERA_TRY(check_description(desc, options.description));
+    TESSERA_TRY(check_metadata(options.metadata));
+    return check_size_target(desc, options);
+}
+
+} // namespace tessera

@@ -1,0 +1,186 @@
+#include "codec/entropy/context_grid.h"
+#include "codec/entropy/tile_entropy.h"
+#include "codec/entropy/tile_syntax.h"
+#include "format/tile/split_tree.h"
+
+#include <string>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+// Decodes one tile. Every loop is bounded by the format's limits, whatever the bytes say.
+class LevelDecoder {
+public:
+    LevelDecoder(const TileCoding& coding, TileLevels& out) : coding_(coding), out_(out) {}
+
+    Status decode(const PayloadParts& parts, const BlockShape& shape) {
+        out_.clear();
+        out_.shape = shape;
+        for (std::size_t i = 0; i < parts.segments.size(); ++i) {
+            rans_ = RansDecoder(parts.segments[i].bytes);
+            work_ = 0;
+            last_colour_ = ColourMemory{};
+            if (i == 0 && !decode_tree())
+                return damaged(i, "split tree out of range");
+            if (i == 0 && !order_copies())
+                return damaged(i, "copies of copies, more than 15 deep");
+            const std::size_t end =
+                i + 1 < parts.segments.size()
+                    ? static_cast<std::size_t>(parts.segments[i + 1].first_block)
+                    : out_.blocks.size();
+            if (end > out_.blocks.size() ||
+                (i > 0 && end <= static_cast<std::size_t>(parts.segments[i].first_block)))
+                return damaged(i, "segment begins past the last block");
+            for (std::size_t block = static_cast<std::size_t>(parts.segments[i].first_block);
+                 block < end; ++block)
+                if (!decode_block(block))
+                    return damaged(i, "level or work out of range");
+            if (!rans_.ended_well())
+                return damaged(i, "stream does not end where it should");
+        }
+        return {};
+    }
+
+private:
+    static Status damaged(std::size_t segment, const char* what) {
+        return {ErrorCode::invalid_file, "segment " + std::to_string(segment) + ": " + what};
+    }
+
+    bool decode_tree() {
+        PredictionMemory memory;
+        const auto node = [&](Split split) {
+            ++work_;
+            out_.splits.push_back(static_cast<std::uint8_t>(split));
+        };
+        const auto leaf = [&](const Block& block) {
+            out_.blocks.push_back(block);
+            if (out_.blocks.size() > max_leaves)
+                return false;
+            return !coding_.predicts || decode_prediction(rans_, coding_.tables, block, memory,
+                                                          out_.predictions.emplace_back());
+        };
+        return decode_split_tree(rans_, coding_.tables, Block{{0, 0, 0, 0}, out_.shape, 0, 0}, node,
+                                 leaf);
+    }
+
+    // False for copies that are too deep.
+    bool order_copies() {
+        if (!copies_anything(out_.predictions)) {
+            out_.forget_copies();
+            return true;
+        }
+        CopyDepths depths = copy_depths(out_.shape, out_.blocks, out_.predictions);
+        out_.order = std::move(depths.order);
+        return depths.largest <= max_copy_depth;
+    }
+
+    bool decode_block(std::size_t index) {
+        const Block& block = out_.blocks[index];
+        const ShapeCoding& shape = shapes_.get(coding_, block.shape);
+        const std::size_t first_plane = out_.planes.size();
+        int previous = 0;
+        for (int plane = 0; plane < coding_.planes; ++plane) {
+            const int token =
+                plane == 0
+                    ? coding_.tables
+                          .first_length[static_cast<std::size_t>(
+                              length_context(block.shape, out_.copies(index)))]
+                          .decode(rans_)
+                    : coding_.tables.other_length[static_cast<std::size_t>(previous)].decode(rans_);
+            const int bits = length_raw_bits(token);
+            int length = token == 0 ? 0 : 1 << (token - 1);
+            length += static_cast<int>(rans_.raw(bits)) << std::max(0, token - 1 - bits);
+            length = std::min(length, shape.order.length());
+            work_ += 1 + length;
+            if (work_ > max_segment_work)
+                return false;
+            PlaneLevels levels;
+            levels.first = static_cast<std::uint32_t>(out_.nonzeros.size());
+            levels.coded_length = static_cast<std::uint16_t>(length);
+            out_.planes.push_back(levels);
+            if (plane == 0) {
+                previous = token;
+                if (!decode_colour(length))
+                    return false;
+            }
+            if (length > 0 && !decode_plane(first_plane, plane, out_.copies(index), shape.order))
+                return false;
+        }
+        return true;
+    }
+
+    bool decode_colour(int first_length) {
+        int colour = 0;
+        if (first_length > 0 && coding_.rotates) {
+            const int kind = coding_.tables.colour[last_colour_.rotated].decode(rans_);
+            if (kind == 1)
+                colour = last_colour_.last_rotation;
+            else if (kind == 2)
+                colour = 1 + static_cast<int>(rans_.raw(rotation_index_bits));
+            if (colour > rotation_count)
+                return false;
+            last_colour_.remember(colour);
+        }
+        out_.colours.push_back(static_cast<std::uint8_t>(colour));
+        return true;
+    }
+
+    bool decode_plane(std::size_t first_plane, int plane, bool copies, const ScanOrder& order) {
+        PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
+        const int length = levels.coded_length;
+        const int p_class = plane_class(plane);
+        const bool dependent = coding_.parameters.dependent;
+        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        for (int earlier = 0; earlier < plane; ++earlier)
+            for (const NonZero& nz :
+                 out_.levels(out_.planes[first_plane + static_cast<std::size_t>(earlier)]))
+                if (nz.index < length)
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
+                                     amplitude_of_level(nz.level, dependent));
+        int state = 0;
+        for (int i = 0; i < length; ++i) {
+            const ScanContext& context = order.context[static_cast<std::size_t>(i)];
+            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
+            const int neighbours =
+                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
+            const int cross = grid_.cross(place);
+            const int quantiser = quantiser_of(state);
+            std::int32_t magnitude = 0;
+            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(zero_parameter(
+                    copies, quantiser, p_class, context.position, neighbours, cross))])) {
+                const auto table = static_cast<std::size_t>(
+                    magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
+                magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));
+                const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
+                if (level > max_level)
+                    return false;
+                const bool negative = rans_.raw(1) != 0;
+                out_.nonzeros.push_back({static_cast<std::uint16_t>(i), negative ? -level : level});
+                grid_.mark(place, amplitude_of_level(level, dependent));
+            }
+            if (dependent)
+                state = next_state[static_cast<std::size_t>(state)]
+                                  [static_cast<std::size_t>(magnitude & 1)];
+        }
+        levels.count = static_cast<std::uint16_t>(out_.nonzeros.size() - levels.first);
+        return true;
+    }
+
+    const TileCoding& coding_;
+    TileLevels& out_;
+    RansDecoder rans_;
+    ContextGrid grid_;
+    RecentShapes shapes_;
+    ColourMemory last_colour_;
+    int work_ = 0;
+};
+
+} // namespace
+
+Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
+                     TileLevels& out) {
+    return LevelDecoder(coding, out).decode(parts, shape);
+}
+
+} // namespace tessera

@@ -1,0 +1,225 @@
+// The order of a tile's symbols, written once for everything that walks it on the encoder's side:
+// counting, coding, estimating. A Visitor gets
+//   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
+//   displacement(class, token), first_length(context, token), other_length(previous, token),
+//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token), raw(value, bits)
+#pragma once
+
+#include "codec/entropy/context_grid.h"
+#include "codec/tile/tile_coding.h"
+#include "codec/entropy/tile_entropy.h"
+#include "codec/tile/tile_levels.h"
+#include "format/tile/colour_rotation.h"
+
+#include <bit>
+#include <cstdlib>
+
+namespace tessera {
+
+constexpr int length_token(int coded_length) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(coded_length)));
+}
+constexpr int length_raw_bits(int token) {
+    return token <= 1 ? 0 : token == 2 ? 1 : 2;
+}
+
+// Magnitudes 1..4 are tokens 0..3; token 3 + g covers 2^g magnitudes from 2^g + 3.
+struct MagnitudeToken {
+    int token = 0;
+    int raw_bits = 0;
+    std::uint32_t raw = 0;
+};
+inline MagnitudeToken magnitude_token(std::int32_t magnitude) {
+    if (magnitude <= 4)
+        return {magnitude - 1, 0, 0};
+    const auto offset = static_cast<std::uint32_t>(magnitude - 3);
+    const int group = static_cast<int>(std::bit_width(offset)) - 1;
+    return {3 + group, group, offset - (1u << group)};
+}
+
+// The raw bits behind a magnitude token; at most 16 fit one step of the coder.
+template <class Coder> void put_magnitude_raw(Coder& coder, const MagnitudeToken& token) {
+    if (token.raw_bits > 16)
+        coder.raw(token.raw >> 16, token.raw_bits - 16);
+    if (token.raw_bits > 0)
+        coder.raw(token.raw & 0xFFFFu, std::min(token.raw_bits, 16));
+}
+
+// Magnitude of a token, reading its raw bits.
+inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
+    if (token < 4)
+        return token + 1;
+    const int group = token - 3;
+    std::uint32_t raw = group > 16 ? rans.raw(group - 16) << 16 : 0;
+    raw |= rans.raw(std::min(group, 16));
+    return static_cast<std::int32_t>((1u << group) + raw + 3);
+}
+
+// What a segment remembers of its blocks' colours.
+struct ColourMemory {
+    bool rotated = false;  // the last coloured block was
+    int last_rotation = 1; // colour of the last rotated block; 1 before the first
+
+    int kind_of(int colour) const { return colour == 0 ? 0 : colour == last_rotation ? 1 : 2; }
+    void remember(int colour) {
+        rotated = colour != 0;
+        if (rotated)
+            last_rotation = colour;
+    }
+};
+constexpr int rotation_index_bits = 6;
+
+template <class Visitor> class TileWalker {
+public:
+    TileWalker(const TileCoding& coding, Visitor& visitor) : coding_(coding), visitor_(visitor) {}
+
+    // A segment forgets the colours of the one before.
+    void begin_segment() { last_colour_ = ColourMemory{}; }
+
+    void walk_tree(const TileLevels& tile) {
+        std::size_t next = 0;
+        predictions_ = PredictionMemory{};
+        leaf_ = 0;
+        walk_node(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0}, next);
+    }
+
+    void walk_block(const TileLevels& tile, std::size_t block) {
+        const BlockShape& shape = tile.blocks[block].shape;
+        const ShapeCoding& shape_coding = coding_.shape(shape);
+        int previous = 0;
+        for (int plane = 0; plane < coding_.planes; ++plane) {
+            const PlaneLevels* levels =
+                &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
+            const int length = levels[plane].coded_length;
+            // What the scan order's end cut is coded as it was before the cut.
+            const int uncut = round_up_coded_length(length, max_coded_length);
+            const int token = length_token(uncut);
+            if (plane == 0)
+                visitor_.first_length(length_context(shape, tile.copies(block)), token);
+            else
+                visitor_.other_length(previous, token);
+            if (const int bits = length_raw_bits(token); bits > 0)
+                visitor_.raw(static_cast<std::uint32_t>(uncut >> (token - 1 - bits)) &
+                                 ((1u << bits) - 1),
+                             bits);
+            if (plane == 0) {
+                previous = token;
+                if (length > 0 && coding_.rotates)
+                    walk_colour(tile.colours[block]);
+            }
+            if (length > 0)
+                walk_plane(tile, tile.copies(block), {levels, static_cast<std::size_t>(plane) + 1},
+                           shape_coding.order);
+        }
+    }
+
+private:
+    void walk_colour(int colour) {
+        const int kind = last_colour_.kind_of(colour);
+        visitor_.colour(last_colour_.rotated, kind);
+        if (kind == 2)
+            visitor_.raw(static_cast<std::uint32_t>(colour - 1), rotation_index_bits);
+        last_colour_.remember(colour);
+    }
+
+    void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {
+        const auto split = static_cast<Split>(tile.splits[next++]);
+        visitor_.split(depth_class(node.spatial_depth), depth_class(node.angular_depth),
+                       static_cast<int>(split));
+        if (split == Split::none) {
+            if (coding_.predicts)
+                walk_prediction(tile, node);
+            return;
+        }
+        const Children children = children_of(node, split);
+        for (int i = 0; i < children.count; ++i)
+            walk_node(tile, children.block[static_cast<std::size_t>(i)], next);
+    }
+
+    void walk_prediction(const TileLevels& tile, const Block& block) {
+        const BlockPrediction prediction =
+            tile.predictions.empty() ? BlockPrediction{} : tile.predictions[leaf_];
+        ++leaf_;
+        const int context = predictions_.context_of(block);
+        if (context < 0)
+            return;
+        visitor_.prediction(context, prediction_symbol(prediction.from, context));
+        predictions_.remember(prediction.copies());
+        for (int direction = 0; direction < copy_directions; ++direction) {
+            if (!prediction.copies_along(direction))
+                continue;
+            const Displacement& to = prediction.displacement[static_cast<std::size_t>(direction)];
+            const int kind = predictions_.kind_of(direction, to);
+            visitor_.displacement_kind(direction, kind);
+            const Displacement from = predictions_.known(direction, 0);
+            if (kind == 2) {
+                walk_component(displacement_class(direction, 0), to.u - from.u);
+                walk_component(displacement_class(direction, 1), to.v - from.v);
+            }
+            predictions_.remember(direction, to);
+        }
+    }
+
+    void walk_component(int table, int difference) {
+        const auto magnitude = static_cast<unsigned>(std::abs(difference));
+        const int token = static_cast<int>(std::bit_width(magnitude));
+        visitor_.displacement(table, token);
+        if (token == 0)
+            return;
+        visitor_.raw(magnitude - (1u << (token - 1)), token - 1);
+        visitor_.raw(difference < 0, 1);
+    }
+
+    // Codes the last plane of `planes`; the earlier ones give the cross contexts.
+    void walk_plane(const TileLevels& tile, bool copies, std::span<const PlaneLevels> planes,
+                    const ScanOrder& order) {
+        const int length = planes.back().coded_length;
+        const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
+        const bool dependent = coding_.parameters.dependent;
+        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
+            for (const NonZero& nz : tile.levels(earlier))
+                if (nz.index < length)
+                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
+                                     amplitude_of_level(nz.level, dependent));
+        const std::span<const NonZero> levels = tile.levels(planes.back());
+        std::size_t next = 0;
+        int state = 0;
+        for (int i = 0; i < length; ++i) {
+            const ScanContext& context = order.context[static_cast<std::size_t>(i)];
+            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
+            const int neighbours =
+                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
+            const int cross = grid_.cross(place);
+            const int quantiser = quantiser_of(state);
+            const bool zero = next == levels.size() || levels[next].index != i;
+            visitor_.zero(
+                zero_parameter(copies, quantiser, p_class, context.position, neighbours, cross),
+                zero);
+            std::int32_t magnitude = 0;
+            if (!zero) {
+                const std::int32_t level = levels[next++].level;
+                magnitude = coded_magnitude(level, dependent);
+                const MagnitudeToken token = magnitude_token(magnitude);
+                visitor_.magnitude(
+                    magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross),
+                    token.token);
+                put_magnitude_raw(visitor_, token);
+                visitor_.raw(level < 0, 1);
+                grid_.mark(place, amplitude_of_level(level, dependent));
+            }
+            if (dependent)
+                state = next_state[static_cast<std::size_t>(state)]
+                                  [static_cast<std::size_t>(magnitude & 1)];
+        }
+    }
+
+    const TileCoding& coding_;
+    Visitor& visitor_;
+    ContextGrid grid_;
+    ColourMemory last_colour_;
+    PredictionMemory predictions_;
+    std::size_t leaf_ = 0; // of the tree walk
+};
+
+} // namespace tessera

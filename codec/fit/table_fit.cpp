@@ -1,0 +1,53 @@
+#include "codec/fit/table_fit.h"
+
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+constexpr double difference_bits = 4.0; // about what one costs in section CODE
+constexpr double bits_per_unit = 0.7;
+
+} // namespace
+
+Parameters fit_parameters(const Statistics& statistics) {
+    Parameters fitted = default_parameters();
+    for (std::size_t i = 0; i < fitted.size(); ++i) {
+        const auto stops = static_cast<double>(statistics.stops[i]);
+        const auto goes = static_cast<double>(statistics.goes[i]);
+        if (stops + goes == 0)
+            continue;
+        const int standard = default_parameters()[i];
+        double least = 1e300;
+        for (int p = 0; p < parameter_count_of_odds; ++p) {
+            const double stop = stop_frequency(static_cast<std::uint8_t>(p)) /
+                                static_cast<double>(probability_total);
+            const double change =
+                p == standard ? 0 : difference_bits + bits_per_unit * std::abs(p - standard);
+            const double bits = change - stops * std::log2(stop) - goes * std::log2(1.0 - stop);
+            if (bits < least) {
+                least = bits;
+                fitted[i] = static_cast<std::uint8_t>(p);
+            }
+        }
+    }
+    return fitted;
+}
+
+Parameters dense_parameters() {
+    constexpr std::uint8_t of_quantiser[quantisers] = {23, 40}; // 0 in 9 of 10, in 1 of 7
+    Parameters parameters = default_parameters();
+    for (int copies = 0; copies < copy_classes; ++copies)
+        for (int quantiser = 0; quantiser < quantisers; ++quantiser)
+            for (int row = 0; row <= cross_classes; ++row)
+                for (int position = 1; position < zero_positions; ++position) // not DC
+                    for (int neighbours = 1; neighbours < neighbour_classes; ++neighbours) {
+                        const int plane = row == 0 ? 0 : 1, cross = row == 0 ? 0 : row - 1;
+                        parameters[static_cast<std::size_t>(zero_parameter(
+                            copies != 0, quantiser, plane, position, neighbours, cross))] =
+                            of_quantiser[quantiser];
+                    }
+    return parameters;
+}
+
+} // namespace tessera

@@ -1,0 +1,338 @@
+#include "codec/journal/journal.h"
+
+#include "codec/encoder.h" // journal_path
+#include "format/byte_source.h"
+#include "format/io/bytes.h"
+#include "format/io/crc32c.h"
+#include "format/output_file.h"
+#include "format/io/system_calls.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <filesystem>
+
+namespace tessera {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char head_magic[] = {'T', 'E', 'S', 'S', 'J', 'H', 'D', '1'};
+constexpr char done_magic[] = {'T', 'E', 'S', 'S', 'J', 'D', 'N', '1'};
+constexpr std::uint64_t max_file_bytes = 1u << 22; // of head and done
+constexpr std::uint32_t max_facts = 10000;
+
+bool is_number(const std::string& text) {
+    return !text.empty() && text.size() <= 9 &&
+           std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Whether a file of this name in a journal's folder is ours to remove.
+bool is_ours(const std::string& name) {
+    for (const char* kind : {"pass-", "done-"})
+        if (name.rfind(kind, 0) == 0 && is_number(name.substr(5)))
+            return true;
+    for (const char* known : {"lock", "head", "fitted", "output", "writing"})
+        if (name == known)
+            return true;
+    return false;
+}
+
+// A small file with its CRC32C at the end; empty where there is none that is whole.
+std::vector<std::byte> read_sealed(const std::string& path) {
+    const auto source = open_file(path);
+    if (!source || (*source)->size() < 4 || (*source)->size() > max_file_bytes)
+        return {};
+    std::vector<std::byte> bytes((*source)->size());
+    if (!(*source)->read(0, bytes))
+        return {};
+    const auto summed = std::span<const std::byte>(bytes).first(bytes.size() - 4);
+    if (crc32c(summed) != load_le<std::uint32_t>(bytes.data() + summed.size()))
+        return {};
+    bytes.resize(summed.size());
+    return bytes;
+}
+
+// Through a temporary name: there whole or not at all.
+Status write_sealed(const std::string& path, const std::string& temporary,
+                    std::vector<std::byte> bytes) {
+    append_le(bytes, crc32c(bytes));
+    Result<OutputFile> file = OutputFile::create(path, temporary);
+    if (!file)
+        return file.status();
+    TESSERA_TRY(file->append(bytes));
+    return file->commit();
+}
+
+void append_text(std::vector<std::byte>& out, const std::string& text) {
+    append_le(out, static_cast<std::uint32_t>(text.size()));
+    append_bytes(out, std::as_bytes(std::span(text)));
+}
+
+bool take_text(ByteReader& in, std::string& text) {
+    std::uint32_t length = 0;
+    std::span<const std::byte> bytes;
+    if (!in.take(length) || !in.take(length, bytes))
+        return false;
+    text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return true;
+}
+
+std::vector<std::byte> store_facts(const JournalFacts& facts) {
+    std::vector<std::byte> out;
+    append_bytes(out, std::as_bytes(std::span(head_magic)));
+    append_le(out, static_cast<std::uint32_t>(facts.size()));
+    for (const auto& [name, value] : facts) {
+        append_text(out, name);
+        append_text(out, value);
+    }
+    return out;
+}
+
+std::optional<JournalFacts> load_facts(std::span<const std::byte> bytes) {
+    ByteReader in(bytes);
+    std::span<const std::byte> magic;
+    std::uint32_t count = 0;
+    if (!in.take(sizeof head_magic, magic) ||
+        !std::ranges::equal(magic, std::as_bytes(std::span(head_magic))) || !in.take(count) ||
+        count > max_facts)
+        return std::nullopt;
+    JournalFacts facts(count);
+    for (auto& [name, value] : facts)
+        if (!take_text(in, name) || !take_text(in, value))
+            return std::nullopt;
+    return facts;
+}
+
+// Which of the facts in `named` differs first, in words; empty if none does.
+std::string difference(const JournalFacts& named, const JournalFacts& before,
+                       const JournalFacts& now) {
+    const auto quoted = [](const std::string& value) {
+        return value.empty() ? std::string("not given") : "'" + value.substr(0, 200) + "'";
+    };
+    const auto value_in = [](const JournalFacts& facts, const std::string& name) {
+        for (const auto& [known, value] : facts)
+            if (known == name)
+                return value;
+        return std::string();
+    };
+    for (const auto& [name, value] : named)
+        if (const std::string was = value_in(before, name), is = value_in(now, name); was != is)
+            return name + " was " + quoted(was) + " and is " + quoted(is);
+    return {};
+}
+
+std::string difference(const JournalFacts& before, const JournalFacts& now) {
+    for (const JournalFacts* named : {&now, &before})
+        if (std::string changed = difference(*named, before, now); !changed.empty())
+            return changed;
+    return before == now ? "" : "it holds other facts";
+}
+
+Status refuse_resume(const std::string& folder, const std::string& changed) {
+    return {ErrorCode::bad_argument, folder + ": cannot resume: " + changed +
+                                         " (without resuming, the encoder starts anew)"};
+}
+
+// What the file of a pass says of itself.
+std::vector<std::byte> pass_name(unsigned number, const CodingParameters& parameters) {
+    std::vector<std::byte> name;
+    append_le(name, static_cast<std::uint32_t>(number));
+    append_bytes(name, write_coding_parameters(parameters));
+    return name;
+}
+
+std::vector<std::byte> store_totals(const PassTotals& totals) {
+    std::vector<std::byte> out;
+    append_le(out, std::bit_cast<std::uint64_t>(totals.squared_error));
+    append_le(out, totals.max_error);
+    append_le(out, totals.nan_count);
+    append_le(out, totals.infinity_count);
+    append_le(out, totals.file_bytes);
+    for (const auto* counts : {&totals.statistics.stops, &totals.statistics.goes})
+        for (const std::uint64_t count : *counts)
+            append_le(out, count);
+    return out;
+}
+
+std::optional<PassTotals> load_totals(std::span<const std::byte> bytes) {
+    ByteReader in(bytes);
+    PassTotals totals;
+    std::uint64_t squared_error = 0;
+    if (!in.take(squared_error) || !in.take(totals.max_error) || !in.take(totals.nan_count) ||
+        !in.take(totals.infinity_count) || !in.take(totals.file_bytes))
+        return std::nullopt;
+    totals.squared_error = std::bit_cast<double>(squared_error);
+    for (auto* counts : {&totals.statistics.stops, &totals.statistics.goes})
+        for (std::uint64_t& count : *counts)
+            if (!in.take(count))
+                return std::nullopt;
+    return in.remaining() == 0 && totals.squared_error >= 0 ? std::optional(totals) : std::nullopt;
+}
+
+// Everything of a done-N before its totals.
+std::vector<std::byte> done_head(unsigned number, const CodingParameters& parameters) {
+    std::vector<std::byte> head;
+    append_bytes(head, std::as_bytes(std::span(done_magic)));
+    const std::vector<std::byte> name = pass_name(number, parameters);
+    append_le(head, static_cast<std::uint32_t>(name.size()));
+    append_bytes(head, name);
+    return head;
+}
+
+} // namespace
+
+std::string journal_path(const std::string& output) {
+    return output + ".journal";
+}
+
+bool holds_finished_tiles(const std::string& output) {
+    const std::string folder = journal_path(output);
+    const int lock = ::open((folder + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (lock < 0)
+        return false;
+    const bool free = ::flock(lock, LOCK_EX | LOCK_NB) == 0;
+    ::close(lock);
+    return free && Journal::holds_tiles(folder);
+}
+
+Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
+    std::unique_ptr<Journal> journal(new Journal(journal_path(output)));
+    TESSERA_TRY(journal->lock());
+    return journal;
+}
+
+Status Journal::lock() {
+    // The holder removes the folder when it is done, perhaps between our mkdir and our flock.
+    constexpr int attempts = 100;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        if (sys::mkdir(folder_.c_str(), 0777) < 0 && errno != EEXIST)
+            return sys::system_error(folder_, "cannot create", errno);
+        struct stat info = {};
+        if (::lstat(folder_.c_str(), &info) == 0 && !S_ISDIR(info.st_mode))
+            return {ErrorCode::io, folder_ + ": is in the way of the journal: not a folder"};
+        const std::string path = file("lock");
+        lock_ = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (lock_ < 0 && errno == ENOENT)
+            continue;
+        if (lock_ < 0) {
+            const Status status = sys::system_error(path, "cannot create", errno);
+            ::rmdir(folder_.c_str()); // if it is empty, which is how we made it
+            return status;
+        }
+        if (::flock(lock_, LOCK_EX | LOCK_NB) < 0) {
+            const int error = errno;
+            ::close(std::exchange(lock_, -1));
+            if (error != EWOULDBLOCK)
+                return sys::system_error(path, "cannot lock", error);
+            return {ErrorCode::io, folder_ + ": another process is writing this output now"};
+        }
+        struct stat held = {}, named = {};
+        if (::fstat(lock_, &held) == 0 && ::stat(path.c_str(), &named) == 0 &&
+            held.st_ino == named.st_ino && held.st_dev == named.st_dev)
+            return {};
+        ::close(std::exchange(lock_, -1));
+    }
+    return {ErrorCode::io, folder_ + ": cannot be locked: it comes and goes"};
+}
+
+Journal::~Journal() {
+    if (lock_ < 0)
+        return;
+    if (!removed_ && !holds_tiles(folder_))
+        remove();
+    ::close(lock_);
+}
+
+std::vector<std::string> Journal::our_files(const std::string& folder) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error))
+        if (const std::string name = i->path().filename().string(); is_ours(name))
+            names.push_back(name);
+    return names;
+}
+
+// The lock stays.
+void Journal::empty() {
+    for (const std::string& name : our_files(folder_))
+        if (name != "lock")
+            ::unlink(file(name).c_str());
+}
+
+void Journal::remove() {
+    empty();
+    ::unlink(file("lock").c_str());
+    ::rmdir(folder_.c_str()); // stays if somebody put a file of their own into it
+    removed_ = true;
+}
+
+Status Journal::may_resume(const JournalFacts& known) const {
+    const std::optional<JournalFacts> before = load_facts(read_sealed(file("head")));
+    const std::string changed = before ? difference(known, *before, known) : "";
+    return changed.empty() ? Status() : refuse_resume(folder_, changed);
+}
+
+Status Journal::begin(const JournalFacts& facts, bool resume) {
+    if (resume) {
+        const std::vector<std::byte> head = read_sealed(file("head"));
+        const std::optional<JournalFacts> before = load_facts(head);
+        // Without a head that is whole nothing says what the tiles are.
+        if (before) {
+            const std::string changed = difference(*before, facts);
+            begun_ = changed.empty();
+            if (begun_)
+                return {};
+            return refuse_resume(folder_, changed);
+        }
+    }
+    empty();
+    begun_ = true;
+    return write_sealed(file("head"), file("writing"), store_facts(facts));
+}
+
+Result<std::unique_ptr<JournalTiles>> Journal::pass(unsigned number,
+                                                    const CodingParameters& parameters,
+                                                    std::vector<CodedTile>& figures) {
+    return JournalTiles::resume(file("pass-", number), pass_name(number, parameters), figures);
+}
+
+Result<std::unique_ptr<JournalTiles>> Journal::scratch(std::uint64_t tiles) {
+    return JournalTiles::create_nameless(file("fitted"), tiles);
+}
+
+std::optional<PassTotals> Journal::finished(unsigned number,
+                                            const CodingParameters& parameters) const {
+    const std::vector<std::byte> bytes = read_sealed(file("done-", number));
+    const std::vector<std::byte> head = done_head(number, parameters);
+    if (bytes.size() < head.size() || !std::equal(head.begin(), head.end(), bytes.begin()))
+        return std::nullopt;
+    return load_totals(std::span(bytes).subspan(head.size()));
+}
+
+Status Journal::finish(unsigned number, const CodingParameters& parameters,
+                       const PassTotals& totals) {
+    std::vector<std::byte> bytes = done_head(number, parameters);
+    append_bytes(bytes, store_totals(totals));
+    return write_sealed(file("done-", number), file("writing"), std::move(bytes));
+}
+
+void Journal::drop(unsigned number) {
+    ::unlink(file("pass-", number).c_str());
+}
+
+bool Journal::holds_tiles(const std::string& folder) {
+    for (const std::string& name : our_files(folder))
+        if (name.rfind("done-", 0) == 0 ||
+            (name.rfind("pass-", 0) == 0 && JournalTiles::holds_any(folder + "/" + name)))
+            return true;
+    return false;
+}
+
+} // namespace tessera

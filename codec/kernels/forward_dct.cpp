@@ -1,0 +1,70 @@
+#include "codec/kernels/forward_dct.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace tessera {
+namespace {
+
+using Tables = std::array<std::vector<float>, max_tile_side + 1>;
+
+Tables make_tables() {
+    Tables tables;
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int x = 0; x < n; ++x)
+            for (int k = 0; k < n; ++k)
+                tables[static_cast<std::size_t>(n)].push_back(
+                    static_cast<float>(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
+                                       std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
+    return tables;
+}
+
+} // namespace
+
+const float* forward_basis(int n) {
+    static const Tables tables = make_tables();
+    return tables[static_cast<std::size_t>(n)].data();
+}
+
+std::vector<Segment> axis_segments(int side, int depth) {
+    std::vector<Segment> segments{{0, side}};
+    for (int d = 0; d < depth; ++d) {
+        std::vector<Segment> halves;
+        for (const Segment& s : segments) {
+            const int head = (s.size + 1) / 2;
+            halves.push_back({s.begin, s.size > 1 ? head : s.size});
+            halves.push_back({s.begin + head, s.size > 1 ? s.size - head : 0});
+        }
+        segments = std::move(halves);
+    }
+    return segments;
+}
+
+void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
+                  const std::vector<Segment>& segments) {
+    int inner = 1, outer = 1;
+    for (int a = 0; a < 4; ++a)
+        (a < axis ? inner : a > axis ? outer : inner) *= a == axis ? 1 : tile.n[a];
+    const int side = tile.n[axis];
+    const Kernels& k = kernels();
+    for (const Segment& s : segments) {
+        if (s.size == 0)
+            continue;
+        if (s.size == 1) {
+            for (int o = 0; o < outer; ++o)
+                std::copy_n(in + (o * side + s.begin) * inner, inner,
+                            out + (o * side + s.begin) * inner);
+        } else if (axis == 0) {
+            k.forward_rows(in + s.begin, out + s.begin, outer, s.size, side, forward_basis(s.size));
+        } else {
+            for (int o = 0; o < outer; ++o)
+                k.forward_planes(in + (o * side + s.begin) * inner,
+                                 out + (o * side + s.begin) * inner, s.size, inner,
+                                 forward_basis(s.size));
+        }
+    }
+}
+
+} // namespace tessera

@@ -1,0 +1,27 @@
+// Float forward DCT of blocks inside a tile; steers the encoder only.
+#pragma once
+
+#include "codec/kernels/kernels.h"
+#include "format/tile/block.h"
+
+#include <vector>
+
+namespace tessera {
+
+// Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 32; thread-safe.
+const float* forward_basis(int n);
+
+// A run of coordinates along one axis; size 0 where no block stands.
+struct Segment {
+    int begin = 0, size = 0;
+};
+
+// How an axis of `side` texels is cut after `depth` halvings: 2^depth entries, in order of the
+// path through the split tree (see children_of).
+std::vector<Segment> axis_segments(int side, int depth);
+
+// Transforms every segment along one axis (0 u .. 3 t) of a tile, from `in` to `out` (not the same).
+void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
+                  const std::vector<Segment>& segments);
+
+} // namespace tessera

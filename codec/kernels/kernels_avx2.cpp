@@ -1,0 +1,294 @@
+// Built with -mavx2 where the compiler can (see CMakeLists.txt). The portable loops serve as they
+// are, vectorised by the compiler, but for the three that decoding speed hangs on.
+#include "codec/kernels/kernels.inl"
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+namespace tessera {
+#ifdef __AVX2__
+namespace {
+
+// With x = high * 2^11 + low, high fits 16 bits and low 11, and every basis value but DC's 2^15 fits
+// 16 bits too, so one multiply-add instruction sums the products of two frequencies. DC's share of
+// the result is exactly 2^4 times its coefficient before the last shift. Sizes with an odd factor
+// above 3 reach 2^15 at other frequencies as well (n = 5, k = 4, x = 2); they use the portable loops.
+
+constexpr int max_pairs = max_frequencies / 4; // of even, or of odd, frequencies above 0
+
+std::int32_t packed(std::int32_t low, std::int32_t high) {
+    return static_cast<std::int32_t>((static_cast<std::uint32_t>(low) & 0xFFFFu) |
+                                     (static_cast<std::uint32_t>(high) << 16));
+}
+
+// Basis values in pairs: even[x][p] holds frequencies 4p + 2 and 4p + 4, odd[x][p] 4p + 1 and
+// 4p + 3, next[p][x] 2p + 1 and 2p + 2; 0 beyond n.
+struct PairTable {
+    std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
+    alignas(32) std::int32_t next[max_frequencies / 2][max_tile_side];
+    bool fits; // no value above 16 bits but DC's
+};
+
+struct PairTables {
+    PairTable of[max_tile_side + 1];
+    PairTables() {
+        for (int n = 1; n <= max_tile_side; ++n) {
+            const std::int32_t* b = basis(n);
+            const int coded = n < max_frequencies ? n : max_frequencies;
+            const auto at = [&](int k, int x) { return k < coded && x < n ? b[k * n + x] : 0; };
+            of[n].fits = true;
+            for (int i = n; i < coded * n; ++i)
+                of[n].fits = of[n].fits && b[i] < 1 << basis_bits;
+            for (int x = 0; x < max_tile_side; ++x) {
+                for (int p = 0; p < max_pairs; ++p) {
+                    of[n].even[x][p] = packed(at(4 * p + 2, x), at(4 * p + 4, x));
+                    of[n].odd[x][p] = packed(at(4 * p + 1, x), at(4 * p + 3, x));
+                }
+                for (int p = 0; p < max_frequencies / 2; ++p)
+                    of[n].next[p][x] = packed(at(2 * p + 1, x), at(2 * p + 2, x));
+            }
+        }
+    }
+};
+
+const PairTable& pair_table(int n) {
+    static const PairTables tables;
+    return tables.of[n];
+}
+
+__m256i clamp_lanes(__m256i x) {
+    return _mm256_max_epi32(_mm256_min_epi32(x, _mm256_set1_epi32(limit - 1)),
+                            _mm256_set1_epi32(-limit));
+}
+
+// Two lanes of high (low) parts, the first in the lower halves.
+__m256i pack_high(__m256i a, __m256i b) {
+    const __m256i first = _mm256_srai_epi32(a, low_bits), second = _mm256_srai_epi32(b, low_bits);
+    return _mm256_blend_epi16(first, _mm256_slli_epi32(second, 16), 0xAA);
+}
+__m256i pack_low(__m256i a, __m256i b) {
+    const __m256i mask = _mm256_set1_epi32(low_mask);
+    return _mm256_or_si256(_mm256_and_si256(a, mask),
+                           _mm256_slli_epi32(_mm256_and_si256(b, mask), 16));
+}
+
+__m256i combine_lanes(__m256i high, __m256i low, __m256i dc) {
+    const __m256i half = _mm256_set1_epi32(1 << (basis_bits - 1));
+    const __m256i carry = _mm256_srai_epi32(_mm256_add_epi32(low, half), low_bits);
+    return _mm256_srai_epi32(
+        _mm256_add_epi32(_mm256_add_epi32(high, carry), _mm256_slli_epi32(dc, 4)), 4);
+}
+
+// Lanes below `count`.
+__m256i lane_mask(int count) {
+    const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
+}
+
+void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const PairTable& table = pair_table(n);
+    if (!table.fits) {
+        inverse_planes(in, out, support, n, inner);
+        return;
+    }
+    const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
+    const __m256i zero = _mm256_setzero_si256();
+    for (int i = 0; i < inner; i += lanes) {
+        const __m256i mask = lane_mask(inner - i);
+        const auto load = [&](int k) {
+            return k < support ? clamp_lanes(_mm256_maskload_epi32(in + k * inner + i, mask))
+                               : zero;
+        };
+        __m256i even_high[max_pairs], even_low[max_pairs], odd_high[max_pairs], odd_low[max_pairs];
+        for (int p = 0; p < even_pairs; ++p) {
+            const __m256i a = load(4 * p + 2), b = load(4 * p + 4);
+            even_high[p] = pack_high(a, b);
+            even_low[p] = pack_low(a, b);
+        }
+        for (int p = 0; p < odd_pairs; ++p) {
+            const __m256i a = load(4 * p + 1), b = load(4 * p + 3);
+            odd_high[p] = pack_high(a, b);
+            odd_low[p] = pack_low(a, b);
+        }
+        const __m256i dc = load(0);
+        for (int x = 0; x <= n - 1 - x; ++x) {
+            __m256i eh = zero, el = zero, oh = zero, ol = zero;
+            for (int p = 0; p < even_pairs; ++p) {
+                const __m256i c = _mm256_set1_epi32(table.even[x][p]);
+                eh = _mm256_add_epi32(eh, _mm256_madd_epi16(even_high[p], c));
+                el = _mm256_add_epi32(el, _mm256_madd_epi16(even_low[p], c));
+            }
+            for (int p = 0; p < odd_pairs; ++p) {
+                const __m256i c = _mm256_set1_epi32(table.odd[x][p]);
+                oh = _mm256_add_epi32(oh, _mm256_madd_epi16(odd_high[p], c));
+                ol = _mm256_add_epi32(ol, _mm256_madd_epi16(odd_low[p], c));
+            }
+            _mm256_maskstore_epi32(
+                out + x * inner + i, mask,
+                combine_lanes(_mm256_add_epi32(eh, oh), _mm256_add_epi32(el, ol), dc));
+            _mm256_maskstore_epi32(
+                out + (n - 1 - x) * inner + i, mask,
+                combine_lanes(_mm256_sub_epi32(eh, oh), _mm256_sub_epi32(el, ol), dc));
+        }
+    }
+}
+
+void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    const PairTable& table = pair_table(n);
+    if (!table.fits) {
+        inverse_rows(in, out, rows, support, n);
+        return;
+    }
+    const int pairs = support / 2;
+    for (int r = 0; r < rows; ++r, in += support, out += n) {
+        std::int32_t high[max_frequencies / 2], low[max_frequencies / 2];
+        for (int p = 0; p < pairs; ++p) {
+            const std::int32_t a = clamped(in[2 * p + 1]);
+            const std::int32_t b = 2 * p + 2 < support ? clamped(in[2 * p + 2]) : 0;
+            high[p] = packed(a >> low_bits, b >> low_bits);
+            low[p] = packed(a & low_mask, b & low_mask);
+        }
+        const __m256i dc = _mm256_set1_epi32(clamped(in[0]));
+        for (int x = 0; x < n; x += lanes) {
+            __m256i h = _mm256_setzero_si256(), l = _mm256_setzero_si256();
+            for (int p = 0; p < pairs; ++p) {
+                const __m256i c =
+                    _mm256_load_si256(reinterpret_cast<const __m256i*>(table.next[p] + x));
+                h = _mm256_add_epi32(h, _mm256_madd_epi16(_mm256_set1_epi32(high[p]), c));
+                l = _mm256_add_epi32(l, _mm256_madd_epi16(_mm256_set1_epi32(low[p]), c));
+            }
+            _mm256_maskstore_epi32(out + x, lane_mask(n - x), combine_lanes(h, l, dc));
+        }
+    }
+}
+
+void transpose(__m256i r[8]) {
+    __m256i a[8], b[8];
+    for (int i = 0; i < 8; i += 2) {
+        a[i] = _mm256_unpacklo_epi32(r[i], r[i + 1]);
+        a[i + 1] = _mm256_unpackhi_epi32(r[i], r[i + 1]);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int j = 0; j < 2; ++j) {
+            b[i + 2 * j] = _mm256_unpacklo_epi64(a[i + j], a[i + j + 2]);
+            b[i + 2 * j + 1] = _mm256_unpackhi_epi64(a[i + j], a[i + j + 2]);
+        }
+    for (int i = 0; i < 4; ++i) {
+        r[i] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x20);
+        r[i + 4] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x31);
+    }
+}
+
+// Eight texels of one row as 0x00BBGGRR.
+__m256i rgb_lanes(const PlaneSet& in, int at) {
+    const auto load = [&](int plane) {
+        return _mm256_srai_epi32(
+            _mm256_add_epi32(
+                _mm256_loadu_si256(reinterpret_cast<const __m256i*>(in.plane[plane] + at)),
+                _mm256_set1_epi32(in.background[plane] * 16 + 8)),
+            4);
+    };
+    const __m256i zero = _mm256_setzero_si256(), most = _mm256_set1_epi32(255);
+    const auto clamp = [&](__m256i x) { return _mm256_min_epi32(_mm256_max_epi32(x, zero), most); };
+    const __m256i co = load(1), cg = load(2);
+    const __m256i t = _mm256_sub_epi32(load(0), _mm256_srai_epi32(cg, 1));
+    const __m256i b = _mm256_sub_epi32(t, _mm256_srai_epi32(co, 1));
+    const __m256i red = clamp(_mm256_add_epi32(b, co));
+    const __m256i green = clamp(_mm256_add_epi32(cg, t));
+    return _mm256_or_si256(
+        red, _mm256_or_si256(_mm256_slli_epi32(green, 8), _mm256_slli_epi32(clamp(b), 16)));
+}
+
+// The low three bytes of eight lanes, contiguous.
+void store_24_bytes(unsigned char* to, __m256i texels) {
+    const __m256i bytes = _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
+                                           0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+    const __m256i dense = _mm256_permutevar8x32_epi32(_mm256_shuffle_epi8(texels, bytes),
+                                                      _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(dense));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), _mm256_extracti128_si256(dense, 1));
+}
+
+void store_ycocg8_avx2(const PlaneSet& in, int texels, int images, unsigned char* out) {
+    const int whole_texels = texels & ~7, whole_images = images & ~7;
+    for (int x = 0; x < whole_texels; x += 8)
+        for (int i = 0; i < whole_images; i += 8) {
+            __m256i rows[8];
+            for (int j = 0; j < 8; ++j)
+                rows[j] = rgb_lanes(in, (i + j) * texels + x);
+            transpose(rows);
+            for (int j = 0; j < 8; ++j)
+                store_24_bytes(out + 3 * ((x + j) * images + i), rows[j]);
+        }
+    store_ycocg8_part(in, texels, images, 0, whole_texels, whole_images, images, out);
+    store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
+}
+
+// Sixteen values at once. Differences fit 16 bits, their shares 7; two neighbours' products are summed
+// by one multiply-add.
+void filter_row_avx2(const std::int16_t* centre, const std::int16_t* const* from,
+                     const FilterTaps& taps, int n, std::int32_t* out) {
+    const auto load = [](const std::int16_t* at) {
+        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+    };
+    const __m256i largest = _mm256_set1_epi16(most_difference(SampleType::unorm8));
+    for (int u = 0; u < n; u += 16) {
+        const __m256i own = load(centre + u);
+        __m256i low = _mm256_set1_epi32(128), high = low;
+        for (std::size_t ring = 0; ring < filter_rings; ++ring) {
+            const std::int32_t strength = taps.strength[ring];
+            if (strength == 0)
+                continue;
+            const __m256i most =
+                _mm256_set1_epi16(static_cast<std::int16_t>(strength < 0 ? -strength : strength));
+            const __m256i sign = _mm256_set1_epi16(strength < 0 ? -1 : 1);
+            const __m256i slope = _mm256_set1_epi16(static_cast<std::int16_t>(taps.slope[ring]));
+            const auto share_of = [&](__m256i d) {
+                const __m256i size = _mm256_min_epu16(_mm256_abs_epi16(d), largest);
+                const __m256i lost = _mm256_mulhi_epu16(_mm256_slli_epi16(size, 4), slope);
+                return _mm256_sign_epi16(_mm256_subs_epu16(most, lost), sign);
+            };
+            for (std::size_t i = 4 * ring; i < 4 * ring + 4; i += 2) {
+                const __m256i a = _mm256_sub_epi16(load(from[i] + u), own);
+                const __m256i b = _mm256_sub_epi16(load(from[i + 1] + u), own);
+                const __m256i p = share_of(a), q = share_of(b);
+                low = _mm256_add_epi32(low, _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b),
+                                                              _mm256_unpacklo_epi16(p, q)));
+                high = _mm256_add_epi32(high, _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b),
+                                                                _mm256_unpackhi_epi16(p, q)));
+            }
+        }
+        low = _mm256_srai_epi32(low, 8);
+        high = _mm256_srai_epi32(high, 8);
+        // The halves of each 128 bits were taken apart above.
+        const __m256i first = _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_castsi256_si128(own)),
+                                               _mm256_permute2x128_si256(low, high, 0x20));
+        const __m256i second =
+            _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_extracti128_si256(own, 1)),
+                             _mm256_permute2x128_si256(low, high, 0x31));
+        alignas(32) std::int32_t rest[16];
+        std::int32_t* to = n - u >= 16 ? out + u : rest;
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), first);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 8), second);
+        for (int i = 0; to == rest && i < n - u; ++i)
+            out[u + i] = rest[i];
+    }
+}
+
+constexpr Kernels make_avx2_kernels() {
+    Kernels k = make_kernels("avx2");
+    k.inverse_rows = inverse_rows_avx2;
+    k.inverse_planes = inverse_planes_avx2;
+    k.store_ycocg8 = store_ycocg8_avx2;
+    k.filter_row = filter_row_avx2;
+    return k;
+}
+
+} // namespace
+
+extern const Kernels kernels_avx2 = make_avx2_kernels();
+#else
+extern const Kernels kernels_avx2 = make_kernels("avx2");
+#endif
+} // namespace tessera

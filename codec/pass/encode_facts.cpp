@@ -1,0 +1,132 @@
+#include "codec/pass/encode_facts.h"
+
+#include "format/io/crc32c.h"
+#include "format/version.h"
+
+#include <charconv>
+#include <cstdio>
+
+namespace tessera {
+
+namespace {
+
+constexpr std::size_t longest_value = 100;
+
+// Exact, unlike "%f": two targets that differ at all are different.
+std::string exact(double value) {
+    char text[40];
+    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+    return {text, end};
+}
+
+std::string checksum(std::span<const std::byte> bytes, std::uint32_t previous = 0) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%08x", crc32c(bytes, previous));
+    return text;
+}
+
+std::string shortened(const std::string& value) {
+    return value.size() <= longest_value ? value
+                                         : std::to_string(value.size()) + " bytes of checksum " +
+                                               checksum(std::as_bytes(std::span(value)));
+}
+
+const char* name_of(RateTarget::Kind kind) {
+    switch (kind) {
+    case RateTarget::Kind::quality:
+        return "quality";
+    case RateTarget::Kind::psnr:
+        return "target PSNR";
+    case RateTarget::Kind::bpt:
+        return "target bits per texel";
+    case RateTarget::Kind::bytes:
+        return "target bytes";
+    case RateTarget::Kind::max_error:
+        return "maximum error";
+    }
+    return "?";
+}
+
+std::string tools_text(const ToolSwitches& tools) {
+    std::string text;
+    for (const CodingToolInfo& info : coding_tools) {
+        const bool on = tools.is_on(info.tool, false), off = !tools.is_on(info.tool, true);
+        if (on || off)
+            text += std::string(text.empty() ? "" : ",") + (on ? "+" : "-") + info.name;
+    }
+    return text;
+}
+
+// How the rate was asked for, such as "psnr 40"; shortest digits that give the same number again.
+std::string rate_text(const RateTarget& rate) {
+    using Kind = RateTarget::Kind;
+    const char* kind = rate.kind == Kind::quality ? "quality"
+                       : rate.kind == Kind::psnr  ? "psnr"
+                       : rate.kind == Kind::bpt   ? "bpt"
+                       : rate.kind == Kind::bytes ? "bytes"
+                                                  : "max-error";
+    char text[400]; // of any double without an exponent
+    const auto end =
+        std::to_chars(text, text + sizeof text, rate.value, std::chars_format::fixed).ptr;
+    return std::string(kind) + " " + std::string(text, end);
+}
+
+std::string description_text(const Description& d) {
+    std::string text = std::string(name_of(d.proxy)) + " " + name_of(d.surface_map) + " " +
+                       name_of(d.angular_map) + " " + name_of(d.transfer) + " " +
+                       name_of(d.primaries) + " " + name_of(d.alpha);
+    for (const float number : {d.sphere_centre[0], d.sphere_centre[1], d.sphere_centre[2],
+                               d.sphere_radius, d.viewing_radius[0], d.viewing_radius[1]})
+        text += " " + exact(static_cast<double>(number));
+    return text;
+}
+
+} // namespace
+
+JournalFacts facts_of(const EncodePlan& plan) {
+    const EncodeOptions& o = plan.options;
+    const TextureDesc& desc = plan.colour.desc;
+    JournalFacts facts = {
+        {"version of the encoder", library_version},
+        {"size", to_string(desc.size)},
+        {"sample type", desc.type == SampleType::unorm8 ? "unorm8" : "half16"},
+        {"number of channels", std::to_string(desc.channels)},
+        {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
+        {"effort", std::to_string(o.effort)},
+        {"list of tools", tools_text(plan.tools)},
+        {"layers", o.layers ? "coarse levels" : "none"},
+        {"strictness", o.strict ? "strict" : "lenient"},
+        {"description", description_text(o.description)},
+    };
+    if (plan.mask != nullptr)
+        facts.emplace_back("size of the mask", to_string(plan.mask->desc().size));
+    for (const auto& [name, value] : o.source_facts)
+        facts.emplace_back(name, shortened(value));
+    for (const auto& [key, value] : o.metadata)
+        facts.emplace_back("metadata " + key, shortened(value));
+    return facts;
+}
+
+JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
+    JournalFacts facts = facts_of(plan);
+    facts.emplace_back("largest tile", to_string(plan.grid.tile_extent()));
+    std::uint32_t crc = 0;
+    for (const TileTexels& tile : sample.tiles)
+        crc = crc32c(tile.matters, crc32c(tile.texels, crc));
+    facts.emplace_back("checksum of sampled texels", checksum({}, crc));
+    return facts;
+}
+
+Metadata recorded_metadata(const EncodePlan& plan) {
+    const EncodeOptions& options = plan.options;
+    Metadata metadata = options.metadata;
+    metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
+    std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
+    metadata[made_rate_key] = rate_text(options.rate);
+    metadata[made_effort_key] = std::to_string(options.effort);
+    if (std::string tools = tools_text(plan.tools); !tools.empty())
+        metadata[made_tools_key] = std::move(tools);
+    return metadata;
+}
+
+} // namespace tessera

@@ -1,0 +1,408 @@
+#include "codec/pass/encode_pass.h"
+
+#include "format/work.h"
+#include "codec/texels/texel_mask.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "format/io/crc32c.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tessera {
+namespace {
+
+// Everything one thread needs to encode tiles and to see what they decode to.
+struct Worker {
+    TileEncoder encoder;
+    TileDecoder decoder;
+    TileLevels levels;
+    CorrectionMap corrections;
+    TileTexels tile;   // that is encoded, unless it is a sample's
+    TileTexels target; // of a tile with texels that do not matter: they are as decoded
+    std::vector<std::byte> decoded, payload;
+    Statistics statistics;
+};
+
+// Coding state of a pass and its workers.
+struct Crew {
+    Crew(const EncodePlan& encode_plan, const CodingParameters& parameters)
+        : plan(encode_plan), coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
+          costs(coding.tables) {
+        for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
+            workers.push_back({TileEncoder(coding, costs, plan.colour, plan.effort),
+                               TileDecoder(coding, plan.colour),
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {}});
+    }
+    // Leaves the tile's payload in worker.payload.
+    // `filter`: what a filter would have to mend there; wanted only of passes without one.
+    Status encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
+                  FilterStatistics* filter = nullptr) const;
+
+    const EncodePlan& plan;
+    const bool verifies = !plan.effort.recode; // recoding has its own check
+    const TileCoding coding;
+    const BitCosts costs;
+    std::vector<Worker> workers;
+};
+
+// Squared and largest error of bytes, in runs short enough for 32-bit sums.
+void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, CodedTile& tile) {
+    constexpr std::size_t run = 4096;
+    std::int32_t largest = 0;
+    for (std::size_t begin = 0; begin < a.size(); begin += run) {
+        const std::size_t end = std::min(a.size(), begin + run);
+        std::int32_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::int32_t error =
+                std::to_integer<std::int32_t>(a[i]) - std::to_integer<std::int32_t>(b[i]);
+            const std::int32_t magnitude = error < 0 ? -error : error;
+            sum += error * error;
+            largest = magnitude > largest ? magnitude : largest;
+        }
+        tile.squared_error += static_cast<std::uint64_t>(sum);
+    }
+    tile.max_error = static_cast<std::uint32_t>(largest);
+}
+
+// What the decoded tile is measured against: any value is right for texels that do not matter.
+std::span<const std::byte> target_of(Worker& worker, const TileTexels& source,
+                                     std::size_t texel_bytes) {
+    if (source.matters.empty())
+        return source.texels;
+    worker.target = source;
+    worker.target.replace_free(texel_bytes, worker.decoded);
+    return worker.target.texels;
+}
+
+Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
+                    FilterStatistics* filter) const {
+    const BlockShape shape = tile_shape(box);
+    worker.encoder.encode(source, shape, worker.levels);
+    worker.decoded.resize(source.texels.size());
+    worker.corrections.clear();
+    worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
+    if (filter != nullptr)
+        *filter = filter_statistics(worker.encoder.source(), worker.decoder.planes(), coding);
+    const TextureDesc& desc = plan.colour.desc;
+    const std::span<const std::byte> texels = target_of(worker, source, desc.texel_bytes());
+    const int error = coding.parameters.correction_error;
+    if (plan.colour.corrections &&
+        find_corrections(texels, worker.decoded, desc, error, worker.corrections)) {
+        apply_corrections(worker.corrections, desc, error, worker.decoded);
+        count_corrections(worker.corrections, shape, coding.planes, worker.statistics);
+    } else {
+        worker.corrections.clear();
+    }
+    measure_error(texels, worker.decoded, desc.type, tile);
+    tile.texel_crc = crc32c(worker.decoded);
+    count_symbols(worker.levels, coding, worker.statistics);
+    worker.payload.clear();
+    encode_levels(worker.levels,
+                  worker.corrections.empty()
+                      ? std::vector<std::vector<std::byte>>{}
+                      : encode_corrections(worker.corrections, shape, coding.planes, coding.tables),
+                  coding, worker.payload);
+    tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
+    if (!verifies || !plan.options.verify)
+        return {};
+    // These bytes go to the file as they are: they must hold the levels that were measured.
+    TESSERA_TRY(worker.decoder.parse(worker.payload, shape));
+    return worker.decoder.levels() == worker.levels &&
+                   worker.decoder.corrections() == worker.corrections
+               ? Status()
+               : Status(ErrorCode::runtime, "self-check failed: the tile of the texels " +
+                                                to_string(box) +
+                                                " does not decode to what was encoded");
+}
+
+PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
+                  std::shared_ptr<TileStore> payloads) {
+    PassResult result{number,           crew.coding.parameters, crew.coding.parameters,
+                      std::move(tiles), std::move(payloads),    {}};
+    PassTotals& totals = result.totals;
+    for (const CodedTile& tile : result.tiles) {
+        totals.squared_error += static_cast<double>(tile.squared_error);
+        totals.max_error = std::max(totals.max_error, tile.max_error);
+        totals.nan_count += tile.nan_count;
+        totals.infinity_count += tile.infinity_count;
+    }
+    for (const Worker& worker : crew.workers)
+        totals.statistics.add(worker.statistics);
+    return result;
+}
+
+// Counts the symbols of the tiles that the journal holds. A tile's counts are many times larger than
+// its payload and entropy decoding is quick, so they are not journaled but counted again, which
+// also shows whether the payload can be decoded; if not, the tile is left to be encoded again.
+Status count_journaled(Crew& crew, JournalTiles& journal) {
+    const EncodePlan& plan = crew.plan;
+    return parallel_for(
+        crew.workers, plan.grid.tiles(),
+        [&](Worker& worker, std::size_t tile) -> Status {
+            if (!journal.has(tile))
+                return {};
+            TESSERA_TRY(check_cancelled(plan.options));
+            TESSERA_TRY(journal.get(tile, worker.payload));
+            const BlockShape shape = tile_shape(plan.grid.box(tile));
+            if (!worker.decoder.parse(worker.payload, shape)) {
+                journal.forget(tile);
+                return {};
+            }
+            count_symbols(worker.decoder.levels(), crew.coding, worker.statistics);
+            if (!worker.decoder.corrections().empty())
+                count_corrections(worker.decoder.corrections(), shape, crew.coding.planes,
+                                  worker.statistics);
+            return {};
+        },
+        [&](std::size_t i) {
+            if (plan.options.progress)
+                plan.options.progress("resume", static_cast<double>(i),
+                                      static_cast<double>(plan.grid.tiles()));
+        });
+}
+
+// Of texels that do not matter no sample is counted.
+void make_free_finite(TileTexels& source, const TextureDesc& desc) {
+    CodedTile ignored;
+    for (std::size_t i = 0; i < source.matters.size(); ++i)
+        if (source.is_free(i))
+            make_finite(std::span(source.texels).subspan(i * desc.texel_bytes(), desc.texel_bytes()),
+                        desc.type, ignored);
+}
+
+Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, CodedTile& tile) {
+    TESSERA_TRY(check_cancelled(plan.options));
+    const TextureDesc& desc = plan.colour.desc;
+    source.texels.resize(desc.box_bytes(box));
+    TESSERA_TRY(plan.source.read(box, source.texels));
+    TESSERA_TRY(read_mask(plan.mask, box, source.matters));
+    make_free_finite(source, desc);
+    make_finite(source.texels, desc.type, tile);
+    if (plan.options.strict && tile.nan_count + tile.infinity_count > 0)
+        return {ErrorCode::invalid_file,
+                "the texels " + to_string(box) + " hold " + std::to_string(tile.nan_count) +
+                    " NaN and " + std::to_string(tile.infinity_count) +
+                    " infinite samples (without --strict they are replaced)"};
+    return {};
+}
+
+} // namespace
+
+void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts) {
+    if (type == SampleType::unorm8)
+        return;
+    for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
+        const unsigned high = std::to_integer<unsigned>(texels[i + 1]);
+        if ((high & 0x7C) != 0x7C)
+            continue;
+        const bool infinite = (high & 0x03) == 0 && texels[i] == std::byte{0};
+        ++(infinite ? counts.infinity_count : counts.nan_count);
+        texels[i] = static_cast<std::byte>(infinite ? 0xFF : 0);
+        texels[i + 1] = static_cast<std::byte>(infinite ? (high & 0x80) | 0x7B : 0);
+    }
+}
+
+void measure_error(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
+                   CodedTile& tile) {
+    const std::size_t bytes = sample_bytes(type);
+    const auto code = [&](std::span<const std::byte> texels, std::size_t i) {
+        return sample_code(load_sample(texels.data() + i, type), type);
+    };
+    tile.squared_error = 0;
+    tile.max_error = 0;
+    if (type == SampleType::unorm8)
+        return measure_bytes(a, b, tile);
+    for (std::size_t i = 0; i < a.size(); i += bytes) {
+        const auto error = static_cast<std::uint32_t>(std::abs(code(a, i) - code(b, i)));
+        tile.squared_error += std::uint64_t{error} * error;
+        tile.max_error = std::max(tile.max_error, error);
+    }
+}
+
+double PassResult::psnr(const TextureDesc& desc, std::uint64_t texels) const {
+    if (totals.squared_error == 0)
+        return 999;
+    const double peak = desc.type == SampleType::unorm8 ? 255.0 : 31743.0;
+    const double samples = static_cast<double>(texels) * desc.channels;
+    return 10.0 * std::log10(peak * peak * samples / totals.squared_error);
+}
+
+std::uint64_t PassResult::payload_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const CodedTile& tile : tiles)
+        bytes += tile.payload_bytes;
+    return bytes;
+}
+
+double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameters,
+                       const CodedTile& tile) {
+    // Steps are such that an error of one in any plane of YCoCg counts three times over RGB.
+    const double samples = plan.colour.transform == ColourTransform::ycocg_r ? 3 : 1;
+    const double step = parameters.step[0].value();
+    return static_cast<double>(tile.squared_error) / (samples * step * step) +
+           8.0 * static_cast<double>(plan.effort.quantizer.lambda) * tile.payload_bytes;
+}
+
+double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
+    double cost = 0;
+    for (const CodedTile& tile : pass.tiles)
+        cost += lagrangian_cost(plan, pass.walked, tile);
+    return cost;
+}
+
+Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
+    const TextureDesc& desc = plan.colour.desc;
+    return make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),
+                      {plan.options.slab_bytes / desc.texel_bytes(), true});
+}
+
+namespace {
+
+// The tiles that a sample holds, ascending. They must not depend on how slabs are cut.
+Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan, std::uint64_t wanted) {
+    // Sources that are walked in slabs give the tiles of the middle one.
+    const auto uncut = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
+    if (!uncut)
+        return uncut.status();
+    const bool anywhere = plan.source.locality() == Locality::any;
+    const Slab& middle = (*uncut)[uncut->size() / 2];
+    const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
+    wanted = std::min(available, wanted);
+    std::vector<std::uint64_t> tiles;
+    for (std::uint64_t i = 0; i < wanted; ++i) {
+        const std::uint64_t pick = golden_pick(i, available);
+        tiles.push_back(anywhere ? pick : middle.tiles[pick]);
+    }
+    std::sort(tiles.begin(), tiles.end());
+    tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+    return tiles;
+}
+
+} // namespace
+
+std::uint64_t Sample::texel_count() const {
+    return std::accumulate(boxes.begin(), boxes.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Box4& box) { return sum + box.texels(); });
+}
+
+std::uint64_t Sample::texels_that_matter() const {
+    return std::accumulate(
+        tiles.begin(), tiles.end(), texel_count(),
+        [](std::uint64_t left, const TileTexels& tile) { return left - free_count(tile.matters); });
+}
+
+Result<Sample> read_sample(const EncodePlan& plan) {
+    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
+}
+
+Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
+    const auto chosen = choose_sample(plan, wanted);
+    if (!chosen)
+        return chosen.status();
+    const std::vector<std::uint64_t>& numbers = *chosen;
+    const auto slabs = slabs_of(plan);
+    if (!slabs)
+        return slabs.status();
+    Sample sample;
+    for (const std::uint64_t number : numbers)
+        sample.boxes.push_back(plan.grid.box(number));
+    sample.tiles.resize(numbers.size());
+    std::vector<int> workers(thread_count(plan.options.threads));
+    for (const Slab& slab : *slabs) {
+        std::vector<std::size_t> inside; // of `numbers`
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), numbers[i]))
+                inside.push_back(i);
+        if (inside.empty())
+            continue;
+        TESSERA_TRY(plan.source.begin_slab(slab.box));
+        TESSERA_TRY(parallel_for(
+            workers, inside.size(),
+            [&](int, std::size_t i) {
+                CodedTile ignored;
+                return read_tile(plan, sample.boxes[inside[i]], sample.tiles[inside[i]], ignored);
+            },
+            [&](std::size_t i) {
+                if (plan.options.progress)
+                    plan.options.progress("sample", static_cast<double>(i),
+                                          static_cast<double>(inside.size()));
+            }));
+    }
+    return sample;
+}
+
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            unsigned number, const char* stage) {
+    Crew crew(plan, parameters);
+    std::vector<CodedTile> tiles(plan.grid.tiles());
+    std::shared_ptr<TileStore> payloads;
+    const JournalTiles* journaled = nullptr;
+    if (plan.journal != nullptr) {
+        auto opened = plan.journal->pass(number, parameters, tiles);
+        if (!opened)
+            return opened.status();
+        TESSERA_TRY(count_journaled(crew, **opened));
+        journaled = opened->get();
+        payloads = std::move(*opened);
+    } else {
+        payloads = std::make_shared<MemoryTileStore>(tiles.size());
+    }
+    const auto slabs = slabs_of(plan);
+    if (!slabs)
+        return slabs.status();
+    double done = 0;
+    for (const Slab& slab : *slabs) {
+        std::vector<std::uint64_t> wanted = slab.tiles;
+        if (journaled != nullptr)
+            std::erase_if(wanted, [&](std::uint64_t tile) { return journaled->has(tile); });
+        done += static_cast<double>(slab.tiles.size() - wanted.size());
+        if (wanted.empty())
+            continue;
+        TESSERA_TRY(plan.source.begin_slab(slab.box));
+        TESSERA_TRY(parallel_for(
+            crew.workers, wanted.size(),
+            [&](Worker& worker, std::size_t i) -> Status {
+                CodedTile& tile = tiles[wanted[i]];
+                tile = {}; // a journal may have filled it before it gave the tile up
+                const Box4 box = plan.grid.box(wanted[i]);
+                TESSERA_TRY(read_tile(plan, box, worker.tile, tile));
+                TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
+                return payloads->put(wanted[i], tile, worker.payload);
+            },
+            [&](std::size_t i) {
+                if (plan.options.progress)
+                    plan.options.progress(stage, done + static_cast<double>(i),
+                                          static_cast<double>(tiles.size()));
+            }));
+        done += static_cast<double>(wanted.size());
+    }
+    return finish(crew, number, std::move(tiles), std::move(payloads));
+}
+
+Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
+                            const Sample& sample, FilterStatistics* filter) {
+    Crew crew(plan, parameters);
+    std::vector<CodedTile> tiles(sample.boxes.size());
+    // Summed in the order of the tiles, whichever thread had which.
+    std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);
+    TESSERA_TRY(parallel_for(
+        crew.workers, tiles.size(),
+        [&](Worker& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(plan.options));
+            return crew.encode(worker, sample.boxes[i], sample.tiles[i], tiles[i],
+                               filter != nullptr ? &statistics[i] : nullptr);
+        },
+        [](std::size_t) {}));
+    for (const FilterStatistics& one : statistics)
+        filter->add(one);
+    return finish(crew, 0, std::move(tiles), nullptr);
+}
+
+} // namespace tessera

@@ -1,0 +1,49 @@
+// One tile's payload -> its texels, in stages: streams, levels, planes, samples, corrections.
+#pragma once
+
+#include "codec/entropy/corrections.h"
+#include "codec/reconstruct/reconstruct.h"
+#include "codec/tile/tile_coding.h"
+#include "codec/reconstruct/tile_filter.h"
+#include "codec/tile/tile_planes.h"
+
+#include <cstddef>
+#include <span>
+
+namespace tessera {
+
+// Decodes tiles of one file. Holds scratch memory: one per thread.
+class TileDecoder {
+public:
+    // Both outlive the decoder.
+    TileDecoder(const TileCoding& coding, const ColourCoding& colour)
+        : coding_(&coding), colour_(&colour) {}
+
+    // texels: dense box order, exactly the tile's bytes. Errors: invalid_file. On any payload it
+    // ends, stays in bounds, and either fails or fills `texels`.
+    Status decode(std::span<const std::byte> payload, const BlockShape& shape,
+                  std::span<std::byte> texels);
+    // The same from levels and corrections that are at hand.
+    void render(const TileLevels& levels, const CorrectionMap& corrections,
+                std::span<std::byte> texels);
+    // Only the entropy decoding; the results stay valid until the next call.
+    Status parse(std::span<const std::byte> payload, const BlockShape& shape);
+    const TileLevels& levels() const { return levels_; }
+    const CorrectionMap& corrections() const { return corrections_; }
+    // Of the last decode() or render(), filtered.
+    const TilePlanes& planes() const { return planes_; }
+
+private:
+    const TileCoding* coding_;
+    const ColourCoding* colour_;
+    PayloadParts parts_;
+    TileLevels levels_;
+    CorrectionMap corrections_;
+    ReconstructScratch scratch_;
+    FilterScratch filter_scratch_;
+    TilePlanes planes_;
+};
+
+BlockShape tile_shape(const Box4& box);
+
+} // namespace tessera

@@ -1,0 +1,47 @@
+#include "codec/reconstruct/tile_filter.h"
+
+#include "codec/kernels/kernels.h"
+#include "codec/tile/padded_plane.h"
+
+namespace tessera {
+namespace {
+
+FilterTaps taps_of(const TileCoding& coding, int plane) {
+    FilterTaps taps{};
+    const auto& rings = coding.parameters.filter.ring[static_cast<std::size_t>(plane_class(plane))];
+    for (std::size_t i = 0; i < filter_rings; ++i) {
+        taps.strength[i] = rings[i].strength;
+        taps.slope[i] = filter_slope(
+            rings[i], coding.parameters.step[static_cast<std::size_t>(plane)], coding.type);
+    }
+    return taps;
+}
+
+template <class Value, class Kernel>
+void filter_planes(const TileCoding& coding, Kernel kernel, std::vector<Value>& memory,
+                   TilePlanes& planes) {
+    const int nu = planes.shape.n[0], nv = planes.shape.n[1];
+    PaddedPlane<Value> padded(memory);
+    for (int plane = 0; plane < coding.planes; ++plane) {
+        std::int32_t* values = planes.plane[static_cast<std::size_t>(plane)].data();
+        if (!padded.fill(planes.shape, values, value_limit(coding.type)))
+            continue;
+        const FilterTaps taps = taps_of(coding, plane);
+        padded.for_each_row([&](const FilterRow<Value>& row) {
+            kernel(row.centre, row.from.data(), taps, nu, values + (row.view * nv + row.v) * nu);
+        });
+    }
+}
+
+} // namespace
+
+void filter_tile(const TileCoding& coding, FilterScratch& scratch, TilePlanes& planes) {
+    if (!coding.parameters.filter.is_on())
+        return;
+    if (coding.type == SampleType::unorm8)
+        filter_planes(coding, kernels().filter_row, scratch.narrow, planes);
+    else
+        filter_planes(coding, kernels().filter_wide_row, scratch.wide, planes);
+}
+
+} // namespace tessera

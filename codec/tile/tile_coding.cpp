@@ -1,0 +1,29 @@
+#include "codec/tile/tile_coding.h"
+
+#include <mutex>
+
+namespace tessera {
+
+TileCoding::TileCoding(const CodingParameters& coding_parameters, SampleType sample_type,
+                       int plane_count)
+    : parameters(coding_parameters), tables(coding_parameters.parameters), type(sample_type),
+      planes(plane_count), rotates(coding_parameters.colour_rotation && plane_count >= 3),
+      predicts(coding_parameters.prediction) {}
+
+const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
+    {
+        const std::shared_lock lock(mutex_);
+        if (const auto found = shapes_.find(shape); found != shapes_.end())
+            return *found->second;
+    }
+    auto made = std::make_unique<ShapeCoding>();
+    made->order = make_scan_order(shape, parameters.scan_weights);
+    for (int plane = 0; plane < planes; ++plane)
+        made->scales[plane] =
+            make_scales(parameters.step[plane], shape, type, parameters.dependent);
+    made->rotated_scales = make_scales(parameters.rotated_step, shape, type, parameters.dependent);
+    const std::unique_lock lock(mutex_);
+    return *shapes_.try_emplace(shape, std::move(made)).first->second;
+}
+
+} // namespace tessera

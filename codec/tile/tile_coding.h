@@ -1,0 +1,67 @@
+// A file's coding parameters made ready for use, with per-shape tables that are built on first use.
+#pragma once
+
+#include "format/tile/coding_parameters.h"
+#include "format/texture.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <shared_mutex>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+// What coding a block of one shape needs.
+struct ShapeCoding {
+    ScanOrder order;
+    std::array<ScaleSet, max_planes> scales;
+    ScaleSet rotated_scales; // of the first three planes of blocks with rotated colour
+};
+
+// Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.
+class TileCoding {
+public:
+    TileCoding(const CodingParameters& parameters, SampleType type, int planes);
+
+    const ShapeCoding& shape(const BlockShape& shape) const;
+
+    const CodingParameters parameters;
+    const CodeTables tables;
+    const SampleType type;
+    const int planes;   // one a channel
+    const bool rotates;  // blocks carry a colour symbol
+    const bool predicts; // blocks carry a prediction
+
+    const ScaleSet& scales(const ShapeCoding& shape, int plane, int colour) const {
+        return colour != 0 && plane < 3 ? shape.rotated_scales
+                                        : shape.scales[static_cast<std::size_t>(plane)];
+    }
+
+private:
+    mutable std::shared_mutex mutex_;
+    mutable std::map<BlockShape, std::unique_ptr<ShapeCoding>> shapes_;
+};
+
+// Shapes that one thread met lately: a tile has few, and the shared cache's lock is not free.
+class RecentShapes {
+public:
+    const ShapeCoding& get(const TileCoding& coding, const BlockShape& shape) {
+        for (const auto& [known, found] : recent_)
+            if (known == shape)
+                return *found;
+        recent_.emplace_back(shape, &coding.shape(shape));
+        return *recent_.back().second;
+    }
+    void clear() { recent_.clear(); }
+
+private:
+    std::vector<std::pair<BlockShape, const ShapeCoding*>> recent_;
+};
+
+constexpr int plane_class(int plane) {
+    return plane == 0 ? 0 : 1;
+}
+
+} // namespace tessera

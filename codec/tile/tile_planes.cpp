@@ -1,0 +1,130 @@
+#include "codec/tile/tile_planes.h"
+
+#include "codec/kernels/kernels.h"
+#include "format/tile/dequantizer.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+using Texel = TexelCodes;
+
+Texel background_planes(const ColourCoding& colour) {
+    return texel_planes(colour.background, colour.desc, colour.transform);
+}
+
+// Calls visit(index in planes, texel address) for every texel of the box order; u runs innermost, so
+// that the planes are walked in rows.
+template <class Byte, class Visit>
+void for_each_texel(const BlockShape& shape, Byte* texels, std::size_t texel_bytes, Visit visit) {
+    const auto [nu, nv, ns, nt] = shape.n;
+    const std::size_t images = std::size_t{ns} * nt, page = std::size_t{nu} * nv;
+    for (std::size_t v = 0; v < nv; ++v)
+        for (std::size_t image = 0; image < images; ++image)
+            for (std::size_t u = 0; u < nu; ++u)
+                visit(image * page + v * nu + u,
+                      texels + ((v * nu + u) * images + image) * texel_bytes);
+}
+
+template <SampleType type, int channels, bool ycocg>
+void to_planes(std::span<const std::byte> texels, const Texel& background, const BlockShape& shape,
+               TilePlanes& planes) {
+    for_each_texel(shape, texels.data(), channels * sample_bytes(type),
+                   [&](std::size_t i, const std::byte* at) {
+                       Texel c{};
+                       for (int k = 0; k < channels; ++k)
+                           c[k] = sample_code(load_sample(at + k * sample_bytes(type), type), type);
+                       if constexpr (ycocg)
+                           forward_ycocg(c);
+                       for (int k = 0; k < channels; ++k)
+                           planes.plane[k][i] = (c[k] - background[k]) * (1 << value_bits(type));
+                   });
+}
+
+template <SampleType type> std::int32_t rounded_value(std::int32_t value) {
+    constexpr int bits = value_bits(type);
+    return bits == 0 ? value : (value + (1 << bits >> 1)) >> bits;
+}
+
+template <SampleType type, int channels, bool ycocg>
+void to_texels(const TilePlanes& planes, const Texel& background, std::span<std::byte> texels) {
+    for_each_texel(planes.shape, texels.data(), channels * sample_bytes(type),
+                   [&](std::size_t i, std::byte* at) {
+                       Texel c{};
+                       for (int k = 0; k < channels; ++k)
+                           c[k] = rounded_value<type>(planes.plane[k][i]) + background[k];
+                       if constexpr (ycocg)
+                           inverse_ycocg(c);
+                       for (int k = 0; k < channels; ++k)
+                           store_sample(at + k * sample_bytes(type), code_sample(c[k], type), type);
+                   });
+}
+
+// Picks the instance of `Body<type, channels, ycocg>` for a description.
+template <template <SampleType, int, bool> class Body, class... Args>
+void dispatch(const ColourCoding& colour, Args&&... args) {
+    const auto with = [&]<SampleType type>() {
+        const bool ycocg = colour.transform == ColourTransform::ycocg_r;
+        switch (colour.desc.channels) {
+        case 1:
+            return Body<type, 1, false>::run(args...);
+        case 2:
+            return Body<type, 2, false>::run(args...);
+        case 3:
+            return ycocg ? Body<type, 3, true>::run(args...) : Body<type, 3, false>::run(args...);
+        default:
+            return ycocg ? Body<type, 4, true>::run(args...) : Body<type, 4, false>::run(args...);
+        }
+    };
+    if (colour.desc.type == SampleType::unorm8)
+        with.template operator()<SampleType::unorm8>();
+    else
+        with.template operator()<SampleType::half16>();
+}
+
+template <SampleType type, int channels, bool ycocg> struct ToPlanes {
+    static void run(std::span<const std::byte> texels, const Texel& background,
+                    const BlockShape& shape, TilePlanes& planes) {
+        to_planes<type, channels, ycocg>(texels, background, shape, planes);
+    }
+};
+
+template <SampleType type, int channels, bool ycocg> struct ToTexels {
+    static void run(const TilePlanes& planes, const Texel& background,
+                    std::span<std::byte> texels) {
+        to_texels<type, channels, ycocg>(planes, background, texels);
+    }
+};
+
+} // namespace
+
+void TilePlanes::resize(const BlockShape& new_shape, int planes) {
+    shape = new_shape;
+    for (int i = 0; i < planes; ++i)
+        plane[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(shape.texels()));
+}
+
+void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                        const BlockShape& shape, TilePlanes& planes) {
+    planes.resize(shape, colour.desc.channels);
+    dispatch<ToPlanes>(colour, texels, background_planes(colour), shape, planes);
+}
+
+void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
+                        std::span<std::byte> texels) {
+    const Texel background = background_planes(colour);
+    if (colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
+        colour.transform == ColourTransform::ycocg_r) {
+        const auto& [nu, nv, ns, nt] = planes.shape.n;
+        kernels().store_ycocg8(
+            {{planes.plane[0].data(), planes.plane[1].data(), planes.plane[2].data()},
+             {background[0], background[1], background[2]}},
+            nu * nv, ns * nt, reinterpret_cast<unsigned char*>(texels.data()));
+        return;
+    }
+    dispatch<ToTexels>(colour, planes, background, texels);
+}
+
+} // namespace tessera

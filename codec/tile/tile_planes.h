@@ -1,0 +1,39 @@
+// A tile's texels as integer planes, relative to the file's background (FORMAT.md 4.5).
+#pragma once
+
+#include "format/tile/block.h"
+#include "format/tile/colour_transform.h"
+#include "format/container/syntax.h"
+#include "format/texture.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// What turns samples into planes and back.
+struct ColourCoding {
+    TextureDesc desc;
+    ColourTransform transform = ColourTransform::none;
+    std::array<std::uint16_t, 4> background{};
+    bool corrections = false; // tiles may end with corrections (required feature 1)
+};
+
+// One array a plane, tile order t, s, v, u with u fastest; in 2^-value_bits of a code.
+struct TilePlanes {
+    BlockShape shape;
+    std::array<std::vector<std::int32_t>, max_planes> plane;
+
+    void resize(const BlockShape& new_shape, int planes);
+};
+
+// texels: dense box order (v, u, t, s, channel).
+void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                        const BlockShape& shape, TilePlanes& planes);
+void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
+                        std::span<std::byte> texels);
+
+} // namespace tessera

@@ -1,0 +1,65 @@
+#include "codec/tile_encoder/bit_costs.h"
+
+#include "codec/entropy/tile_syntax.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+float bits(std::uint32_t frequency) {
+    return static_cast<float>(probability_bits - std::log2(static_cast<double>(frequency)));
+}
+
+template <int symbols>
+void fill(std::array<float, symbols>& costs, const SymbolTable<symbols>& table) {
+    for (int i = 0; i < symbols; ++i)
+        costs[static_cast<std::size_t>(i)] =
+            bits(static_cast<std::uint32_t>(table.start[static_cast<std::size_t>(i) + 1] -
+                                            table.start[static_cast<std::size_t>(i)]));
+}
+
+void add_length_raw_bits(std::array<float, length_tokens>& costs) {
+    for (int token = 0; token < length_tokens; ++token)
+        costs[static_cast<std::size_t>(token)] += static_cast<float>(length_raw_bits(token));
+}
+
+} // namespace
+
+BitCosts::BitCosts(const CodeTables& tables) {
+    for (std::size_t i = 0; i < zero.size(); ++i)
+        zero[i] = {bits(tables.zero[i]), bits(probability_total - tables.zero[i])};
+    for (std::size_t i = 0; i < magnitude.size(); ++i) {
+        fill<magnitude_tokens>(magnitude[i], tables.magnitude[i]);
+        for (int token = 0; token < magnitude_tokens; ++token)
+            magnitude[i][static_cast<std::size_t>(token)] +=
+                static_cast<float>(1 + std::max(0, token - 3));
+    }
+    for (std::size_t i = 0; i < first_length.size(); ++i) {
+        fill<length_tokens>(first_length[i], tables.first_length[i]);
+        add_length_raw_bits(first_length[i]);
+    }
+    for (std::size_t i = 0; i < other_length.size(); ++i) {
+        fill<length_tokens>(other_length[i], tables.other_length[i]);
+        add_length_raw_bits(other_length[i]);
+    }
+    for (std::size_t i = 0; i < colour.size(); ++i) {
+        fill<colour_kinds>(colour[i], tables.colour[i]);
+        colour[i][2] += static_cast<float>(rotation_index_bits);
+    }
+    for (std::size_t i = 0; i < prediction.size(); ++i)
+        fill<prediction_kinds>(prediction[i], tables.prediction[i]);
+    for (std::size_t i = 0; i < displacement_kind.size(); ++i)
+        fill<displacement_kinds>(displacement_kind[i], tables.displacement_kind[i]);
+    for (std::size_t i = 0; i < displacement.size(); ++i) {
+        fill<displacement_tokens>(displacement[i], tables.displacement[i]);
+        for (std::size_t token = 1; token < displacement_tokens; ++token)
+            displacement[i][token] += static_cast<float>(token);
+    }
+    for (std::size_t s = 0; s < split.size(); ++s)
+        for (std::size_t a = 0; a < split[s].size(); ++a)
+            fill<split_kinds>(split[s][a], tables.split[s][a]);
+}
+
+} // namespace tessera

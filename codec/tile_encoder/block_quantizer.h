@@ -1,0 +1,80 @@
+// Rate-distortion optimised quantisation of one block (levels and coded length).
+#pragma once
+
+#include "codec/tile_encoder/bit_costs.h"
+#include "codec/tile/tile_coding.h"
+#include "codec/tile/tile_levels.h"
+
+#include <array>
+#include <vector>
+
+namespace tessera {
+
+// Coefficients of one block, each plane dense in block order (t, s, v, u), in sample units
+// (orthonormal). The arrays may be longer than the block.
+struct BlockCoefficients {
+    BlockShape shape;
+    std::array<std::vector<float>, max_planes> plane;
+    bool copies = false; // what is left of a block that copies from other views
+    int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
+};
+
+// Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
+struct QuantizerOptions {
+    float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
+    bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
+};
+
+// Coefficients of a block's scan order that an encoder may code: the longest codable length with
+// which all planes together stay within a segment's work.
+int length_limit(int planes, int scan_length);
+
+class BlockQuantizer {
+public:
+    BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
+                   const QuantizerOptions& options);
+
+    // Appends the block's colour, planes and levels to `out` (not the block itself). Returns the
+    // cost relative to a block of zeros.
+    float quantize(const BlockCoefficients& block, TileLevels& out);
+
+    // What a block of zeros would cost, which quantize() counts from: squared quantiser steps.
+    float energy(const BlockCoefficients& block) const;
+
+private:
+    float inverse_step(const BlockCoefficients& block, int plane) const {
+        return block.colour != 0 && plane < 3 ? inverse_rotated_step_
+                                              : inverse_step_[static_cast<std::size_t>(plane)];
+    }
+    // What the choice of levels needs to know of one plane.
+    struct PlaneTask {
+        const ScanOrder& order;
+        bool copies;
+        int plane_class;
+        const std::array<float, length_tokens>& length_costs;
+    };
+
+    float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
+                         std::size_t first_plane, TileLevels& out);
+    // The cheapest levels of amplitude_[0 .. end) go to levels_, last one first.
+    template <int states> float choose_levels(const PlaneTask& task, int end);
+    // Codes of the amplitudes in earlier planes.
+    void find_crosses(const TileLevels& out, std::size_t first_plane, int end);
+
+    const TileCoding& coding_;
+    const BitCosts& costs_;
+    const QuantizerOptions options_;
+    std::array<float, max_planes> inverse_step_{};
+    float inverse_rotated_step_ = 1;
+    std::array<std::array<float, 2>, plane_classes> offset_{};
+    std::vector<float> amplitude_;
+    std::vector<std::uint8_t> cross_;
+    std::vector<NonZero> levels_;
+    // Of each coefficient and state behind it: the best path's state before, its level, and its
+    // amplitude for contexts.
+    std::vector<std::uint8_t> before_;
+    std::vector<std::int32_t> level_;
+    std::vector<std::uint16_t> seen_;
+};
+
+} // namespace tessera

@@ -1,0 +1,586 @@
+#include "codec/tile_encoder/block_search.h"
+
+#include "codec/tile_encoder/colour_choice.h"
+#include "codec/reconstruct/copy_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tessera {
+namespace {
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+// Model of the bits of a coefficient that is not zeroed, fitted to what coded files spend:
+// significance (with the zero flags around it) by position class, then bits per octave of a^2.
+constexpr float bits_at_dc = 5.0f;
+constexpr float bits_at_first_class = 4.0f;
+constexpr float bits_per_class = 0.30f;
+constexpr float bits_per_octave_of_energy = 0.85f;
+// Where many are coded, their zero flags cost the entropy of how many there are, whatever their
+// positions, as contexts of neighbours see to it; each has a sign and is more than 1 at times.
+constexpr float bits_per_dense = 1.2f;
+constexpr float rounding_error = 1.0f / 12.0f;
+constexpr float block_overhead_bits = 3.0f;
+// Of a block with many coefficients: of many ways to cut noise the estimates make the luckiest win,
+// and that is one of the many with small blocks. 3 bits more for all lose 1 to 3 % at low rates.
+constexpr float most_lucky_bits = 3.0f;
+constexpr float coefficients_for_luck = 16.0f;
+constexpr float rotation_bits = 3.0f; // of a colour symbol, often the one before
+// Of a copying block over one that does not, beside its displacements: the model takes what is left
+// of it for cheaper than it is.
+constexpr float copy_bits = 12.0f;
+// Below this energy about the mean, per lambda, no split can pay for its bits.
+constexpr float flat_activity = 12.0f;
+
+} // namespace
+
+BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
+                         const SearchOptions& options)
+    : coding_(coding), costs_(costs), options_(options),
+      codes_(1.0f / static_cast<float>(1 << value_bits(coding.type))) {
+    for (int plane = 0; plane < coding.planes; ++plane)
+        inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
+            1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
+    inverse_rotated_step_ = static_cast<float>(1.0 / coding.parameters.rotated_step.value());
+}
+
+namespace {
+
+// Sum, sum of squares and number of the texels of a cell.
+struct Moments {
+    float sum = 0, squares = 0, count = 0;
+    float about_mean() const { return count > 0 ? std::max(0.0f, squares - sum * sum / count) : 0; }
+    void add(const Moments& other) {
+        sum += other.sum;
+        squares += other.squares;
+        count += other.count;
+    }
+};
+
+// What the DC alone costs, as coding_cost sees it.
+float mean_cost(const Moments& m, float scale, float lambda) {
+    if (m.count == 0)
+        return 0;
+    const float energy = m.sum * m.sum / m.count * scale;
+    const float octaves = energy > 1.0f ? std::log2(energy) : 0.0f;
+    return std::min(energy,
+                    rounding_error + lambda * (bits_at_dc + bits_per_octave_of_energy * octaves));
+}
+
+// Merges cells in pairs along `axis` and the next one; cells: entries of each axis before.
+std::vector<Moments> merge_pairs(const std::vector<Moments>& fine, const std::array<int, 4>& cells,
+                                 int axis) {
+    std::array<int, 4> coarse = cells;
+    coarse[axis] /= 2;
+    coarse[axis + 1] /= 2;
+    std::vector<Moments> merged(
+        static_cast<std::size_t>(coarse[0] * coarse[1] * coarse[2] * coarse[3]));
+    std::array<int, 4> c;
+    std::size_t i = 0;
+    for (c[3] = 0; c[3] < cells[3]; ++c[3])
+        for (c[2] = 0; c[2] < cells[2]; ++c[2])
+            for (c[1] = 0; c[1] < cells[1]; ++c[1])
+                for (c[0] = 0; c[0] < cells[0]; ++c[0], ++i) {
+                    std::array<int, 4> to = c;
+                    to[axis] /= 2;
+                    to[axis + 1] /= 2;
+                    merged[static_cast<std::size_t>(
+                               ((to[3] * coarse[2] + to[2]) * coarse[1] + to[1]) * coarse[0] +
+                               to[0])]
+                        .add(fine[i]);
+                }
+    return merged;
+}
+
+// Four partial sums, a fixed order on every path.
+inline void add_row(const float* row, int n, Moments& m) {
+    float sum[4] = {}, squares[4] = {};
+    int u = 0;
+    for (; u + 4 <= n; u += 4)
+        for (int i = 0; i < 4; ++i) {
+            sum[i] += row[u + i];
+            squares[i] += row[u + i] * row[u + i];
+        }
+    for (; u < n; ++u) {
+        sum[0] += row[u];
+        squares[0] += row[u] * row[u];
+    }
+    m.sum += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    m.squares += (squares[0] + squares[1]) + (squares[2] + squares[3]);
+}
+
+template <class Grid>
+std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& x,
+                                    const BlockShape& tile) {
+    std::vector<Moments> moments(grid.activity.size());
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        const auto at = [&](int axis) {
+            return grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        };
+        Moments& m = moments[grid.index(c)];
+        for (int t = at(3).begin; t < at(3).begin + at(3).size; ++t)
+            for (int s = at(2).begin; s < at(2).begin + at(2).size; ++s)
+                for (int v = at(1).begin; v < at(1).begin + at(1).size; ++v) {
+                    const float* row =
+                        x.data() + ((t * tile.n[2] + s) * tile.n[1] + v) * tile.n[0] + at(0).begin;
+                    add_row(row, at(0).size, m);
+                }
+        m.count = static_cast<float>(at(0).size * at(1).size * at(2).size * at(3).size);
+    });
+    return moments;
+}
+
+int finest_cells(const BlockShape& tile, int spatial, int angular) {
+    int cells = 1;
+    for (int axis = 0; axis < 4; ++axis)
+        cells *= std::min<int>(tile.n[axis], 1 << (axis < 2 ? spatial : angular));
+    return cells;
+}
+
+// Halvings until both sides are at most `smallest`, or cannot be cut.
+int depths(int a, int b, int smallest) {
+    int depth = 0;
+    for (int side = std::max(a, b); side > smallest && side > 1; side = (side + 1) / 2)
+        ++depth;
+    return std::min(depth, max_split_depth);
+}
+
+} // namespace
+
+void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
+    shape_ = planes.shape;
+    const auto texels = static_cast<std::size_t>(shape_.texels());
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        source_[p].resize(texels);
+        std::transform(planes.plane[p].begin(), planes.plane[p].end(), source_[p].begin(),
+                       [this](std::int32_t value) { return static_cast<float>(value) * codes_; });
+    }
+    scratch_a_.resize(std::max(scratch_a_.size(), texels));
+    for (auto& plane : coefficients_)
+        plane.resize(texels);
+    spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
+    angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
+    while (finest_cells(shape_, spatial_depths_, angular_depths_) > max_leaves)
+        --angular_depths_; // unusual tiles, 32x1x32x32 for one; spatial cells alone are at most 256
+    grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
+    out.clear();
+    out.shape = shape_;
+    const Block root{{0, 0, 0, 0}, shape_, 0, 0};
+    measure_activity();
+    if (grids_[0].activity[0] < flat_activity * options_.lambda) {
+        out.splits.push_back(static_cast<std::uint8_t>(Split::none));
+        out.blocks.push_back(root);
+        return;
+    }
+    estimate_costs();
+    reset_choices();
+    combine();
+    emit(root, 0, 0, {0, 0, 0, 0}, out);
+    out.predictions.clear(); // all copy nothing
+}
+
+// Sums and energies of the finest cells give those of all others.
+void BlockSearch::measure_activity() {
+    for (int a = 0; a <= angular_depths_; ++a)
+        for (int s = 0; s <= spatial_depths_; ++s) {
+            Grid& grid = grids_[grid_index(s, a)];
+            std::size_t count = 1;
+            for (int axis = 0; axis < 4; ++axis) {
+                grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? s : a);
+                grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
+                count *= grid.segments[axis].size();
+            }
+            grid.activity.assign(count, 0.0f);
+            grid.mean_cost.assign(count, 0.0f);
+        }
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        const float scale = inverse_step_[p] * inverse_step_[p];
+        std::vector<Moments> finest = finest_moments(grids_.back(), source_[p], shape_);
+        for (int a = angular_depths_; a >= 0; --a) {
+            std::vector<Moments> moments = finest;
+            for (int s = spatial_depths_; s >= 0; --s) {
+                Grid& grid = grids_[grid_index(s, a)];
+                for (std::size_t i = 0; i < moments.size(); ++i) {
+                    grid.activity[i] += moments[i].about_mean() * scale;
+                    grid.mean_cost[i] += mean_cost(moments[i], scale, options_.lambda);
+                }
+                if (s > 0)
+                    moments = merge_pairs(moments, grid.cells, 0);
+            }
+            if (a > 0)
+                finest = merge_pairs(finest, grids_[grid_index(spatial_depths_, a)].cells, 2);
+        }
+    }
+}
+
+void BlockSearch::estimate_costs() {
+    for (int a = 0; a <= angular_depths_; ++a) {
+        bool tried = false;
+        for (int s = 0; s <= spatial_depths_; ++s)
+            tried = tried || is_tried(s, a);
+        const auto s_segments = axis_segments(shape_.n[2], a),
+                   t_segments = axis_segments(shape_.n[3], a);
+        for (int plane = 0; tried && plane < coding_.planes; ++plane) {
+            const auto p = static_cast<std::size_t>(plane);
+            angular_[p].resize(source_[p].size());
+            forward_axis(source_[p].data(), scratch_a_.data(), shape_, 3, t_segments);
+            forward_axis(scratch_a_.data(), angular_[p].data(), shape_, 2, s_segments);
+        }
+        for (int s = 0; s <= spatial_depths_; ++s)
+            estimate_grid(grids_[grid_index(s, a)], s, a);
+    }
+}
+
+void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
+    grid.own_cost.assign(grid.activity.size(), infinite);
+    const bool tried = is_tried(spatial, angular);
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        const std::size_t i = grid.index(c);
+        if (grid.activity[i] < flat_activity * options_.lambda)
+            grid.own_cost[i] =
+                grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
+        else if (tried)
+            grid.own_cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
+    });
+}
+
+// Every cell as one block that copies nothing: where a search starts from.
+void BlockSearch::reset_choices() {
+    for (Grid& grid : grids_) {
+        grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
+        grid.cost = grid.own_cost;
+        grid.prediction.assign(grid.activity.size(), BlockPrediction{});
+    }
+}
+
+bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
+    if (grids_[0].activity[0] < flat_activity * options_.lambda || angular_depths_ == 0)
+        return false;
+    reset_choices();
+    displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
+                         coding_.parameters.smooth_copies);
+    for (int a = 1; a <= angular_depths_; ++a)
+        try_copies(a, reconstructed);
+    combine();
+    out.clear();
+    out.shape = shape_;
+    emit(Block{{0, 0, 0, 0}, shape_, 0, 0}, 0, 0, {0, 0, 0, 0}, out);
+    return copies_anything(out.predictions);
+}
+
+void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
+    const Grid& finest = grids_[grid_index(spatial_depths_, angular)];
+    std::vector<DisplacementSearch::Axes> spatial;
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        const Grid& grid = grids_[grid_index(s, angular)];
+        spatial.push_back({grid.segments[0], grid.segments[1]});
+    }
+    const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
+    for (int direction = 0; direction < copy_directions; ++direction)
+        displacements_.match(direction, {finest.segments[2], finest.segments[3]}, spatial,
+                             options_.copies, costs_, bit_cost,
+                             matches_[static_cast<std::size_t>(direction)]);
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        Grid& grid = grids_[grid_index(s, angular)];
+        if (!is_tried(s, angular))
+            continue;
+        grid.for_each_cell([&](const std::array<int, 4>& c) {
+            const std::size_t i = grid.index(c);
+            if (grid.activity[i] >= flat_activity * options_.lambda)
+                try_copies(grid, c,
+                           {matches_[0][static_cast<std::size_t>(s)][i],
+                            matches_[1][static_cast<std::size_t>(s)][i]},
+                           reconstructed);
+        });
+    }
+}
+
+// One direction, the other, both.
+void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
+                             const std::array<Match, copy_directions>& match,
+                             const TilePlanes& reconstructed) {
+    Block block;
+    for (int axis = 0; axis < 4; ++axis) {
+        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        block.origin[axis] = static_cast<std::uint8_t>(segment.begin);
+        block.shape.n[axis] = static_cast<std::uint8_t>(segment.size);
+    }
+    const std::size_t i = grid.index(c);
+    const float scale = inverse_step_[0] * inverse_step_[0];
+    for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t, CopyFrom::both}) {
+        if (from == CopyFrom::both && !options_.copies.both)
+            continue;
+        BlockPrediction prediction{from, {}};
+        float bits = copy_bits;
+        bool promising = true;
+        for (int direction = 0; direction < copy_directions; ++direction)
+            if (prediction.copies_along(direction)) {
+                const auto d = static_cast<std::size_t>(direction);
+                prediction.displacement[d] = match[d].displacement;
+                bits += match[d].bits;
+                promising =
+                    promising && match[d].error * scale < grid.activity[i] + grid.mean_cost[i];
+            }
+        if (!promising)
+            continue;
+        const float cost = options_.lambda * (block_overhead_bits + bits) +
+                           copy_cost(block, prediction, reconstructed);
+        if (cost < grid.cost[i]) {
+            grid.cost[i] = cost;
+            grid.prediction[i] = prediction;
+        }
+    }
+}
+
+void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction& prediction,
+                                      int plane, const TilePlanes& reconstructed, float* values) {
+    predict_plane(block, prediction, coding_, shape_,
+                  reconstructed.plane[static_cast<std::size_t>(plane)], predicted_);
+    for (const std::int32_t value : predicted_)
+        *values++ -= static_cast<float>(value) * codes_;
+}
+
+float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
+                             const TilePlanes& reconstructed) {
+    const BlockShape& shape = block.shape;
+    const auto texels = static_cast<std::size_t>(shape.texels());
+    const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const Kernels& k = kernels();
+    // They change places below.
+    residual_.resize(std::max(residual_.size(), texels));
+    scratch_a_.resize(std::max(scratch_a_.size(), texels));
+    float energy = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        gather_block(block, plane, residual_.data());
+        subtract_prediction(block, prediction, plane, reconstructed, residual_.data());
+        float squares = 0;
+        for (std::size_t i = 0; i < texels; ++i)
+            squares += residual_[i] * residual_[i];
+        energy += squares * inverse_step_[p] * inverse_step_[p];
+        for (int axis = 3; axis >= 2; --axis)
+            if (shape.n[axis] > 1) {
+                forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
+                             {{0, shape.n[axis]}});
+                residual_.swap(scratch_a_);
+            }
+        for (int i = 0; i < images; ++i)
+            k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
+                            coefficients_[p].data() + i * kept);
+    }
+    return coefficients_cost(shape, energy);
+}
+
+float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
+    std::array<int, 4> begin{};
+    BlockShape shape;
+    for (int axis = 0; axis < 4; ++axis) {
+        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
+        begin[axis] = segment.begin;
+        shape.n[axis] = static_cast<std::uint8_t>(segment.size);
+    }
+    const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const Kernels& k = kernels();
+    float energy = grid.activity[grid.index(c)]; // about the mean
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        float* to = coefficients_[p].data();
+        for (int t = 0; t < shape.n[3]; ++t)
+            for (int s = 0; s < shape.n[2]; ++s, to += kept)
+                k.forward_image(angular_[p].data() + (begin[3] + t) * volume +
+                                    (begin[2] + s) * page + begin[1] * row + begin[0],
+                                row, shape.n[0], shape.n[1], to);
+        const float dc = coefficients_[p][0] * inverse_step_[p];
+        energy += dc * dc;
+    }
+    return coefficients_cost(shape, energy);
+}
+
+namespace {
+
+// The cheaper of what positions suggest and what density does: without the latter, white noise is cut
+// into the smallest blocks, whose frequencies are all low.
+float plane_cost(const CostSum& sum, int count, float lambda) {
+    if (sum.coded < 1)
+        return sum.cost;
+    const float n = static_cast<float>(count), k = std::min(sum.coded, n - 0.5f);
+    const float flags = k * std::log2(n / k) + (n - k) * std::log2(n / (n - k));
+    const float magnitudes = sum.cost - sum.zeroed - sum.bases;
+    return std::min(sum.cost, sum.zeroed + magnitudes + rounding_error * k +
+                                  lambda * (flags + bits_per_dense * k));
+}
+
+} // namespace
+
+// Cost of coefficients_, those of a block of this energy (squared steps), on the better colour axes.
+float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const int count = kept * shape.n[2] * shape.n[3];
+    const float* base = base_costs(shape).data();
+    const float slope = options_.lambda * bits_per_octave_of_energy;
+    const Kernels& k = kernels();
+    float cost = 0, seen = 0, others = 0, coded = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        const CostSum sum =
+            k.coding_cost(coefficients_[p].data(), base, count, inverse_step_[p], slope);
+        const float own = plane_cost(sum, count, options_.lambda);
+        cost += own;
+        seen += sum.energy;
+        coded += sum.coded;
+        others += plane < 3 ? 0.0f : own;
+    }
+    const float luck =
+        options_.lambda * most_lucky_bits * std::min(1.0f, coded / coefficients_for_luck);
+    // Frequencies that were not computed are zeroed: they cost their energy.
+    const float unseen = kept < shape.n[0] * shape.n[1] ? std::max(0.0f, energy - seen) : 0.0f;
+    const float all_zero = seen + unseen;
+    if (!options_.rotated_colours || !coding_.rotates || cost > 0.98f * all_zero)
+        return cost + unseen + luck;
+    const ColourCoefficients colours{
+        {coefficients_[0].data(), coefficients_[1].data(), coefficients_[2].data()},
+        static_cast<std::size_t>(count)};
+    const int rotation = choose_rotation(colours, coding_.parameters, -1);
+    if (rotation < 0)
+        return cost + unseen + luck;
+    rotated_.resize(std::max(rotated_.size(), static_cast<std::size_t>(count)));
+    float rotated = others + options_.lambda * rotation_bits;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        project_colours(colours, rotation, axis, rotated_.data());
+        rotated += plane_cost(
+            k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope), count,
+            options_.lambda);
+    }
+    return std::min(cost, rotated) + unseen + luck;
+}
+
+const std::vector<float>& BlockSearch::base_costs(const BlockShape& shape) {
+    auto [found, made] = base_.try_emplace(shape);
+    if (made) {
+        const ScanOrder& order = coding_.shape(shape).order;
+        const auto& n = shape.n;
+        std::vector<float> dense(static_cast<std::size_t>(shape.texels()),
+                                 infinite); // beyond the scan's end
+        const auto codable = static_cast<std::size_t>(length_limit(coding_.planes, order.length()));
+        for (std::size_t i = 0; i < codable; ++i) {
+            const auto& k = order.entry[i].k;
+            const int position = order.position_class[i];
+            const float bits =
+                position == 0
+                    ? bits_at_dc
+                    : bits_at_first_class + bits_per_class * static_cast<float>(position - 1);
+            dense[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] =
+                rounding_error + options_.lambda * bits;
+        }
+        for (int image = 0; image < n[2] * n[3]; ++image)
+            for (int v = 0; v < forward_kept(n[1]); ++v)
+                for (int i = 0; i < forward_kept(n[0]); ++i)
+                    found->second.push_back(dense[static_cast<std::size_t>(
+                        (image * n[1] + v) * n[0] + forward_order(n[0], i))]);
+    }
+    return found->second;
+}
+
+// Deepest nodes first, so that children are final before their parents ask.
+void BlockSearch::combine() {
+    for (int a = angular_depths_; a >= 0; --a)
+        for (int s = spatial_depths_; s >= 0; --s) {
+            Grid& grid = grids_[grid_index(s, a)];
+            grid.for_each_cell([&](const std::array<int, 4>& c) {
+                const std::size_t i = grid.index(c);
+                const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
+                grid.cost[i] += options_.lambda * split_bits[0];
+                for (const Split split : {Split::spatial, Split::angular}) {
+                    const bool spatial = split == Split::spatial;
+                    if (spatial ? s == spatial_depths_ : a == angular_depths_)
+                        continue;
+                    const Grid& finer =
+                        spatial ? grids_[grid_index(s + 1, a)] : grids_[grid_index(s, a + 1)];
+                    const int axis = first_axis(split);
+                    if (grid.segments[axis][static_cast<std::size_t>(c[axis])].size == 1 &&
+                        grid.segments[axis + 1][static_cast<std::size_t>(c[axis + 1])].size == 1)
+                        continue;
+                    float cost = options_.lambda * split_bits[static_cast<std::size_t>(split)];
+                    for (int child = 0; child < 4; ++child) {
+                        std::array<int, 4> at = c;
+                        at[axis] = 2 * c[axis] + (child & 1);
+                        at[axis + 1] = 2 * c[axis + 1] + (child >> 1);
+                        if (finer.exists(at))
+                            cost += finer.cost[finer.index(at)];
+                    }
+                    if (cost < grid.cost[i]) {
+                        grid.cost[i] = cost;
+                        grid.choice[i] = static_cast<std::uint8_t>(split);
+                    }
+                }
+            });
+        }
+}
+
+void BlockSearch::emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
+                       TileLevels& out) const {
+    const Grid& grid = grids_[grid_index(spatial, angular)];
+    const auto split = static_cast<Split>(grid.choice[grid.index(cell)]);
+    out.splits.push_back(static_cast<std::uint8_t>(split));
+    if (split == Split::none) {
+        out.blocks.push_back(block);
+        out.predictions.push_back(grid.prediction[grid.index(cell)]);
+        return;
+    }
+    const int axis = first_axis(split);
+    const Children children = children_of(block, split);
+    for (int i = 0; i < children.count; ++i) {
+        const Block& child = children.block[static_cast<std::size_t>(i)];
+        std::array<int, 4> at = cell;
+        for (int side = axis; side < axis + 2; ++side)
+            at[side] = 2 * cell[side] + (child.origin[side] != block.origin[side]);
+        emit(child, child.spatial_depth, child.angular_depth, at, out);
+    }
+}
+
+void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
+    const auto& n = block.shape.n;
+    const float* from = source_[static_cast<std::size_t>(plane)].data();
+    for (int t = 0; t < n[3]; ++t)
+        for (int s = 0; s < n[2]; ++s)
+            for (int v = 0; v < n[1]; ++v, to += n[0])
+                std::copy_n(
+                    from +
+                        (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) * shape_.n[1] +
+                         block.origin[1] + v) *
+                            shape_.n[0] +
+                        block.origin[0],
+                    n[0], to);
+}
+
+void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,
+                                  const TilePlanes& reconstructed, BlockCoefficients& out) {
+    out.shape = block.shape;
+    out.copies = prediction.copies();
+    const auto& n = block.shape.n;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        std::vector<float>& x = out.plane[p];
+        // Both buffers only grow: they change places below, and growing clears memory.
+        const auto texels = static_cast<std::size_t>(block.shape.texels());
+        x.resize(std::max(x.size(), texels));
+        scratch_a_.resize(std::max(scratch_a_.size(), texels));
+        gather_block(block, plane, x.data());
+        if (prediction.copies())
+            subtract_prediction(block, prediction, plane, reconstructed, x.data());
+        for (int axis = 3; axis >= 0; --axis) {
+            if (n[axis] == 1)
+                continue;
+            forward_axis(x.data(), scratch_a_.data(), block.shape, axis, {{0, n[axis]}});
+            x.swap(scratch_a_);
+        }
+    }
+}
+
+} // namespace tessera

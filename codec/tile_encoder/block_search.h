@@ -1,0 +1,127 @@
+// Chooses how a tile is cut into blocks, by estimated rate-distortion cost.
+#pragma once
+
+#include "codec/tile_encoder/bit_costs.h"
+#include "codec/tile_encoder/displacement_search.h"
+#include "codec/tile_encoder/block_quantizer.h"
+#include "codec/kernels/forward_dct.h"
+#include "codec/tile/tile_coding.h"
+#include "codec/tile/tile_planes.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <vector>
+
+namespace tessera {
+
+// Which block grids are tried: bit s * 8 + a stands for s spatial and a angular halvings.
+struct SearchOptions {
+    std::uint64_t grids = ~std::uint64_t{0};
+    int smallest_spatial = 4; // a side is not cut below this by the search
+    float lambda = 0.11f;     // squared steps per bit
+    bool rotated_colours = false; // costs take rotations of the colour axes into account
+    DisplacementRange copies;     // that choose_copies tries
+};
+
+class BlockSearch {
+public:
+    BlockSearch(const TileCoding& coding, const BitCosts& costs, const SearchOptions& options);
+
+    // Fills shape, splits and blocks of `out`; nothing copies.
+    void choose_blocks(const TilePlanes& planes, TileLevels& out);
+
+    // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
+    // `reconstructed`: what it looks like decoded, roughly. True if a block copies.
+    bool choose_copies(const TilePlanes& reconstructed, TileLevels& out);
+
+    // Coefficients of one block of the tile given to the last choose_blocks; of its difference to
+    // what it copies from `reconstructed`, if it does.
+    void transform_block(const Block& block, const BlockPrediction& prediction,
+                         const TilePlanes& reconstructed, BlockCoefficients& out);
+
+private:
+    // Costs and choices of all nodes at one pair of depths.
+    struct Grid {
+        std::array<std::vector<Segment>, 4> segments;
+        std::array<int, 4> cells{};       // entries of each axis
+        std::vector<float> cost;          // of the best way to code each cell
+        std::vector<float> activity;      // energy about the cell's mean, in squared steps
+        std::vector<float> mean_cost;     // of zeroing or coding the DC of each plane
+        std::vector<std::uint8_t> choice; // Split
+        std::vector<float> own_cost;      // of each cell as one block that copies nothing
+        std::vector<BlockPrediction> prediction; // of each cell as one block
+
+        std::size_t index(const std::array<int, 4>& c) const {
+            return static_cast<std::size_t>(
+                ((c[3] * cells[2] + c[2]) * cells[1] + c[1]) * cells[0] + c[0]);
+        }
+        bool exists(const std::array<int, 4>& c) const {
+            for (int axis = 0; axis < 4; ++axis)
+                if (segments[axis][static_cast<std::size_t>(c[axis])].size == 0)
+                    return false;
+            return true;
+        }
+        template <class Visit> void for_each_cell(Visit visit) const {
+            std::array<int, 4> c;
+            for (c[3] = 0; c[3] < cells[3]; ++c[3])
+                for (c[2] = 0; c[2] < cells[2]; ++c[2])
+                    for (c[1] = 0; c[1] < cells[1]; ++c[1])
+                        for (c[0] = 0; c[0] < cells[0]; ++c[0])
+                            if (exists(c))
+                                visit(c);
+        }
+    };
+
+    std::size_t grid_index(int spatial, int angular) const {
+        return static_cast<std::size_t>(angular * (spatial_depths_ + 1) + spatial);
+    }
+    bool is_tried(int spatial, int angular) const {
+        // A tile that cannot be cut so deep tries its deepest cut instead.
+        for (int grid = 0; grid < 64; ++grid)
+            if ((options_.grids >> grid & 1) != 0 && std::min(grid / 8, spatial_depths_) == spatial &&
+                std::min(grid % 8, angular_depths_) == angular)
+                return true;
+        return false;
+    }
+
+    void estimate_costs();
+    void estimate_grid(Grid& grid, int spatial, int angular);
+    void gather_block(const Block& block, int plane, float* to) const;
+    void reset_choices();
+    void try_copies(int angular, const TilePlanes& reconstructed);
+    void try_copies(Grid& grid, const std::array<int, 4>& cell,
+                    const std::array<Match, copy_directions>& match,
+                    const TilePlanes& reconstructed);
+    float copy_cost(const Block& block, const BlockPrediction& prediction,
+                    const TilePlanes& reconstructed);
+    void subtract_prediction(const Block& block, const BlockPrediction& prediction, int plane,
+                             const TilePlanes& reconstructed, float* values);
+    void combine();
+    void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
+              TileLevels& out) const;
+    void measure_activity();
+    float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
+    float coefficients_cost(const BlockShape& shape, float energy);
+    const std::vector<float>& base_costs(const BlockShape& shape);
+
+    const TileCoding& coding_;
+    const BitCosts& costs_;
+    const SearchOptions options_;
+    const float codes_; // of one in a TilePlanes; floats here are in codes
+    BlockShape shape_;
+    int spatial_depths_ = 0, angular_depths_ = 0;
+    std::array<float, max_planes> inverse_step_{};
+    float inverse_rotated_step_ = 1;
+    std::array<std::vector<float>, max_planes> source_, angular_;
+    std::vector<float> scratch_a_, rotated_;
+    std::array<std::vector<float>, max_planes> coefficients_; // of a cell, in the order of forward_image
+    std::vector<Grid> grids_;
+    DisplacementSearch displacements_;
+    std::array<std::vector<std::vector<Match>>, copy_directions> matches_;
+    std::vector<std::int32_t> predicted_;
+    std::vector<float> residual_;
+    std::map<BlockShape, std::vector<float>> base_; // costs in the order of forward_image
+};
+
+} // namespace tessera

@@ -1,0 +1,98 @@
+#include "codec/tile_encoder/colour_choice.h"
+
+#include "format/tile/colour_rotation.h"
+
+#include <array>
+
+namespace tessera {
+namespace {
+
+using Vector = std::array<float, 3>;
+
+// Inverse of Y = (R + 2G + B) / 4, Co = R - B, Cg = G - (R + B) / 2.
+Vector rgb_of(float y, float co, float cg) {
+    return {y + (co - cg) / 2, y + cg / 2, y - (co + cg) / 2};
+}
+
+using Axes = std::array<Vector, 3>;
+
+const std::array<Axes, rotation_count>& all_axes() {
+    static const auto axes = [] {
+        std::array<Axes, rotation_count> result;
+        for (int i = 0; i < rotation_count; ++i) {
+            const auto exact = rotation_axes(i);
+            for (std::size_t a = 0; a < 3; ++a)
+                for (std::size_t c = 0; c < 3; ++c)
+                    result[static_cast<std::size_t>(i)][a][c] = static_cast<float>(exact[a][c]);
+        }
+        return result;
+    }();
+    return axes;
+}
+
+float dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Second moments of the coefficients, in RGB, that are large enough to be kept.
+std::array<Vector, 3> kept_moments(const ColourCoefficients& block, float threshold) {
+    std::array<Vector, 3> moments{};
+    const float least = threshold * threshold;
+    for (std::size_t i = 0; i < block.count; ++i) {
+        const float y = block.plane[0][i], co = block.plane[1][i], cg = block.plane[2][i];
+        // Squared length in RGB, from the planes, so that most coefficients stop here.
+        if (3 * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg < least)
+            continue;
+        const Vector x = rgb_of(y, co, cg);
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b)
+                moments[a][b] += x[a] * x[b];
+    }
+    return moments;
+}
+
+} // namespace
+
+int choose_rotation(const ColourCoefficients& block, const CodingParameters& parameters, int last) {
+    const auto moments =
+        kept_moments(block, 0.6f * static_cast<float>(parameters.rotated_step.value()));
+    const auto energy_along = [&](int rotation) {
+        const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][0];
+        return dot(d, {dot(moments[0], d), dot(moments[1], d), dot(moments[2], d)});
+    };
+    int best = -1;
+    float most = 0;
+    for (int i = 0; i < rotation_count; ++i)
+        if (const float energy = energy_along(i); energy > most) {
+            most = energy;
+            best = i;
+        }
+    const float total = moments[0][0] + moments[1][1] + moments[2][2];
+    if (best >= 0 && last >= 0 && total - energy_along(last) < 1.1f * (total - most))
+        return last;
+    return best;
+}
+
+void project_colours(const ColourCoefficients& block, int rotation, std::size_t axis, float* out) {
+    const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][axis];
+    // What rgb_of makes of each plane, along the axis.
+    const float y = d[0] + d[1] + d[2], co = (d[0] - d[2]) / 2, cg = (d[1] - d[0] - d[2]) / 2;
+    for (std::size_t i = 0; i < block.count; ++i)
+        out[i] = y * block.plane[0][i] + co * block.plane[1][i] + cg * block.plane[2][i];
+}
+
+void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficients& out) {
+    const auto count = static_cast<std::size_t>(block.shape.texels());
+    out.shape = block.shape;
+    out.copies = block.copies;
+    out.colour = rotation + 1;
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+        out.plane[plane].resize(count);
+        project_colours({{block.plane[0].data(), block.plane[1].data(), block.plane[2].data()}, count},
+                        rotation, plane, out.plane[plane].data());
+    }
+    for (std::size_t plane = 3; plane < out.plane.size(); ++plane)
+        out.plane[plane] = block.plane[plane];
+}
+
+} // namespace tessera

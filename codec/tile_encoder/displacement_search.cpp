@@ -1,0 +1,234 @@
+#include "codec/tile_encoder/displacement_search.h"
+
+#include "codec/kernels/kernels.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <numeric>
+
+namespace tessera {
+namespace {
+
+float sum_over(const float* sums, const Segment& u) {
+    return std::accumulate(sums + u.begin, sums + u.begin + u.size, 0.0f);
+}
+
+} // namespace
+
+void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
+                               const std::vector<std::int32_t>& reconstructed, float unit,
+                               bool smooth) {
+    tile_ = tile;
+    source_ = source.data();
+    make_phases(reconstructed, unit, smooth);
+}
+
+void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed, float unit,
+                                     bool smooth) {
+    const int nu = tile_.n[0], nv = tile_.n[1], width = 3 * nu;
+    const int views = tile_.n[2] * tile_.n[3];
+    const float scale = unit / static_cast<float>(1 << copy_shift(smooth));
+    // A filter's sums one texel past an edge are those everywhere beyond it; they take two more.
+    std::array<std::array<std::int32_t, max_tile_side + 4>, 3> padded;
+    std::array<const std::int32_t*, 3> rows;
+    for (std::size_t i = 0; i < 3; ++i)
+        rows[i] = padded[i].data() + 1;
+    for (int half_v = 0; half_v < 2; ++half_v)
+        for (int half_u = 0; half_u < 2; ++half_u) {
+            std::vector<float>& out =
+                phase_[static_cast<std::size_t>(half_v)][static_cast<std::size_t>(half_u)];
+            out.resize(static_cast<std::size_t>(views * nv * width));
+            float* to = out.data();
+            for (int view = 0; view < views; ++view)
+                for (int v = 0; v < nv; ++v, to += width) {
+                    for (int i = 0; i < 3; ++i) {
+                        const std::int32_t* from =
+                            reconstructed.data() +
+                            (view * nv + std::clamp(v - 1 + i, 0, nv - 1)) * nu;
+                        std::int32_t* row = padded[static_cast<std::size_t>(i)].data();
+                        std::fill_n(row, 2, from[0]);
+                        std::copy_n(from, nu, row + 2);
+                        std::fill_n(row + 2 + nu, 2, from[nu - 1]);
+                    }
+                    std::array<std::int32_t, max_tile_side + 2> sums{};
+                    kernels().add_copies(rows.data(), copy_filter(smooth, half_u, half_v), nu + 2,
+                                         sums.data());
+                    std::fill_n(to, nu, scale * static_cast<float>(sums[0]));
+                    for (int u = 0; u < nu; ++u)
+                        to[nu + u] =
+                            scale * static_cast<float>(sums[static_cast<std::size_t>(u) + 1]);
+                    std::fill_n(to + 2 * nu, nu,
+                                scale * static_cast<float>(sums[static_cast<std::size_t>(nu) + 1]));
+                }
+        }
+}
+
+// Whole texels; the halves between are tried around the best of them.
+void DisplacementSearch::set_candidates(int direction, const DisplacementRange& range) {
+    const int most_u = direction == 0 ? range.along : range.across;
+    const int most_v = direction == 0 ? range.across : range.along;
+    candidates_.clear();
+    for (int v = -most_v & ~1; v <= most_v; v += 2)
+        for (int u = -most_u & ~1; u <= most_u; u += 2)
+            candidates_.push_back({static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)});
+}
+
+void DisplacementSearch::set_bits(int direction, const BitCosts& costs) {
+    kind_bits_ = costs.displacement_kind[static_cast<std::size_t>(direction)];
+    for (int component = 0; component < 2; ++component) {
+        std::vector<float>& bits = component_bits_[static_cast<std::size_t>(component)];
+        bits.resize(4 * max_displacement + 1);
+        const auto& table =
+            costs.displacement[static_cast<std::size_t>(displacement_class(direction, component))];
+        for (int i = 0; i <= 4 * max_displacement; ++i)
+            bits[static_cast<std::size_t>(i)] = table[static_cast<std::size_t>(
+                std::bit_width(static_cast<unsigned>(std::abs(i - 2 * max_displacement))))];
+    }
+}
+
+float DisplacementSearch::bits_of(const Displacement& d,
+                                  const std::array<Displacement, 2>& known) const {
+    return d == known[0]   ? kind_bits_[0]
+           : d == known[1] ? kind_bits_[1]
+                           : kind_bits_[2] +
+                                 component_bits_[0][static_cast<std::size_t>(
+                                     d.u - known[0].u + 2 * max_displacement)] +
+                                 component_bits_[1][static_cast<std::size_t>(d.v - known[0].v +
+                                                                             2 * max_displacement)];
+}
+
+void DisplacementSearch::measure(const Displacement& d, const Segment& u, const Segment& v,
+                                 float* sums) const {
+    const int nu = tile_.n[0], nv = tile_.n[1];
+    for (int y = t_.begin; y < t_.begin + t_.size; ++y)
+        for (int x = s_.begin; x < s_.begin + s_.size; ++x) {
+            const int steps = 1 + (direction_ == 0 ? x - s_.begin : y - t_.begin);
+            const int from =
+                direction_ == 0 ? y * tile_.n[2] + s_.begin - 1 : (t_.begin - 1) * tile_.n[2] + x;
+            const int half_u = steps * d.u, half_v = steps * d.v;
+            const std::vector<float>& phase =
+                phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
+            // Past a tile's width there is nothing but its edge.
+            const int moved_u = std::clamp(half_u >> 1, -nu, nu);
+            kernels().add_squared_differences(
+                source_ + ((y * tile_.n[2] + x) * nv + v.begin) * nu + u.begin, nu,
+                phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u, 3 * nu,
+                v.begin + (half_v >> 1), nv - 1, v.size, u.size, sums);
+        }
+}
+
+float DisplacementSearch::error_of(const Displacement& d, const Segment& u,
+                                   const Segment& v) const {
+    float sums[max_tile_side] = {};
+    measure(d, u, v, sums);
+    return sum_over(sums, {0, u.size});
+}
+
+// All candidates for all spatial cells of the angular cell in hand.
+void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
+    const Axes& finest = spatial.back();
+    const std::size_t count = candidates_.size();
+    const Segment row{0, tile_.n[0]};
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t cv = 0; cv < finest[1].size(); ++cv) {
+            float sums[max_tile_side] = {};
+            measure(candidates_[i], row, finest[1][cv], sums);
+            for (std::size_t cu = 0; cu < finest[0].size(); ++cu)
+                errors_[(cv * finest[0].size() + cu) * count + i] = sum_over(sums, finest[0][cu]);
+        }
+    float* fine = errors_.data();
+    for (std::size_t depth = spatial.size() - 1; depth-- > 0;) {
+        const std::size_t fine_width = spatial[depth + 1][0].size();
+        const std::size_t fine_cells = fine_width * spatial[depth + 1][1].size();
+        const std::size_t width = spatial[depth][0].size();
+        float* coarse = fine + fine_cells * count;
+        std::fill_n(coarse, width * spatial[depth][1].size() * count, 0.0f);
+        for (std::size_t cell = 0; cell < fine_cells; ++cell) {
+            float* to = coarse + (cell / fine_width / 2 * width + cell % fine_width / 2) * count;
+            for (std::size_t i = 0; i < count; ++i)
+                to[i] += fine[cell * count + i];
+        }
+        fine = coarse;
+    }
+}
+
+// Cells in the order of the split tree: each may repeat the displacement of one of the two before.
+void DisplacementSearch::choose(const Axes& cells, const float* errors, bool half, float bit_cost,
+                                Match* matches) {
+    const auto width = cells[0].size(), height = cells[1].size();
+    const std::size_t count = candidates_.size();
+    totals_.resize(count);
+    std::array<Displacement, 2> known{};
+    for (std::size_t place = 0; place < std::max(width, height) * std::max(width, height);
+         ++place) {
+        std::size_t cu = 0, cv = 0;
+        for (std::size_t bit = 0; place >> (2 * bit) != 0; ++bit) {
+            cu |= (place >> (2 * bit) & 1) << bit;
+            cv |= (place >> (2 * bit + 1) & 1) << bit;
+        }
+        if (cu >= width || cv >= height || cells[0][cu].size == 0 || cells[1][cv].size == 0)
+            continue;
+        const Segment &u = cells[0][cu], &v = cells[1][cv];
+        const float* own = errors + (cv * width + cu) * count;
+        for (std::size_t i = 0; i < count; ++i)
+            totals_[i] = own[i] + bit_cost * bits_of(candidates_[i], known);
+        const auto place_of_best = static_cast<std::size_t>(
+            std::min_element(totals_.begin(), totals_.end()) - totals_.begin());
+        Match best{candidates_[place_of_best], own[place_of_best], 0};
+        float least = totals_[place_of_best];
+        const auto attempt = [&](const Displacement& d) {
+            const float bits = bits_of(d, known), error = error_of(d, u, v);
+            if (error + bit_cost * bits < least) {
+                least = error + bit_cost * bits;
+                best = {d, error, 0};
+            }
+        };
+        const Displacement whole = best.displacement;
+        for (int dv = -1; half && dv <= 1; ++dv)
+            for (int du = -1; du <= 1; ++du)
+                if (du != 0 || dv != 0)
+                    attempt({static_cast<std::int8_t>(whole.u + du),
+                             static_cast<std::int8_t>(whole.v + dv)});
+        attempt(known[0]);
+        attempt(known[1]);
+        best.bits = bits_of(best.displacement, known);
+        matches[cv * width + cu] = best;
+        if (!(best.displacement == known[0]))
+            known = {best.displacement, known[0]};
+    }
+}
+
+void DisplacementSearch::match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
+                               const DisplacementRange& range, const BitCosts& costs,
+                               float bit_cost, std::vector<std::vector<Match>>& matches) {
+    direction_ = direction;
+    set_candidates(direction, range);
+    set_bits(direction, costs);
+    const std::size_t angular_cells = angular[0].size() * angular[1].size();
+    std::size_t all_cells = 0;
+    matches.resize(spatial.size());
+    for (std::size_t depth = 0; depth < spatial.size(); ++depth) {
+        const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
+        all_cells += cells;
+        matches[depth].assign(cells * angular_cells,
+                              {{}, std::numeric_limits<float>::infinity(), 0});
+    }
+    errors_.resize(all_cells * candidates_.size());
+    for (std::size_t angle = 0; angle < angular_cells; ++angle) {
+        s_ = angular[0][angle % angular[0].size()];
+        t_ = angular[1][angle / angular[0].size()];
+        if (s_.size == 0 || t_.size == 0 || (direction == 0 ? s_.begin : t_.begin) == 0)
+            continue;
+        measure_all(spatial);
+        const float* errors = errors_.data();
+        for (std::size_t depth = spatial.size(); depth-- > 0;) {
+            const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
+            choose(spatial[depth], errors, range.half, bit_cost,
+                   matches[depth].data() + angle * cells);
+            errors += cells * candidates_.size();
+        }
+    }
+}
+
+} // namespace tessera

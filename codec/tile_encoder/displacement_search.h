@@ -1,0 +1,70 @@
+// Finds what a tile's cells can copy from their neighbouring views: block matching, as motion search
+// does it, along s and along t.
+#pragma once
+
+#include "codec/tile_encoder/bit_costs.h"
+#include "codec/kernels/forward_dct.h"
+#include "format/tile/prediction.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tessera {
+
+// Displacements that are tried, in half texels a view: up to `along` in the direction of parallax,
+// up to `across` in the other.
+struct DisplacementRange {
+    int along = 0, across = 0; // along 0: copying is not tried at all
+    bool half = true;          // half texels, too; else only whole ones
+    bool both = true;          // copies along s and t at once, too
+};
+
+// The displacement chosen for one cell, what it leaves (squared error, in the source's units) and
+// what it costs to say, after the cell before.
+struct Match {
+    Displacement displacement;
+    float error = 0, bits = 0;
+};
+
+class DisplacementSearch {
+public:
+    // Takes the tile's source (one plane, tile order) and what its views look like decoded. Both are
+    // used until the next call; `unit` is one of them in codes. smooth: the filter of the file.
+    void begin(const BlockShape& tile, const std::vector<float>& source,
+               const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
+
+    // Matches every cell of the grids that halve (s, t) into `angular` and (u, v) into spatial[0],
+    // spatial[1], ..., coarse to fine. matches[depth] is in the order of the grids' cells; cells with
+    // nothing before them keep an infinite error. A bit costs `bit_cost`, in squared error.
+    using Axes = std::array<std::vector<Segment>, 2>;
+    void match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
+               const DisplacementRange& range, const BitCosts& costs, float bit_cost,
+               std::vector<std::vector<Match>>& matches);
+
+private:
+    void make_phases(const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
+    void set_candidates(int direction, const DisplacementRange& range);
+    void set_bits(int direction, const BitCosts& costs);
+    void measure_all(const std::vector<Axes>& spatial);
+    void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
+    // Squared error of the texels u, v of the angular cell in hand; adds to a sum a texel of u.
+    void measure(const Displacement& d, const Segment& u, const Segment& v, float* sums) const;
+    float error_of(const Displacement& d, const Segment& u, const Segment& v) const;
+    float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;
+
+    BlockShape tile_;
+    const float* source_ = nullptr;
+    // The decoded plane at whole and half texels, [half along v][half along u]; rows reach a tile's
+    // width past both edges.
+    std::array<std::array<std::vector<float>, 2>, 2> phase_;
+    int direction_ = 0;
+    Segment s_, t_; // the angular cell in hand
+    std::vector<Displacement> candidates_;
+    std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]
+    std::vector<float> totals_;
+    std::array<float, displacement_kinds> kind_bits_{};
+    std::array<std::vector<float>, 2> component_bits_; // of u, of v: [difference + 2 * max]
+};
+
+} // namespace tessera

@@ -1,0 +1,313 @@
+#include "codec/tile_encoder/tile_encoder.h"
+
+#include "codec/tile_encoder/colour_choice.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+// Of a block that copies, beside its levels: what encode_best takes them for.
+constexpr float usual_prediction_bits = 6.0f;
+constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
+constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
+constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
+
+constexpr int projections = 1; // of texels that do not matter (tests/regression/ablation.md)
+
+// Levels in the order of the blocks, as a decoder reads them.
+void sort_levels(TileLevels& tile) {
+    std::vector<NonZero> sorted;
+    sorted.reserve(tile.nonzeros.size());
+    for (PlaneLevels& plane : tile.planes) {
+        const auto levels = tile.levels(plane);
+        plane.first = static_cast<std::uint32_t>(sorted.size());
+        sorted.insert(sorted.end(), levels.begin(), levels.end());
+    }
+    tile.nonzeros.swap(sorted);
+}
+
+constexpr std::uint64_t grid(int spatial, int angular) {
+    return std::uint64_t{1} << (spatial * 8 + angular);
+}
+
+} // namespace
+
+EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
+    EffortSettings settings;
+    // Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene);
+    // other sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
+    const std::uint64_t diagonal = grid(1, 1) | grid(2, 2) | grid(3, 3);
+    if (!tools.is_on(CodingTool::grids, effort > 0))
+        settings.search.grids = diagonal;
+    else if (tools.is_on(CodingTool::grids, false) || effort > 4)
+        settings.search.grids = ~std::uint64_t{0};
+    else if (effort <= 2)
+        settings.search.grids = diagonal | grid(0, 0);
+    else
+        settings.search.grids = diagonal | grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(2, 3);
+    settings.ycocg = tools.is_on(CodingTool::ycocg, true);
+    settings.rotate_colours = settings.ycocg && tools.is_on(CodingTool::rotation, effort >= 2);
+    settings.search.rotated_colours = tools.is_on(CodingTool::rotated_search, effort >= 3);
+    settings.quantizer.optimise = tools.is_on(CodingTool::rdo, true);
+    settings.dependent =
+        settings.quantizer.optimise && tools.is_on(CodingTool::dependent, effort >= 2);
+    settings.fit_tables = tools.is_on(CodingTool::fitted_tables, true);
+    settings.try_dense = tools.is_on(CodingTool::dense_tables, effort >= 5);
+    settings.recode = tools.is_on(CodingTool::fitted_tables, effort >= 2);
+    // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
+    settings.search.copies = effort >= 9   ? DisplacementRange{24, 10}
+                             : effort >= 5 ? DisplacementRange{16, 6}
+                                           : DisplacementRange{8, 4};
+    if (!tools.is_on(CodingTool::copies, effort >= 4))
+        settings.search.copies = {};
+    settings.search.copies.both = tools.is_on(CodingTool::both, true);
+    settings.search.copies.half = tools.is_on(CodingTool::half, true);
+    settings.try_smooth =
+        settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
+    settings.filter = tools.is_on(CodingTool::filter, effort >= 4);
+    settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 3 : effort >= 5 ? 2 : 1;
+    settings.refinements = !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
+    settings.second_pass = effort >= 8 && settings.fit_tables;
+    return settings;
+}
+
+void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    if (tile.matters.empty()) {
+        encode_planes(out);
+        return;
+    }
+    dont_care_.set(tile.matters, shape);
+    encode_filled(out);
+    for (int round = 0; round < projections; ++round) {
+        reconstruct(out, *coding_, scratch_, decoded_);
+        dont_care_.project(decoded_, planes_, coding_->planes);
+        encode_planes(out);
+    }
+}
+
+// Where something is behind a mask it may go on from what is beside it, as no fill can guess: then both
+// are encoded, and the cheaper one stays.
+void TileEncoder::encode_filled(TileLevels& out) {
+    if (dont_care_.is_all() || dont_care_.are_alike(planes_, coding_->planes)) {
+        dont_care_.fill(planes_, coding_->planes);
+        encode_planes(out);
+        return;
+    }
+    TilePlanes own = planes_;
+    const float as_it_is = encode_planes(out);
+    TileLevels own_levels = out;
+    dont_care_.fill(planes_, coding_->planes);
+    if (encode_planes(out) <= as_it_is)
+        return;
+    std::swap(planes_, own);
+    std::swap(out, own_levels);
+}
+
+// Returns what the tile costs: squared steps, a bit being worth lambda of them.
+float TileEncoder::encode_planes(TileLevels& out) {
+    search_.choose_blocks(planes_, out);
+    float cost = encode_blocks(out);
+    if (!coding_->predicts || settings_->search.copies.along == 0)
+        return cost;
+    // What the tile looks like without copies stands for what its blocks could copy; what it then
+    // looks like, in a further round, is nearer to the truth. The cheapest of all rounds stays.
+    reconstruct(out, *coding_, scratch_, decoded_);
+    for (int round = 0; round < settings_->copy_rounds; ++round) {
+        if (!search_.choose_copies(decoded_, copies_))
+            break;
+        const float with_copies = encode_copies(copies_);
+        if (with_copies < cost) {
+            cost = with_copies;
+            std::swap(out, copies_);
+        }
+    }
+    for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
+        if (!refine(out, cost))
+            break;
+    return cost;
+}
+
+// The search goes by estimates. Coding the tree that it chose, and each block's quarters and
+// parent beside it, shows where these were wrong. False if nothing is to be gained.
+bool TileEncoder::refine(TileLevels& out, float& cost) {
+    copies_.shape = out.shape;
+    copies_.splits = out.splits;
+    copies_.blocks = out.blocks;
+    copies_.predictions = out.predictions;
+    copies_.predictions.resize(out.blocks.size());
+    Refinement refinement{std::vector<TreeEdit>(out.blocks.size()), all_siblings(copies_)};
+    encode_copies(copies_, &refinement);
+    if (std::all_of(refinement.edits.begin(), refinement.edits.end(), [](const TreeEdit& edit) {
+            return edit.kind == TreeEdit::Kind::keep;
+        }))
+        return false;
+    copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
+    apply_edits(refinement.edits, copies_);
+    const float refined = encode_copies(copies_);
+    if (refined >= cost)
+        return false;
+    cost = refined;
+    std::swap(out, copies_);
+    return true;
+}
+
+// Returns the tile's cost, as encode_copies does.
+float TileEncoder::encode_blocks(TileLevels& out) {
+    last_rotation_ = 1;
+    float cost = 0;
+    for (const Block& block : out.blocks)
+        cost += encode_block(block, {}, out) + settings_->quantizer.lambda * usual_split_bits;
+    return cost;
+}
+
+// Closed loop: each block copies from what the decoder will have.
+float TileEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
+    out.nonzeros.clear();
+    out.order = limit_copy_depths(out.shape, out.blocks, out.predictions).order;
+    const auto planes = static_cast<std::size_t>(coding_->planes);
+    out.planes.assign(out.blocks.size() * planes, {});
+    out.colours.assign(out.blocks.size(), 0);
+    last_rotation_ = 1;
+    decoded_.resize(out.shape, coding_->planes);
+    float cost = 0;
+    for (const std::uint16_t i : out.order) {
+        const float block_cost = encode_best(out.blocks[i], out.predictions[i]) +
+                                 settings_->quantizer.lambda * usual_split_bits;
+        cost += block_cost;
+        if (refinement != nullptr)
+            consider_edits(out, i, block_cost, *refinement);
+        for (std::size_t plane = 0; plane < planes; ++plane) {
+            out.planes[i * planes + plane] = trial_.planes[plane];
+            out.planes[i * planes + plane].first += static_cast<std::uint32_t>(out.nonzeros.size());
+        }
+        out.colours[i] = trial_.colours[0];
+        out.nonzeros.insert(out.nonzeros.end(), trial_.nonzeros.begin(), trial_.nonzeros.end());
+        reconstruct_block(out, i, *coding_, scratch_, decoded_);
+    }
+    sort_levels(out);
+    if (!copies_anything(out.predictions))
+        out.forget_copies();
+    return cost;
+}
+
+// After a block was coded at `cost`: would it be cheaper in four, or with its siblings as one?
+// Blocks of one cell of the angular splits copy from other cells only, so siblings are reconstructed
+// one after the other, and what any of them or their parent would copy is there already.
+void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, float cost,
+                                 Refinement& out) {
+    std::swap(trial_, kept_trial_);
+    const int rotation = last_rotation_;
+    const auto& n = tile.blocks[block].shape.n;
+    const bool is_zero = kept_trial_.nonzeros.empty();
+    float least = cost;
+    if (!is_zero && std::min(n[0], n[1]) >= smallest_to_split) {
+        least = std::min(cost, split_cost(tile.blocks[block], tile.predictions[block]));
+        if (least < cost)
+            out.edits[block].kind = TreeEdit::Kind::split;
+    }
+    if (const Siblings* siblings = siblings_of(block, out.siblings)) {
+        const bool is_first = block == siblings->first;
+        out.cost = (is_first ? 0 : out.cost) + least;
+        out.are_blank = (is_first || out.are_blank) && is_zero && !tile.predictions[block].copies();
+        if (block + 1 == siblings->end() && !out.are_blank)
+            consider_merge(tile, *siblings, out);
+    }
+    last_rotation_ = rotation;
+    std::swap(trial_, kept_trial_);
+}
+
+float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction) {
+    const Children quarters = children_of(block, Split::spatial);
+    float cost = 0;
+    for (int i = 0; i < quarters.count; ++i) {
+        BlockPrediction own = prediction;
+        cost += encode_best(quarters.block[static_cast<std::size_t>(i)], own) +
+                settings_->quantizer.lambda * (usual_split_bits + more_blocks_bits);
+    }
+    return cost;
+}
+
+// Siblings as one block, with each of the predictions that they have.
+void TileEncoder::consider_merge(const TileLevels& tile, const Siblings& siblings,
+                                 Refinement& out) {
+    const auto edits = std::span(out.edits).subspan(siblings.first, siblings.count);
+    const auto predictions = std::span(tile.predictions).subspan(siblings.first, edits.size());
+    TreeEdit best;
+    float least = out.cost + settings_->quantizer.lambda * more_blocks_bits *
+                                 static_cast<float>(siblings.count);
+    for (auto i = predictions.begin(); i != predictions.end(); ++i) {
+        if (std::find(predictions.begin(), i, *i) != i)
+            continue;
+        TreeEdit merge{TreeEdit::Kind::merge, *i};
+        const float cost = encode_best(siblings.parent, merge.prediction) +
+                           settings_->quantizer.lambda * usual_split_bits;
+        if (cost < least) {
+            least = cost;
+            best = merge;
+        }
+    }
+    if (best.kind != TreeEdit::Kind::merge)
+        return;
+    std::fill(edits.begin(), edits.end(), TreeEdit{});
+    edits.front() = best;
+}
+
+// One block into trial_, with its prediction or, where that turns out cheaper, without.
+float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
+    trial_.clear();
+    const int rotation_before = last_rotation_;
+    const float chosen = encode_block(block, prediction, trial_);
+    if (!prediction.copies())
+        return chosen;
+    const float copied = chosen + settings_->quantizer.lambda * usual_prediction_bits;
+    const int rotation_after = last_rotation_;
+    last_rotation_ = rotation_before;
+    other_trial_.clear();
+    const float own = encode_block(block, {}, other_trial_);
+    if (own < copied) {
+        std::swap(trial_, other_trial_);
+        prediction = {};
+        return own;
+    }
+    last_rotation_ = rotation_after;
+    return copied;
+}
+
+// Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
+float TileEncoder::encode_block(const Block& block, const BlockPrediction& prediction,
+                                TileLevels& out) {
+    search_.transform_block(block, prediction, decoded_, coefficients_);
+    const TileLevels::Mark mark = out.mark();
+    // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
+    // orthogonal: costs relative to it would not compare.
+    const float plain = quantizer_.quantize(coefficients_, out) + quantizer_.energy(coefficients_);
+    if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
+        return plain;
+    const int rotation =
+        choose_rotation({{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
+                          coefficients_.plane[2].data()},
+                         static_cast<std::size_t>(block.shape.texels())},
+                        coding_->parameters, last_rotation_ - 1);
+    if (rotation < 0)
+        return plain;
+    rotate_colours(coefficients_, rotation, rotated_);
+    const TileLevels::Mark second = out.mark();
+    const auto& bits = costs_->colour[1];
+    const float lambda = settings_->quantizer.lambda;
+    const float rotated = quantizer_.quantize(rotated_, out) + quantizer_.energy(rotated_) +
+                          lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
+    // A block whose first plane is empty has no colour symbol.
+    if (rotated < plain && out.planes[second.planes].coded_length > 0) {
+        out.remove(mark, second);
+        last_rotation_ = rotation + 1;
+        return rotated;
+    }
+    out.rewind(second);
+    return plain;
+}
+
+} // namespace tessera

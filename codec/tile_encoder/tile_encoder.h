@@ -1,0 +1,86 @@
+// One tile's texels -> its levels, in stages: planes, blocks, transform, quantisation.
+#pragma once
+
+#include "codec/tile_encoder/block_quantizer.h"
+#include "codec/tile_encoder/block_search.h"
+#include "codec/tile_encoder/dont_care.h"
+#include "codec/reconstruct/reconstruct.h"
+#include "codec/tile/tile_coding.h"
+#include "codec/tile/tile_planes.h"
+#include "codec/tile/tile_texels.h"
+#include "codec/tile_encoder/tool_switches.h"
+#include "codec/tile_encoder/tree_edits.h"
+
+namespace tessera {
+
+// What an effort level switches on; figures in tests/regression/results.csv.
+struct EffortSettings {
+    SearchOptions search;
+    QuantizerOptions quantizer;
+    bool recode =
+        true; // code again under tables fitted to all tiles; else those of the sample stay
+    bool dependent = true;      // quantise by a trellis
+    bool rotate_colours = true; // try rotated colour axes for every block
+    bool ycocg = true;          // code YCoCg, not RGB
+    bool fit_tables = true;     // to the sample, and to all tiles
+    bool filter = true;         // decoded tiles, where that is worth it
+    bool try_smooth = true;     // whether copies are smoothed is found by a trial
+    bool try_dense = true;      // whether tables start from those of dense textures, likewise
+    int copy_rounds = 1;        // of the search for blocks that copy
+    int refinements = 1;        // rounds of splitting and merging at what coding really costs
+    bool second_pass = false;   // decide again under the tables of the first pass
+
+    static EffortSettings of(int effort, const ToolSwitches& tools = {}); // effort 0..9
+};
+
+// Encodes tiles of one file. Holds scratch memory: one per thread.
+class TileEncoder {
+public:
+    // All outlive the encoder.
+    TileEncoder(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
+                const EffortSettings& settings)
+        : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
+          search_(coding, costs, settings.search), quantizer_(coding, costs, settings.quantizer) {}
+
+    // Replaces `out`.
+    void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
+    // The planes of the tile that was encoded last; of texels that do not matter, what they were
+    // taken for.
+    const TilePlanes& source() const { return planes_; }
+
+private:
+    void encode_filled(TileLevels& out);
+    float encode_planes(TileLevels& out);
+    float encode_blocks(TileLevels& out);
+    // What coding the blocks of a tree says about those that it could have instead.
+    struct Refinement {
+        std::vector<TreeEdit> edits; // of each block
+        std::vector<Siblings> siblings;
+        // Of the siblings in hand, so far: what they cost, splits made; all zero, and copy nothing.
+        float cost = 0;
+        bool are_blank = true;
+    };
+    float encode_copies(TileLevels& out, Refinement* refinement = nullptr);
+    bool refine(TileLevels& out, float& cost);
+    void consider_edits(const TileLevels& tile, std::size_t block, float cost, Refinement& out);
+    float split_cost(const Block& block, const BlockPrediction& prediction);
+    void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
+    float encode_best(const Block& block, BlockPrediction& prediction);
+    // Returns the block's cost: squared steps, a bit being worth lambda of them.
+    float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
+
+    const TileCoding* coding_;
+    const BitCosts* costs_;
+    const ColourCoding* colour_;
+    const EffortSettings* settings_;
+    int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
+    BlockSearch search_;
+    BlockQuantizer quantizer_;
+    TilePlanes planes_, decoded_;
+    DontCare dont_care_;
+    ReconstructScratch scratch_;
+    BlockCoefficients coefficients_, rotated_;
+    TileLevels trial_, other_trial_, kept_trial_, copies_;
+};
+
+} // namespace tessera

@@ -1,0 +1,14 @@
+// Whether a file's copies are smoothed (FORMAT.md 4.6), by trial.
+#pragma once
+
+#include "codec/pass/encode_pass.h"
+
+namespace tessera {
+
+// Encodes the tiles of the sample that took most bytes again, with smooth copies, and says whether
+// they cost less so: error and bits together, as the encoder weighs them in a tile. `plain` is a pass
+// over the sample with plain copies.
+Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
+                               const PassResult& plain);
+
+} // namespace tessera

@@ -1,0 +1,63 @@
+#include "codec/trials/table_trial.h"
+
+#include "codec/fit/table_fit.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// Below this the usual start is the better one everywhere.
+constexpr double dense_bits_per_texel = 0.25;
+// Tables and quantiser settle slowly. Most of the way they go at this effort, without copies: ten such
+// rounds take less time than one with all tools.
+constexpr int quick_effort = 3;
+constexpr int quick_rounds = 10;
+constexpr int whole_rounds = 2;
+
+// What was counted of blocks that copy nothing stands for copying ones, too.
+void count_copies_as_others(Statistics& counts) {
+    for (const auto& [offset, count] : groups_with_copies)
+        for (auto* decisions : {&counts.stops, &counts.goes}) {
+            const auto first = decisions->begin() + offset;
+            std::copy_n(first, count / 2, first + count / 2);
+        }
+}
+
+// The sample coded from the dense start, each time with the tables fitted to the time before.
+Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
+                                  const Sample& sample) {
+    EncodePlan quick = plan;
+    quick.effort = EffortSettings::of(quick_effort, plan.tools);
+    quick.effort.search.copies = {};
+    parameters.parameters = dense_parameters();
+    for (int round = 1;; ++round) {
+        const bool is_quick = round <= quick_rounds;
+        Result<PassResult> pass = run_pass(is_quick ? quick : plan, parameters, sample);
+        if (!pass || round == quick_rounds + whole_rounds)
+            return pass;
+        if (is_quick)
+            count_copies_as_others(pass->totals.statistics);
+        parameters.parameters = fit_parameters(pass->totals.statistics);
+    }
+}
+
+} // namespace
+
+Result<Parameters> learn_tables(const EncodePlan& plan, const Sample& sample,
+                                const PassResult& first, CodingParameters parameters) {
+    const Parameters usual = fit_parameters(first.totals.statistics);
+    const double bits = 8.0 * static_cast<double>(first.payload_bytes());
+    if (!plan.effort.try_dense || !parameters.dependent ||
+        bits < dense_bits_per_texel * static_cast<double>(sample.texel_count()))
+        return usual;
+    parameters.parameters = usual;
+    const Result<PassResult> sparse = run_pass(plan, parameters, sample);
+    TESSERA_TRY(sparse.status());
+    const Result<PassResult> dense = settle_densely(plan, parameters, sample);
+    TESSERA_TRY(dense.status());
+    const bool is_dense = lagrangian_cost(plan, *dense) < lagrangian_cost(plan, *sparse);
+    return fit_parameters((is_dense ? dense : sparse)->totals.statistics);
+}
+
+} // namespace tessera

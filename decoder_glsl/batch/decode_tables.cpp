@@ -1,0 +1,244 @@
+#include "decoder_glsl/batch/decode_tables.h"
+
+#include "format/container/syntax.h"
+#include "decoder_glsl/batch/plain_pixels.h"
+#include "decoder_glsl/shaders/shader_layout.h"
+#include "format/tile/code_tables.h"
+#include "format/tile/coding_parameters.h"
+#include "format/tile/colour_rotation.h"
+#include "format/tile/dct_basis.h"
+#include "format/samples.h"
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <string>
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+using Words = std::vector<std::uint32_t>;
+
+static_assert(tsr_max_spatial_side == max_tile_side && tsr_max_angular_side == max_angular_side &&
+              tsr_max_frequencies == max_frequencies && tsr_depth_classes == depth_classes);
+
+std::uint32_t signed_word(std::int32_t value) {
+    return static_cast<std::uint32_t>(value);
+}
+
+// The starts c[1], c[2], ... of a table in pairs, padded with starts that no slot reaches.
+template <int symbols>
+void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int count) {
+    for (int i = 0; i < count; ++i) {
+        const auto start = [&](int symbol) {
+            return symbol < symbols ? std::uint32_t{table.start[static_cast<std::size_t>(symbol)]}
+                                    : probability_total;
+        };
+        words[static_cast<std::size_t>(at + i)] = start(2 * i + 1) | (start(2 * i + 2) << 16);
+    }
+}
+
+void put_code_tables(const CodeTables& tables, Words& words) {
+    for (std::size_t i = 0; i < tables.zero.size(); ++i)
+        words[tsr_t_zero + i] = tables.zero[i];
+    const auto put = [&](const auto& list, int at) {
+        for (const auto& table : list) {
+            put_symbols(table, words, at, tsr_symbol_words);
+            at += tsr_symbol_words;
+        }
+    };
+    put(tables.magnitude, tsr_t_magnitude);
+    const std::span lengths(tables.first_length);
+    put(lengths.first(size_classes), tsr_t_first_length);
+    put(lengths.last(size_classes), tsr_t_copying_length);
+    put(tables.other_length, tsr_t_other_length);
+    put(tables.correction, tsr_t_correction);
+    int at = tsr_t_split;
+    for (const auto& row : tables.split)
+        for (const auto& table : row)
+            put_symbols(table, words, at++, 1);
+    at = tsr_t_kind;
+    for (const auto& table : tables.colour)
+        put_symbols(table, words, at++, 1);
+    put(tables.prediction, tsr_t_prediction);
+    put(tables.displacement, tsr_t_displacement);
+    at = tsr_t_displacement_kind;
+    for (const auto& table : tables.displacement_kind)
+        put_symbols(table, words, at++, 1);
+}
+
+void put_transform_tables(Words& words) {
+    std::size_t at = tsr_t_rotation;
+    for (int i = 0; i < rotation_count; ++i)
+        for (const auto& row : rotation_matrix(i))
+            for (const std::int32_t x : row)
+                words[at++] = signed_word(x);
+    at = tsr_t_basis;
+    for (int n = 1; n <= max_tile_side; ++n) {
+        if (n == max_frequencies + 1)
+            at = tsr_t_wide_basis;
+        for (int i = 0; i < std::min(n, max_frequencies) * n; ++i)
+            words[at++] = signed_word(basis(n)[i]);
+    }
+}
+
+// The background as a pixel of the textures; a half of -0 decodes to +0.
+std::array<std::uint32_t, 2> background_pixel(const FileHeader& header) {
+    const TextureDesc& desc = header.desc;
+    std::array<std::byte, 8> texel{}, pixel{};
+    for (std::size_t c = 0; c < desc.channels; ++c)
+        store_sample(texel.data() + c * sample_bytes(desc.type),
+                     code_sample(sample_code(header.background[c], desc.type), desc.type),
+                     desc.type);
+    put_pixels(desc, Box4::whole({1, 1, 1, 1}), texel, 1, pixel);
+    std::array<std::uint32_t, 2> words;
+    std::memcpy(words.data(), pixel.data(), sizeof words);
+    return words;
+}
+
+void put_filter(const CodingParameters& coding, SampleType type, Words& words) {
+    words[tsr_t_filtered] = coding.filter.is_on();
+    std::size_t at = tsr_t_filter;
+    for (std::size_t plane = 0; plane < max_planes; ++plane)
+        for (const FilterRing& ring : coding.filter.ring[plane == 0 ? 0 : 1])
+            words[at++] = filter_slope(ring, coding.step[plane], type) |
+                          (signed_word(ring.strength) & 0xFFu) << 16;
+}
+
+void put_header(const FileHeader& header, const CodingParameters& coding, Words& words) {
+    const auto& desc = header.desc;
+    words[tsr_t_sample_type] = desc.type == SampleType::half16;
+    words[tsr_t_planes] = desc.channels;
+    words[tsr_t_colour] = header.colour == ColourTransform::ycocg_r;
+    words[tsr_t_dependent] = coding.dependent;
+    words[tsr_t_rotates] = coding.colour_rotation && desc.channels >= 3;
+    const auto planes = texel_planes(header.background, desc, header.colour);
+    for (std::size_t i = 0; i < 4; ++i)
+        words[tsr_t_background + i] = signed_word(planes[i]);
+    words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
+    words[tsr_t_predicts] = coding.prediction;
+    words[tsr_t_smooth] = coding.smooth_copies;
+    put_filter(coding, desc.type, words);
+    words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
+    for (std::size_t i = 0; i < 4; ++i)
+        words[tsr_t_offsets + i] = coding.offsets[i / 2][i % 2];
+    const auto pixel = background_pixel(header);
+    words[tsr_t_background_texel] = pixel[0];
+    words[tsr_t_background_texel + 1] = pixel[1];
+}
+
+void append_scan(const ScanOrder& order, Words& words) {
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const auto& k = order.entry[i].k;
+        words.push_back(k[0] | (std::uint32_t{k[1]} << 5) | (std::uint32_t{k[2]} << 10) |
+                        (std::uint32_t{k[3]} << 15));
+        const auto& list = order.neighbours[i];
+        for (std::size_t j = 0; j < list.size(); j += 2)
+            words.push_back(list[j] | (std::uint32_t{list[j + 1]} << 16));
+        words.push_back(order.context[i].share | (std::uint32_t{order.context[i].position} << 16));
+    }
+}
+
+std::uint32_t scale_word(const Scale& scale) {
+    return static_cast<std::uint32_t>(scale.mantissa) |
+           (static_cast<std::uint32_t>(scale.exponent + 128) << 16);
+}
+
+void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleType type,
+                std::uint32_t* record) {
+    for (std::size_t set = 0; set < 5; ++set) {
+        const ScaleSet scales = make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape,
+                                            type, coding.dependent);
+        for (std::size_t axes = 0; axes < 5; ++axes)
+            record[tsr_s_scales + set * 5 + axes] = scale_word(scales[axes]);
+    }
+}
+
+} // namespace
+
+void DecodeTables::add_subtree(const BlockShape& shape) {
+    if (!ids_.try_emplace(shape, static_cast<std::uint32_t>(ids_.size())).second)
+        return;
+    for (const Split split : {Split::spatial, Split::angular})
+        if (can_split(shape, split)) {
+            const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, split);
+            for (int i = 0; i < children.count; ++i)
+                add_subtree(children.block[static_cast<std::size_t>(i)].shape);
+        }
+}
+
+void DecodeTables::add_shapes(const TileGrid& grid) {
+    // Extents along an axis differ by one at most: the first tile and the last show them all.
+    std::array<std::set<std::uint8_t>, 4> sides;
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        for (std::uint64_t i = 0; i < grid.count()[axis]; ++i) {
+            const std::uint64_t n = grid.count()[axis], size = grid.size()[axis];
+            sides[axis].insert(static_cast<std::uint8_t>((i + 1) * size / n - i * size / n));
+            if (sides[axis].size() == 2)
+                break;
+        }
+    for (const auto u : sides[0])
+        for (const auto v : sides[1])
+            for (const auto s : sides[2])
+                for (const auto t : sides[3])
+                    add_subtree({{u, v, s, t}});
+}
+
+Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
+    const auto coding = read_coding_parameters(reader.codec_parameters());
+    if (!coding.ok())
+        return coding.status().with_context(reader.name());
+    const FileHeader& header = reader.header();
+    if (const Status agree = check_features(*coding, header.required_features); !agree.ok())
+        return agree.with_context(reader.name());
+    DecodeTables tables;
+    tables.planes_ = header.desc.channels;
+    tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
+    tables.predicts_ = coding->prediction;
+    tables.filters_ = coding->filter.is_on();
+    tables.half_ = header.desc.type == SampleType::half16;
+    tables.add_shapes(reader.grid());
+    if (tables.ids_.size() > tsr_max_shapes)
+        return Status{ErrorCode::unsupported, reader.name() + ": blocks of " +
+                                                  std::to_string(tables.ids_.size()) +
+                                                  " shapes, more than the GPU decoder numbers"};
+    Words& words = tables.words_;
+    words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
+    put_header(header, *coding, words);
+    tables.code_tables_ = std::make_unique<const CodeTables>(coding->parameters);
+    put_code_tables(*tables.code_tables_, words);
+    put_transform_tables(words);
+    words[tsr_t_shapes] = tsr_t_end;
+    for (const auto& [shape, id] : tables.ids_) {
+        const ScanOrder order = make_scan_order(shape, coding->scan_weights);
+        const std::size_t scan_at = words.size();
+        append_scan(order, words);
+        if (words.size() > (std::size_t{128} << 20) / 4)
+            return Status{ErrorCode::unsupported,
+                          reader.name() + ": tables of more than 128 MiB for the GPU"};
+        std::uint32_t* record = words.data() + tsr_t_end + std::size_t{id} * tsr_shape_words;
+        const auto& n = shape.n;
+        record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
+                              (std::uint32_t{n[3]} << 24);
+        record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
+        record[tsr_s_coded] = static_cast<std::uint32_t>(order.length());
+        record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
+        put_scales(shape, *coding, header.desc.type, record);
+        for (int split = 0; split < 2; ++split) {
+            std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
+            if (can_split(shape, static_cast<Split>(split + 1))) {
+                const Children children =
+                    children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, static_cast<Split>(split + 1));
+                for (int i = 0; i < children.count; ++i)
+                    ids[static_cast<std::size_t>(i)] =
+                        tables.ids_.at(children.block[static_cast<std::size_t>(i)].shape);
+            }
+            record[tsr_s_children + 2 * split] = ids[0] | (ids[1] << 16);
+            record[tsr_s_children + 2 * split + 1] = ids[2] | (ids[3] << 16);
+        }
+    }
+    return tables;
+}
+
+} // namespace tessera

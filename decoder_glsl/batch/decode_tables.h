@@ -1,0 +1,48 @@
+// What the shaders need to know of a file: the words of binding 0 (shaders/layout.glsl).
+#pragma once
+
+#include "format/tile/block.h"
+#include "format/tile/code_tables.h"
+#include "format/container_reader.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// Immutable, so thread-safe.
+class DecodeTables {
+public:
+    // Reads section CODE; makes the scan tables of every block shape that a tile of the file can be
+    // split into (36 shapes, 2 MB for tiles of one shape; at most 672, some 15 MB). Errors:
+    // invalid_file (CODE); unsupported (more shapes than a place can hold, tables above 128 MiB).
+    static Result<DecodeTables> make(const ContainerReader& reader);
+
+    std::span<const std::uint32_t> words() const { return words_; }
+    // Precondition: the shape of a tile of the file's grid.
+    std::uint32_t shape_id(const BlockShape& shape) const { return ids_.at(shape); }
+    unsigned planes() const { return planes_; }
+    const CodeTables& code_tables() const { return *code_tables_; }
+    bool has_corrections() const { return has_corrections_; }
+    bool predicts() const { return predicts_; }
+    bool filters() const { return filters_; }
+    // Whether tiles may need room for their values, for copies or the filter.
+    bool keeps_values() const { return predicts_ || filters_; }
+    // Words that the kept values of a texel take (shaders/layout.glsl).
+    unsigned value_words() const { return half_ ? planes_ : (planes_ + 1) / 2; }
+
+private:
+    void add_shapes(const TileGrid& grid);
+    void add_subtree(const BlockShape& shape);
+
+    std::vector<std::uint32_t> words_;
+    std::map<BlockShape, std::uint32_t> ids_;
+    std::unique_ptr<const CodeTables> code_tables_;
+    unsigned planes_ = 0;
+    bool has_corrections_ = false, predicts_ = false, filters_ = false, half_ = false;
+};
+
+} // namespace tessera

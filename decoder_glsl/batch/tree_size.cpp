@@ -1,0 +1,99 @@
+#include "decoder_glsl/batch/tree_size.h"
+
+#include "decoder_glsl/shaders/shader_layout.h"
+#include "format/tile/limits.h"
+#include "format/tile/prediction.h"
+#include "format/tile/split_tree.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+
+constexpr int patch_words = 8192; // of shaders/patch.glsl
+
+// Items of a block whose coefficients have `support` frequencies along s and t: shaders/patch.glsl.
+std::uint32_t items_of(const BlockShape& shape, int planes, int support_s, int support_t) {
+    const int words = planes * support_t * (support_s + shape.n[2]);
+    int positions = std::clamp(patch_words / words, 1, 64);
+    if (positions > 32 && positions < 52)
+        positions = 32;
+    return static_cast<std::uint32_t>((shape.n[0] * shape.n[1] + positions - 1) / positions);
+}
+
+class TreeCounter {
+public:
+    TreeCounter(std::span<const std::byte> segment, const CodeTables& tables, int planes,
+                bool predicts)
+        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts) {}
+
+    // False for a tree that the format forbids.
+    bool count(const BlockShape& tile) {
+        const auto node = [](Split) {};
+        const auto leaf = [&](const Block& block) {
+            size.items += items_of(block.shape, planes_, block.shape.n[2], block.shape.n[3]);
+            return ++size.blocks <= max_leaves && (!predicts_ || predict(block));
+        };
+        return decode_split_tree(rans_, tables_, Block{{0, 0, 0, 0}, tile, 0, 0}, node, leaf);
+    }
+
+    // What the blocks copy, if any does.
+    void count_copies(const BlockShape& tile) {
+        if (!copies_anything(predictions_))
+            return;
+        const CopyDepths depths = copy_depths(tile, blocks_, predictions_);
+        size.too_deep = depths.largest > max_copy_depth;
+        size.waves = 1 + static_cast<std::uint32_t>(depths.largest);
+        for (std::size_t i = 0; i < blocks_.size(); ++i)
+            size.copies.insert(size.copies.end(),
+                               {static_cast<std::uint32_t>(predictions_[i].from) |
+                                    std::uint32_t{depths.depth[i]} << 8,
+                                move_word(predictions_[i])});
+    }
+
+    TreeSize size{.blocks = 0, .items = 0};
+
+private:
+    static std::uint32_t move_word(const BlockPrediction& prediction) {
+        std::uint32_t word = 0;
+        for (unsigned i = 0; i < copy_directions; ++i) {
+            const Displacement& d = prediction.displacement[i];
+            word |= std::uint32_t{static_cast<std::uint8_t>(d.u)} << (16 * i);
+            word |= std::uint32_t{static_cast<std::uint8_t>(d.v)} << (16 * i + 8);
+        }
+        return word;
+    }
+
+    // False for a prediction that the format forbids.
+    bool predict(const Block& block) {
+        blocks_.push_back(block);
+        return decode_prediction(rans_, tables_, block, memory_, predictions_.emplace_back());
+    }
+
+    RansDecoder rans_;
+    const CodeTables& tables_;
+    const int planes_;
+    const bool predicts_;
+    PredictionMemory memory_;
+    std::vector<Block> blocks_; // with their predictions, where the file has them
+    std::vector<BlockPrediction> predictions_;
+};
+
+} // namespace
+
+TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
+                   const CodeTables& tables, int planes, bool predicts) {
+    // A tile that turns out damaged is drawn as one block of nothing.
+    const std::uint32_t background = items_of(tile, planes, 1, 1);
+    TreeCounter counter(segment, tables, planes, predicts);
+    if (!counter.count(tile))
+        return {.items = background};
+    counter.count_copies(tile);
+    counter.size.items = std::max(counter.size.items, background);
+    return std::move(counter.size);
+}
+
+} // namespace tessera

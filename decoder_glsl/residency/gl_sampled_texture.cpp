@@ -1,0 +1,242 @@
+#include "decoder_glsl/gl_sampled_texture.h"
+
+#include "decoder_glsl/residency/gl_tile_decoder.h"
+#include "decoder_glsl/cache/cache_borders.h"
+#include "decoder_glsl/gl/gl_device.h"
+#include "decoder_glsl/residency/gl_residency.h"
+#include "decoder_glsl/shaders/shader_layout.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace tessera {
+
+using namespace layout;
+
+const char* name_of(Residency residency) {
+    return residency == Residency::on_load ? "load" : "feedback";
+}
+
+std::string mebibytes(std::uint64_t bytes) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
+    return text;
+}
+
+PlainLayout plain_layout(const Extent4& size) {
+    constexpr std::uint32_t widest = 2048; // pixels, what every device has
+    const auto fold = [](std::uint32_t images, std::uint32_t side, std::uint32_t& folds) {
+        const std::uint32_t most = std::max(widest / side, 1u);
+        folds = (images + most - 1) / most;
+        return (images + folds - 1) / folds;
+    };
+    std::uint32_t folds_u = 1, folds_v = 1;
+    PlainLayout p;
+    p.plan.fold_u = fold(size[0], size[2], folds_u);
+    p.plan.fold_v = fold(size[1], size[3], folds_v);
+    p.plan.folds_u = folds_u;
+    p.plan.stride_s = size[2];
+    p.plan.stride_t = size[3];
+    p.shape = {p.plan.fold_u * size[2], p.plan.fold_v * size[3], folds_u * folds_v};
+    return p;
+}
+
+std::uint64_t decoded_bytes(const ContainerReader& reader) {
+    const TextureShape shape = plain_layout(reader.desc().size).shape;
+    return std::uint64_t{shape.width} * shape.height * shape.layers *
+           (reader.desc().type == SampleType::half16 ? 8 : 4);
+}
+
+Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) {
+    const TextureShape shape = plain_layout(reader.desc().size).shape;
+    const bool fits = shape.width <= 2048 && shape.height <= 2048 && shape.layers <= 2048;
+    // A quarter stays for the work of decoding.
+    return fits && decoded_bytes(reader) <= budget - budget / 4 ? Residency::on_load
+                                                                : Residency::on_feedback;
+}
+
+std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
+                                         const DecodeTables& tables) {
+    const TileGrid& grid = reader.grid();
+    std::vector<std::uint32_t> words(tsr_sampler_words, 0);
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        words[tsr_p_size + axis] = grid.size()[axis];
+        words[tsr_p_tiles + axis] = grid.count()[axis];
+        words[tsr_p_axis_at + axis] = static_cast<std::uint32_t>(words.size());
+        Extent4 tile{0, 0, 0, 0};
+        for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
+            const std::uint32_t extent = grid.box(tile).extent()[axis];
+            for (std::uint32_t place = 0; place < extent; ++place)
+                words.push_back(tile[axis] | (place << tsr_axis_place_at) |
+                                ((extent - 1) << tsr_axis_extent_at));
+        }
+    }
+    words[tsr_p_half] = reader.desc().type == SampleType::half16;
+    words[tsr_p_background] = tables.words()[tsr_t_background_texel];
+    words[tsr_p_background + 1] = tables.words()[tsr_t_background_texel + 1];
+    return words;
+}
+
+BatchLimits limits_within(std::uint64_t bytes, bool predicts) {
+    constexpr std::uint64_t block = 128ull << 20; // the largest storage buffer that is asked for
+    const std::uint64_t values = predicts ? bytes / 2 : 0;
+    bytes -= values;
+    BatchLimits limits;
+    // A byte of payload may hold 8 levels, each 8 bytes of work and 16 of coefficients; the payload
+    // itself and the records of tiles are the least of it.
+    limits.words = std::min(bytes / 16, block) / 4;
+    limits.coefficients = std::min(bytes / 16 * 9, block) / 16;
+    limits.work_words = std::min(bytes / 16 * 6 + values, block) / 4;
+    limits.tiles = 2048;
+    return limits;
+}
+
+BatchFeed::BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
+                     Flush flush)
+    : file_(file), limits_(limits), builder_(file.tables, file.reader.grid(), limits, plan),
+      flush_(std::move(flush)) {}
+
+Status BatchFeed::add(std::uint64_t tile, const TexelPlace& place) {
+    const auto bytes = file_.reader.load_tile(tile);
+    if (!bytes.ok())
+        return bytes.status();
+    if (builder_.add(tile, bytes->bytes, place))
+        return {};
+    TESSERA_TRY(finish());
+    builder_.add(tile, bytes->bytes, place);
+    return {};
+}
+
+Status BatchFeed::finish() {
+    if (builder_.empty())
+        return {};
+    DecodeBatch batch = builder_.finish();
+    const auto share = [](std::uint64_t needed, std::uint64_t limit) {
+        return static_cast<double>(needed) / static_cast<double>(std::max<std::uint64_t>(limit, 1));
+    };
+    // Above 1: a tile alone, since the builder takes no second one past the limits.
+    const double most = std::max({share(batch.work_words, limits_.work_words),
+                                  share(batch.coefficients, limits_.coefficients),
+                                  share(batch.words.size(), limits_.words)});
+    if (most > 1)
+        return {ErrorCode::unsupported,
+                file_.reader.name() + ": tile " + std::to_string(batch.tiles[0]) +
+                    " alone needs more work memory than a budget of " + mebibytes(file_.budget) +
+                    " leaves for decoding; " +
+                    mebibytes(static_cast<std::uint64_t>(most * static_cast<double>(file_.budget)) +
+                              (1u << 20)) +
+                    " would do"};
+    return flush_(batch);
+}
+
+struct SampledTexture::State {
+    SampledTextureOptions options;
+    TextureFile file;
+    std::unique_ptr<Resident> resident;
+};
+
+SampledTexture::SampledTexture(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SampledTexture::SampledTexture(SampledTexture&&) noexcept = default;
+SampledTexture& SampledTexture::operator=(SampledTexture&&) noexcept = default;
+SampledTexture::~SampledTexture() = default;
+
+// All but the resident.
+Result<std::unique_ptr<SampledTexture::State>>
+SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options) {
+    TESSERA_TRY(check_device().with_context("this device cannot decode Tessera files"));
+    // Tile numbers and the products of sizes and tile counts are 32-bit numbers in the shaders.
+    const TileGrid& grid = reader.grid();
+    bool fits = grid.tiles() < (1ull << 24);
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        fits = fits && grid.size()[axis] <= 65536 &&
+               std::uint64_t{grid.size()[axis] + 1} * grid.count()[axis] < (1ull << 32);
+    if (!fits)
+        return Status{ErrorCode::unsupported,
+                      reader.name() +
+                          ": larger than 65,536 along an axis, or more than 16 million tiles"};
+    auto tables = DecodeTables::make(reader);
+    if (!tables.ok())
+        return tables.status();
+    const bool half = reader.desc().type == SampleType::half16;
+    auto decoder = GlTileDecoder::create(*tables, half);
+    if (!decoder.ok())
+        return decoder.status();
+    return std::unique_ptr<State>(new State{
+        options, {reader, std::move(*tables), half, options.budget, std::move(*decoder)}, nullptr});
+}
+
+Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
+                                              const SampledTextureOptions& asked) {
+    SampledTextureOptions options = asked;
+    if (options.residency == Residency::on_feedback && !cache_slot(reader.grid(), true).fits())
+        options.hardware_filter = false; // it needs the borders
+    auto prepared = prepare(reader, options);
+    if (!prepared.ok())
+        return prepared.status();
+    std::unique_ptr<State> state = std::move(*prepared);
+    auto resident = options.residency == Residency::on_load
+                        ? make_plain_texture(state->file, options.hardware_filter)
+                        : make_cached_texture(state->file, options);
+    if (!resident.ok())
+        return resident.status();
+    state->resident = std::move(*resident);
+    return SampledTexture(std::move(state));
+}
+
+Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader,
+                                                   TexelSource& source, bool hardware_filter) {
+    if (source.desc() != reader.desc())
+        return Status{ErrorCode::difference,
+                      reader.name() + ": the texels to upload are of another size or type"};
+    SampledTextureOptions options;
+    options.residency = Residency::on_load;
+    options.hardware_filter = hardware_filter;
+    auto prepared = prepare(reader, options);
+    if (!prepared.ok())
+        return prepared.status();
+    std::unique_ptr<State> state = std::move(*prepared);
+    auto resident = make_uploaded_texture(state->file, source, hardware_filter);
+    if (!resident.ok())
+        return resident.status();
+    state->resident = std::move(*resident);
+    return SampledTexture(std::move(state));
+}
+
+std::vector<ShaderDefine> SampledTexture::defines() const {
+    std::vector<ShaderDefine> defines;
+    if (state_->options.residency == Residency::on_feedback)
+        defines.emplace_back("TESSERA_RESIDENT_CACHE", "1");
+    if (state_->options.hardware_filter)
+        defines.emplace_back("TESSERA_HARDWARE_FILTER", "1");
+    return defines;
+}
+
+void SampledTexture::bind() const {
+    state_->resident->bind();
+}
+Result<UpdateReport> SampledTexture::update(bool wait) {
+    return state_->resident->update(wait);
+}
+Status SampledTexture::drop_cache() {
+    return state_->resident->drop_cache();
+}
+std::uint64_t SampledTexture::bytes() const {
+    return state_->resident->bytes();
+}
+std::uint64_t SampledTexture::damaged_tiles() const {
+    return state_->resident->damaged_tiles();
+}
+std::uint64_t SampledTexture::cache_slots() const {
+    return state_->resident->slots();
+}
+std::uint64_t SampledTexture::budget_for(std::uint64_t tiles) const {
+    return state_->resident->budget_for(tiles);
+}
+const TileCacheStats* SampledTexture::cache_stats() const {
+    return state_->resident->stats();
+}
+void SampledTexture::set_stage_hook(StageHook hook) {
+    state_->file.decoder.set_stage_hook(std::move(hook));
+}
+
+} // namespace tessera

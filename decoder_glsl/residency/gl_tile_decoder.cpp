@@ -1,0 +1,188 @@
+#include "decoder_glsl/residency/gl_tile_decoder.h"
+
+#include "decoder_glsl/gl/gl_error.h"
+#include "decoder_glsl/shaders/shader_layout.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+using namespace layout;
+
+// Threads of a group, as the shaders say.
+constexpr std::uint32_t stream_group = 16; // tree, corrections
+constexpr std::uint32_t levels_group = 4;
+constexpr std::uint32_t filter_group = 64;
+constexpr std::uint32_t row_groups = 1024; // groups of 64 levels along x of order.comp
+
+constexpr GLbitfield after_texels = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                                    GL_TEXTURE_UPDATE_BARRIER_BIT;
+
+std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
+    return static_cast<std::uint32_t>((items + size - 1) / size);
+}
+
+std::span<const std::byte> bytes_of(const std::vector<std::uint32_t>& words) {
+    return std::as_bytes(std::span(words));
+}
+
+Status make_program(GlProgram& program, const char* file,
+                    std::span<const ShaderDefine> defines = {}) {
+    auto made = compute_program(file, defines);
+    if (!made.ok())
+        return made.status();
+    program = std::move(*made);
+    return {};
+}
+
+} // namespace
+
+Result<GlProgram> compute_program(const std::string& file, std::span<const ShaderDefine> defines) {
+    const auto source = shader_source(file, ShaderDialect::gl450, defines);
+    if (!source.ok())
+        return source.status();
+    return GlProgram::compute(*source, file);
+}
+
+Status grow_buffer(GlBuffer& buffer, std::uint64_t bytes, BufferUse use, const std::string& name) {
+    if (buffer.bytes() >= bytes)
+        return {};
+    buffer = GlBuffer(); // before the larger one is made, not after
+    auto made = GlBuffer::create(bytes, use, name);
+    if (!made.ok())
+        return made.status();
+    buffer = std::move(*made);
+    return {};
+}
+
+Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool half) {
+    GlTileDecoder d;
+    d.half_ = half;
+    auto buffer = GlBuffer::create(std::as_bytes(tables.words()), "decoder tables");
+    if (!buffer.ok())
+        return buffer.status();
+    d.tables_ = std::move(*buffer);
+    TESSERA_TRY(make_program(d.tree_, "tree.comp.glsl"));
+    TESSERA_TRY(make_program(d.levels_, "levels.comp.glsl"));
+    TESSERA_TRY(make_program(d.corrections_, "corrections.comp.glsl"));
+    TESSERA_TRY(make_program(d.order_, "order.comp.glsl"));
+    TESSERA_TRY(make_program(d.items_, "items.comp.glsl"));
+    TESSERA_TRY(make_program(d.groups_, "groups.comp.glsl"));
+    std::vector<ShaderDefine> defines;
+    if (half)
+        defines.emplace_back("TSR_OUTPUT_HALF", "1");
+    TESSERA_TRY(make_program(d.texels_, "texels.comp.glsl", defines));
+    defines.emplace_back("TSR_PREDICTED_TILES", "1");
+    if (tables.keeps_values())
+        TESSERA_TRY(make_program(d.predicted_texels_, "texels.comp.glsl", defines));
+    defines.pop_back();
+    d.filters_ = tables.filters();
+    if (d.filters_)
+        TESSERA_TRY(make_program(d.filter_, "filter.comp.glsl", defines));
+    return d;
+}
+
+std::uint64_t GlTileDecoder::bytes() const {
+    return tables_.bytes() + batch_.bytes() + work_.bytes() + coefficients_.bytes();
+}
+
+void GlTileDecoder::free_work() {
+    batch_ = GlBuffer();
+    work_ = GlBuffer();
+    coefficients_ = GlBuffer();
+}
+
+Status GlTileDecoder::upload(const DecodeBatch& batch) {
+    note(DecodeStage::upload, true);
+    TESSERA_TRY(grow_buffer(batch_, batch.words.size() * 4, BufferUse::upload, "decoder batch"));
+    TESSERA_TRY(batch_.upload(0, bytes_of(batch.words)));
+    note(DecodeStage::upload, false);
+    return {};
+}
+
+void GlTileDecoder::run_entropy(const DecodeBatch& batch) {
+    const auto tiles = static_cast<std::uint32_t>(batch.tiles.size());
+    note(DecodeStage::entropy, true);
+    tree_.use();
+    glDispatchCompute(groups_of(tiles, stream_group), 1, 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    levels_.use();
+    glDispatchCompute(groups_of(tiles, levels_group), batch.most_segments, 1);
+    if (batch.corrections > 0) {
+        corrections_.use();
+        glDispatchCompute(groups_of(batch.corrections, stream_group), 1, 1);
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    note(DecodeStage::entropy, false);
+}
+
+void GlTileDecoder::run_order(const DecodeBatch& batch) {
+    note(DecodeStage::order, true);
+    if (batch.raw_chunks > 0) {
+        order_.use();
+        glDispatchCompute(std::min(batch.raw_chunks, row_groups),
+                          groups_of(batch.raw_chunks, row_groups), 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+    note(DecodeStage::order, false);
+}
+
+Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& target) {
+    note(DecodeStage::transform, true);
+    TESSERA_TRY(
+        target.bind_image(0, GL_WRITE_ONLY, half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
+    for (std::uint32_t wave = 0; wave < batch.waves; ++wave) { // the device counts them, too
+        items_.use();
+        glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        groups_.use();
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        // A copy has a depth above 0.
+        (batch.waves > 1 || filters_ ? predicted_texels_ : texels_).use();
+        glDispatchComputeIndirect(tsr_w_groups * 4);
+        glMemoryBarrier(after_texels);
+    }
+    if (filters_) {
+        filter_.use();
+        glDispatchCompute(groups_of(batch.most_texels, filter_group),
+                          static_cast<std::uint32_t>(batch.tiles.size()), 1);
+        glMemoryBarrier(after_texels);
+    }
+    note(DecodeStage::transform, false);
+    return {};
+}
+
+Status GlTileDecoder::decode(const DecodeBatch& batch, const GlTexture& target) {
+    if (batch.tiles.empty())
+        return {};
+    TESSERA_TRY(upload(batch));
+    TESSERA_TRY(grow_buffer(work_, batch.work_words * 4, BufferUse::device, "decoder work"));
+    TESSERA_TRY(grow_buffer(coefficients_, std::max<std::uint64_t>(batch.coefficients, 1) * 16,
+                            BufferUse::device, "decoder coefficients"));
+    TESSERA_TRY(work_.clear(0, 0, tsr_w_state * 4));
+    tables_.bind_storage(0);
+    batch_.bind_storage(1);
+    work_.bind_storage(2);
+    coefficients_.bind_storage(3);
+    run_entropy(batch);
+    run_order(batch);
+    TESSERA_TRY(run_transform(batch, target));
+    return take_gl_errors("decoding tiles");
+}
+
+Result<std::vector<TileCounts>> GlTileDecoder::counts(const DecodeBatch& batch) const {
+    std::vector<std::uint32_t> words(batch.tiles.size() * tsr_state_words);
+    TESSERA_TRY(work_.read(tsr_w_state * 4, std::as_writable_bytes(std::span(words))));
+    std::vector<TileCounts> counts(batch.tiles.size());
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        const std::uint32_t* state = words.data() + i * tsr_state_words;
+        counts[i] = {state[tsr_st_blocks], state[tsr_st_levels], state[tsr_st_damaged]};
+    }
+    return counts;
+}
+
+} // namespace tessera

@@ -1,0 +1,206 @@
+#include "format/container/open_container.h"
+#include "format/io/bytes.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+const SectionInfo& OpenContainer::section(const std::string& type) const {
+    return *std::ranges::find(sections_, type, &SectionInfo::type);
+}
+
+std::span<const std::byte> OpenContainer::section_bytes(const std::string& type) const {
+    const auto found = std::ranges::find(sections_, type, &SectionInfo::type);
+    if (found == sections_.end() || found->offset + found->length > head_.size())
+        return {};
+    return std::span(head_).subspan(static_cast<std::size_t>(found->offset),
+                                    static_cast<std::size_t>(found->length));
+}
+
+OpenContainer::RootEntry OpenContainer::root(std::uint32_t group) const {
+    const std::byte* at = root_.data() + std::size_t{group} * root_entry_bytes;
+    return {load_le<std::uint64_t>(at),
+            std::uint64_t{header_.head_size} + load_le<std::uint32_t>(at + 8)};
+}
+
+GroupKey OpenContainer::group_key(std::uint32_t group) const {
+    return {header_.identity,
+            group,
+            table_.tiles_of(group).count,
+            root(group).data,
+            root(group + 1).data,
+            header_.page_bytes()};
+}
+
+OpenContainer::IndexRange OpenContainer::index_range(std::uint32_t group) const {
+    const std::uint64_t begin = root(group).index;
+    return {begin, root(group + 1).index - begin};
+}
+
+Result<GroupIndex> OpenContainer::read_group(std::uint32_t group, ContainerRule& rule) const {
+    const IndexRange range = index_range(group);
+    rule = ContainerRule::index_record;
+    if (range.length > max_index_record_bytes(group_key(group)))
+        return invalid("index record of group " + std::to_string(group) + at_offset(range.offset) +
+                       ": " + std::to_string(range.length) + " bytes are too many");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(range.length));
+    rule = ContainerRule::readable;
+    TESSERA_TRY(read_bytes(range.offset, bytes));
+    return parse_group(group, bytes, rule);
+}
+
+Result<GroupIndex> OpenContainer::parse_group(std::uint32_t group,
+                                                std::span<const std::byte> bytes,
+                                                ContainerRule& rule) const {
+    bool crc_error = false;
+    Result<GroupIndex> index = read_index_record(bytes, group_key(group), &crc_error);
+    rule = crc_error ? ContainerRule::index_crc : ContainerRule::index_record;
+    TESSERA_TRY(index.status().with_context(name() + ": index record of group " +
+                                            std::to_string(group) +
+                                            at_offset(index_range(group).offset)));
+    return index;
+}
+
+Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t group) const {
+    if (group >= group_count())
+        return Status(ErrorCode::bad_argument, name() + ": there is no tile group " +
+                                                   std::to_string(group) + ", only " +
+                                                   std::to_string(group_count()));
+    return caches_->groups.get(group, [&] {
+        ContainerRule rule{};
+        return read_group(group, rule);
+    });
+}
+
+Status OpenContainer::no_such_tile(std::uint64_t tile) const {
+    return {ErrorCode::bad_argument, name() + ": there is no tile " + std::to_string(tile) +
+                                         ", only " + std::to_string(tile_count())};
+}
+
+Result<OpenContainer::Place> OpenContainer::place_of(std::uint64_t tile) const {
+    if (tile >= tile_count())
+        return no_such_tile(tile);
+    Place place;
+    place.group = table_.group_of(tile);
+    auto index = group(place.group);
+    TESSERA_TRY(index.status());
+    place.index = *index;
+    const std::uint64_t at = tile - table_.tiles_of(place.group).first;
+    place.begin = place.index->starts[at];
+    place.end = place.index->starts[at + 1];
+    return place;
+}
+
+Result<TileLocation> OpenContainer::locate(std::uint64_t tile) const {
+    const Result<Place> place = place_of(tile);
+    TESSERA_TRY(place.status());
+    return TileLocation{place->begin, static_cast<std::uint32_t>(place->end - place->begin)};
+}
+
+Result<bool> OpenContainer::is_received(std::uint64_t tile) const {
+    const Result<Place> place = place_of(tile);
+    TESSERA_TRY(place.status());
+    const auto [begin, end] = place->index->pages_of(place->begin, place->end);
+    if (begin == end)
+        return true;
+    const Page& last = place->index->pages[end - 1];
+    return last.offset + last.length <= source_->size();
+}
+
+Status OpenContainer::read_bytes(std::uint64_t offset, std::span<std::byte> out) const {
+    if (!is_at_hand(offset, out.size()))
+        return source_->read(offset, out);
+    std::ranges::copy(std::span(head_).subspan(static_cast<std::size_t>(offset), out.size()),
+                      out.begin());
+    return {};
+}
+
+Status OpenContainer::read_tile(std::uint64_t tile, std::vector<std::byte>& out) const {
+    const Result<TileLocation> location = locate(tile);
+    TESSERA_TRY(location.status());
+    out.resize(location->length);
+    return out.empty() ? Status() : read_bytes(location->offset, out);
+}
+
+Status OpenContainer::check_page(std::uint32_t group, std::size_t number, const Page& page,
+                                   std::span<const std::byte> bytes) const {
+    if (page_crc(header_.identity, group, static_cast<std::uint32_t>(number), bytes) == page.crc)
+        return {};
+    return invalid("page " + std::to_string(number) + " of group " + std::to_string(group) +
+                   at_offset(page.offset) + " (" + std::to_string(page.length) +
+                   " bytes): its checksum is wrong");
+}
+
+Result<std::vector<std::byte>> OpenContainer::read_page(std::uint32_t group, std::size_t number,
+                                                          const Page& page) const {
+    std::vector<std::byte> bytes(page.length);
+    TESSERA_TRY(read_bytes(page.offset, bytes));
+    TESSERA_TRY(check_page(group, number, page, bytes));
+    return bytes;
+}
+
+Result<TileBytes> OpenContainer::load_tile(std::uint64_t tile) const {
+    const Result<Place> place = place_of(tile);
+    TESSERA_TRY(place.status());
+    const GroupIndex::PageRange range = place->index->pages_of(place->begin, place->end);
+    if (range.begin == range.end)
+        return TileBytes{};
+    if (range.end - range.begin > 1)
+        return load_large_tile(*place, range);
+    const Page& page = place->index->pages[range.begin];
+    auto bytes =
+        caches_->pages.get(page.offset, [&] { return read_page(place->group, range.begin, page); });
+    TESSERA_TRY(bytes.status());
+    const std::span<const std::byte> whole = **bytes;
+    return TileBytes{*bytes, whole.subspan(static_cast<std::size_t>(place->begin - page.offset),
+                                           static_cast<std::size_t>(place->end - place->begin))};
+}
+
+// The bytes of `pages`, which follow each other.
+Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRange& pages,
+                                    std::span<const std::byte> bytes) const {
+    for (std::size_t number = pages.begin; number < pages.end; ++number) {
+        const Page& page = place.index->pages[number];
+        TESSERA_TRY(check_page(place.group, number, page, bytes.first(page.length)));
+        bytes = bytes.subspan(page.length);
+    }
+    return {};
+}
+
+// A tile of several pages shares none of them: one read brings all, and they are kept as one.
+Result<TileBytes> OpenContainer::load_large_tile(const Place& place,
+                                                   const GroupIndex::PageRange& pages) const {
+    auto bytes = caches_->pages.get(place.begin, [&]() -> Result<std::vector<std::byte>> {
+        std::vector<std::byte> read(static_cast<std::size_t>(place.end - place.begin));
+        TESSERA_TRY(source_->read(place.begin, read));
+        TESSERA_TRY(check_pages(place, pages, read));
+        return read;
+    });
+    TESSERA_TRY(bytes.status());
+    return TileBytes{*bytes, **bytes};
+}
+
+Result<TileSummary> OpenContainer::summarise_tiles() const {
+    TileSummary sum;
+    std::uint32_t brought = 0; // groups
+    for (std::uint32_t g = 0; g < group_count(); ++g) {
+        if (g == brought) {
+            const Result<std::uint32_t> next = prefetch_groups(g);
+            TESSERA_TRY(next.status());
+            brought = *next;
+        }
+        const auto index = group(g);
+        TESSERA_TRY(index.status());
+        const auto& starts = (*index)->starts;
+        for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+            const std::uint64_t length = starts[i + 1] - starts[i];
+            ++sum.tiles;
+            sum.empty += length == 0;
+            sum.bytes += length;
+            sum.largest = std::max(sum.largest, length);
+        }
+    }
+    return sum;
+}
+
+} // namespace tessera

@@ -1,0 +1,320 @@
+#include "format/container/container_writer.h"
+
+#include "format/io/bytes.h"
+#include "format/io/crc32c.h"
+#include "format/container/index.h"
+#include "format/container/level_table.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace tessera {
+
+namespace {
+
+constexpr std::size_t output_chunk_bytes = 1u << 20;
+
+Status bad(const std::string& text) {
+    return {ErrorCode::bad_argument, text};
+}
+Status too_large(const std::string& text) {
+    return {ErrorCode::unsupported, text};
+}
+
+// Joins small pieces, so that a file is not written tile by tile.
+class ChunkedSink {
+public:
+    explicit ChunkedSink(ByteSink& sink) : sink_(sink) {}
+    Status append(std::span<const std::byte> bytes) {
+        append_bytes(chunk_, bytes);
+        return chunk_.size() >= output_chunk_bytes ? flush() : Status();
+    }
+    Status flush() {
+        const Status status = sink_.append(chunk_);
+        chunk_.clear();
+        return status;
+    }
+
+private:
+    ByteSink& sink_;
+    std::vector<std::byte> chunk_;
+};
+
+struct Section {
+    std::string type;
+    std::span<const std::byte> bytes;
+};
+
+// The parts of a file in the making. Its steps must run in the order of their declaration.
+class Builder {
+public:
+    explicit Builder(const ContainerContents& contents) : contents_(contents) {}
+
+    Status check();
+    Status choose_identity();
+    Status build_index(bool with_checksums);
+    Status build_head();
+    std::uint64_t file_size() const { return header_.file_size; }
+    Status write(ByteSink& sink) const;
+
+private:
+    // Calls visit(tile) -> Status in the order of the tiles' bytes, up to the first error.
+    template <class Visit> Status for_each_tile(Visit visit) const;
+    Status check_sections() const;
+    Result<std::uint64_t> tile_length(std::uint64_t tile) const;
+    // Replaces page lengths by the pages' checksums.
+    Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
+    Status make_level_table();
+    void build_root(std::uint64_t data_offset);
+    std::vector<Section> head_sections() const;
+
+    const ContainerContents& contents_;
+    FileHeader header_;
+    std::vector<LevelEntry> entries_; // the texture and its coarse levels
+    LevelTable table_;
+    std::uint64_t data_bytes_ = 0;
+    struct GroupStart {
+        std::uint64_t data;  // bytes from the start of DATA
+        std::uint32_t index; // bytes from the start of INDX
+    };
+    std::vector<GroupStart> groups_; // and one for the ends
+    std::vector<std::byte> metadata_, levels_, root_, index_;
+};
+
+template <class Visit> Status Builder::for_each_tile(Visit visit) const {
+    for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
+        const GroupTiles tiles = table_.tiles_of(group);
+        for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t)
+            TESSERA_TRY(visit(t));
+    }
+    return {};
+}
+
+Status Builder::check() {
+    const ContainerContents& c = contents_;
+    if (c.page_bytes % page_unit != 0 || c.page_bytes > max_page_bytes)
+        return bad("a page of " + std::to_string(c.page_bytes) +
+                   " bytes; a multiple of 16 up to 65536 is needed");
+    header_.page_target = static_cast<std::uint16_t>(c.page_bytes / page_unit);
+    header_.section_count = min_sections; // the true number follows in build_head
+    header_.required_features =
+        c.required_features | (c.coarse_levels.empty() ? 0 : feature_levels);
+    header_.level_count = static_cast<std::uint8_t>(
+        std::min<std::size_t>(c.coarse_levels.size() + 1, 255)); // 255 is refused below
+    header_.desc = c.desc;
+    header_.tile_extent = c.tile_extent;
+    header_.colour = c.colour;
+    header_.description = c.description;
+    header_.background = c.background;
+    Status status = check_features(header_);
+    if (status)
+        status = check_fields(header_);
+    if (!status)
+        return bad(status.message());
+    TESSERA_TRY(make_level_table());
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::uint64_t> length = tile_length(tile);
+        TESSERA_TRY(length.status());
+        if (*length > std::numeric_limits<std::uint32_t>::max())
+            return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+        return {};
+    }));
+    TESSERA_TRY(check_sections());
+    if (c.metadata.empty())
+        return {};
+    Result<std::vector<std::byte>> packed = pack_metadata(c.metadata);
+    if (packed)
+        metadata_ = std::move(*packed);
+    return packed.status();
+}
+
+Status Builder::make_level_table() {
+    entries_ = {LevelEntry{contents_.desc.size, 0, 0, 0}};
+    entries_.insert(entries_.end(), contents_.coarse_levels.begin(), contents_.coarse_levels.end());
+    Result<LevelTable> table = LevelTable::make(entries_, contents_.tile_extent);
+    if (!table)
+        return bad("a texture of " + to_string(contents_.desc.size) + " in tiles of " +
+                   to_string(contents_.tile_extent) + ": " + table.status().message());
+    table_ = std::move(*table);
+    return {};
+}
+
+Status Builder::check_sections() const {
+    if (!contents_.proxy_mesh.empty() && contents_.description.proxy != Proxy::mesh)
+        return bad("a proxy mesh for a texture whose proxy is not a mesh");
+    for (const ExtraSection& extra : contents_.extra) {
+        if (!is_section_type(extra.type) || is_known_section(extra.type))
+            return bad("section type \"" + extra.type + "\" is taken or not four ASCII letters");
+        const auto same = [&](const ExtraSection& other) { return other.type == extra.type; };
+        if (std::ranges::count_if(contents_.extra, same) > 1)
+            return bad("section \"" + extra.type + "\" stands twice");
+    }
+    return {};
+}
+
+Result<std::uint64_t> Builder::tile_length(std::uint64_t tile) const {
+    if (contents_.tile_length)
+        return contents_.tile_length(tile);
+    const Result<std::span<const std::byte>> data = contents_.tile(tile);
+    return data ? Result<std::uint64_t>(data->size()) : Result<std::uint64_t>(data.status());
+}
+
+// Equal contents give equal files, different ones almost surely different identities.
+Status Builder::choose_identity() {
+    std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
+    std::uint32_t bytes = 0;
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        TESSERA_TRY(data.status());
+        std::array<std::byte, 4> length;
+        store_le(length.data(), static_cast<std::uint32_t>(data->size()));
+        lengths = crc32c(length, lengths);
+        bytes = crc32c(*data, bytes);
+        return {};
+    }));
+    header_.identity = std::uint64_t{bytes} << 32 | lengths;
+    return {};
+}
+
+Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const {
+    std::span<const std::byte> data; // what is left of the tile at hand
+    std::uint64_t tile = table_.tiles_of(group).first;
+    for (std::size_t page = 0; page < pages.size(); ++page) {
+        std::uint32_t crc = page_crc(header_.identity, group, static_cast<std::uint32_t>(page), {});
+        for (std::size_t left = pages[page]; left > 0;) {
+            if (data.empty()) {
+                const Result<std::span<const std::byte>> next = contents_.tile(tile++);
+                if (!next)
+                    return next.status();
+                data = *next;
+                continue;
+            }
+            const std::size_t part = std::min(left, data.size());
+            crc = crc32c(data.first(part), crc);
+            data = data.subspan(part);
+            left -= part;
+        }
+        pages[page] = crc;
+    }
+    return {};
+}
+
+Status Builder::build_index(bool with_checksums) {
+    for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
+        const GroupTiles tiles = table_.tiles_of(group);
+        groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
+        std::vector<std::uint32_t> lengths;
+        for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
+            const Result<std::uint64_t> length = tile_length(t);
+            TESSERA_TRY(length.status());
+            lengths.push_back(static_cast<std::uint32_t>(*length));
+            data_bytes_ += lengths.back();
+        }
+        std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
+        // For the size of a record any numbers do in place of the checksums.
+        if (with_checksums)
+            TESSERA_TRY(sum_pages(group, pages));
+        append_bytes(index_, write_index_record(header_.identity, group, lengths, pages));
+        if (index_.size() > std::numeric_limits<std::uint32_t>::max())
+            return too_large("the index has more than 2^32 - 1 bytes");
+    }
+    groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
+    return {};
+}
+
+void Builder::build_root(std::uint64_t data_offset) {
+    root_.clear();
+    for (const GroupStart& group : groups_) {
+        append_le(root_, data_offset + group.data);
+        append_le(root_, group.index);
+    }
+}
+
+std::vector<Section> Builder::head_sections() const {
+    std::vector<Section> sections;
+    if (!metadata_.empty())
+        sections.push_back({"meta", metadata_});
+    sections.push_back({"CODE", contents_.codec_parameters});
+    sections.push_back({"LEVL", levels_});
+    if (!contents_.proxy_mesh.empty())
+        sections.push_back({"prxy", contents_.proxy_mesh});
+    for (const ExtraSection& extra : contents_.extra)
+        sections.push_back({extra.type, extra.bytes});
+    sections.push_back({"ROOT", root_});
+    return sections;
+}
+
+Status Builder::build_head() {
+    levels_ = write_levels(entries_);
+    root_.resize(groups_.size() * root_entry_bytes);
+    const std::vector<Section> sections = head_sections();
+    const std::size_t count = sections.size() + 2;
+    if (count > max_sections)
+        return bad("more than " + std::to_string(max_sections) + " sections");
+
+    std::uint64_t offset = header_bytes + count * section_entry_bytes;
+    for (const Section& section : sections)
+        offset += section.bytes.size();
+    if (offset > max_head_bytes)
+        return too_large("the head has more than 2^28 bytes");
+    header_.section_count = static_cast<std::uint16_t>(count);
+    header_.head_size = static_cast<std::uint32_t>(offset);
+    header_.file_size = offset + index_.size() + data_bytes_;
+    build_root(offset + index_.size());
+    return {};
+}
+
+Status Builder::write(ByteSink& sink) const {
+    const std::vector<Section> sections = head_sections();
+    std::vector<std::byte> table;
+    std::uint64_t offset = header_bytes + header_.section_count * section_entry_bytes;
+    const auto add_entry = [&](const std::string& type, std::uint32_t crc, std::uint64_t length) {
+        SectionEntry entry{{}, crc, offset, length};
+        std::ranges::copy(type, entry.type.begin());
+        append_bytes(table, store_section(entry));
+        offset += length;
+    };
+    for (const Section& section : sections)
+        add_entry(section.type, crc32c(section.bytes), section.bytes.size());
+    add_entry("INDX", 0, index_.size());
+    add_entry("DATA", 0, data_bytes_);
+
+    std::array<std::byte, header_bytes> header = store_header(header_);
+    const auto summed = std::span(header).first<header_crc_offset>();
+    store_le(header.data() + header_crc_offset, crc32c(table, crc32c(summed)));
+
+    ChunkedSink out(sink);
+    TESSERA_TRY(out.append(header));
+    TESSERA_TRY(out.append(table));
+    for (const Section& section : sections)
+        TESSERA_TRY(out.append(section.bytes));
+    TESSERA_TRY(out.append(index_));
+    TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
+        const Result<std::span<const std::byte>> data = contents_.tile(tile);
+        TESSERA_TRY(data.status());
+        return out.append(*data);
+    }));
+    return out.flush();
+}
+
+} // namespace
+
+Result<std::uint64_t> container_bytes(const ContainerContents& contents) {
+    Builder builder(contents);
+    TESSERA_TRY(builder.check());
+    TESSERA_TRY(builder.build_index(false));
+    TESSERA_TRY(builder.build_head());
+    return builder.file_size();
+}
+
+Result<std::uint64_t> write_container(const ContainerContents& contents, ByteSink& sink) {
+    Builder builder(contents);
+    TESSERA_TRY(builder.check());
+    TESSERA_TRY(builder.choose_identity());
+    TESSERA_TRY(builder.build_index(true));
+    TESSERA_TRY(builder.build_head());
+    TESSERA_TRY(builder.write(sink));
+    return builder.file_size();
+}
+
+} // namespace tessera

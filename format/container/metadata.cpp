@@ -1,0 +1,257 @@
+#include "format/metadata.h"
+
+#include "format/io/bytes.h"
+#include "format/container/syntax.h"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace tessera {
+
+namespace {
+
+// Limits of FORMAT.md 1.3.
+constexpr std::size_t max_entries = 65536;
+constexpr std::size_t max_key_bytes = 255;
+constexpr std::size_t max_value_bytes = 1u << 20;
+constexpr std::size_t max_text_bytes = 1u << 24;
+constexpr std::size_t packing_header_bytes = 5;
+constexpr std::size_t entry_lengths_bytes = 6; // of the key and of the value
+constexpr int zstd_level = 9;
+// A Zstandard block is at least 4 bytes and yields at most 128 KiB.
+constexpr std::uint64_t max_zstd_ratio = 32768;
+
+enum Packing : std::uint8_t { packing_stored = 0, packing_zstd = 1 };
+
+// Length of the UTF-8 sequence (without NUL) at the start of `text`; 0 if it is not one.
+std::size_t sequence_length(std::string_view text) {
+    const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned lead = byte(0);
+    if (lead < 0x80)
+        return lead != 0 ? 1 : 0;
+    const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+    if (lead < 0xC2 || lead > 0xF4 || text.size() < length)
+        return 0;
+    for (std::size_t i = 1; i < length; ++i)
+        if ((byte(i) & 0xC0) != 0x80)
+            return 0;
+    // Overlong forms, surrogates, beyond U+10FFFF.
+    const unsigned second = byte(1);
+    if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
+        (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F))
+        return 0;
+    return length;
+}
+
+bool is_text(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t length = sequence_length(text);
+        if (length == 0)
+            return false;
+        text.remove_prefix(length);
+    }
+    return true;
+}
+
+// Why an entry is not allowed, or "".
+std::string entry_problem(const std::string& key, std::size_t value_bytes) {
+    if (key.empty() || key.size() > max_key_bytes)
+        return "a metadata key has " + std::to_string(key.size()) + " bytes, outside 1..255";
+    if (!is_text(key))
+        return "a metadata key is not UTF-8 without NUL";
+    if (value_bytes > max_value_bytes)
+        return "metadata \"" + key + "\" has " + std::to_string(value_bytes) +
+               " bytes, more than 2^20";
+    return "";
+}
+
+std::string value_problem(const std::string& key, const std::string& value) {
+    return is_text(value) ? "" : "metadata \"" + key + "\" is not UTF-8 without NUL";
+}
+
+Status invalid(const std::string& text) {
+    return {ErrorCode::invalid_file, text};
+}
+
+std::string to_text(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Result<Metadata> parse_text(std::span<const std::byte> text) {
+    ByteReader reader(text);
+    std::uint32_t count = 0;
+    if (!reader.take(count) || count > max_entries)
+        return invalid("metadata claims " + std::to_string(count) + " entries, at most 65536 fit");
+    Metadata metadata;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        std::uint16_t key_bytes = 0;
+        std::uint32_t value_bytes = 0;
+        std::span<const std::byte> key_span, value_span;
+        if (!reader.take(key_bytes) || !reader.take(value_bytes) ||
+            !reader.take(key_bytes, key_span))
+            return invalid("metadata entry " + std::to_string(i) + " is cut off");
+        const std::string key = to_text(key_span);
+        if (const std::string problem = entry_problem(key, value_bytes); !problem.empty())
+            return invalid(problem);
+        if (!reader.take(value_bytes, value_span))
+            return invalid("metadata \"" + key + "\" is cut off");
+        std::string value = to_text(value_span);
+        if (const std::string problem = value_problem(key, value); !problem.empty())
+            return invalid(problem);
+        if (!metadata.empty() && metadata.rbegin()->first >= key)
+            return invalid("metadata \"" + key + "\" is out of order");
+        metadata.emplace_hint(metadata.end(), key, std::move(value));
+    }
+    if (reader.remaining() > 0)
+        return invalid("metadata goes on after its last entry");
+    return metadata;
+}
+
+Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, std::size_t size) {
+    if (size > max_zstd_ratio * packed.size())
+        return invalid("metadata claims " + std::to_string(size) + " bytes in " +
+                       std::to_string(packed.size()) + ", more than Zstandard can hold");
+    if (ZSTD_findFrameCompressedSize(packed.data(), packed.size()) != packed.size())
+        return invalid("metadata is not one Zstandard frame");
+    std::vector<std::byte> text(size);
+    if (ZSTD_decompress(text.data(), size, packed.data(), packed.size()) != size)
+        return invalid("metadata does not unpack to " + std::to_string(size) + " bytes");
+    return text;
+}
+
+} // namespace
+
+Status check_metadata(const Metadata& metadata) {
+    const auto refuse = [](const std::string& text) {
+        return Status(ErrorCode::bad_argument, text);
+    };
+    if (metadata.size() > max_entries)
+        return refuse("more than 65536 metadata entries");
+    std::size_t bytes = sizeof(std::uint32_t);
+    for (const auto& [key, value] : metadata) {
+        std::string problem = entry_problem(key, value.size());
+        if (problem.empty())
+            problem = value_problem(key, value);
+        if (!problem.empty())
+            return refuse(problem);
+        bytes += entry_lengths_bytes + key.size() + value.size();
+        if (bytes > max_text_bytes)
+            return refuse("metadata has more than 2^24 bytes");
+    }
+    return {};
+}
+
+Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata) {
+    TESSERA_TRY(check_metadata(metadata));
+    std::vector<std::byte> text;
+    append_le(text, static_cast<std::uint32_t>(metadata.size()));
+    for (const auto& [key, value] : metadata) {
+        append_le(text, static_cast<std::uint16_t>(key.size()));
+        append_le(text, static_cast<std::uint32_t>(value.size()));
+        append_bytes(text, std::as_bytes(std::span(key)));
+        append_bytes(text, std::as_bytes(std::span(value)));
+    }
+
+    std::vector<std::byte> packed(ZSTD_compressBound(text.size()));
+    const std::size_t packed_bytes =
+        ZSTD_compress(packed.data(), packed.size(), text.data(), text.size(), zstd_level);
+    const bool smaller = ZSTD_isError(packed_bytes) == 0 && packed_bytes < text.size();
+
+    std::vector<std::byte> section;
+    append_le(section, static_cast<std::uint8_t>(smaller ? packing_zstd : packing_stored));
+    append_le(section, static_cast<std::uint32_t>(text.size()));
+    append_bytes(section, smaller ? std::span(packed).first(packed_bytes) : std::span(text));
+    return section;
+}
+
+Result<Metadata> unpack_metadata(std::span<const std::byte> section) {
+    if (section.size() < packing_header_bytes)
+        return invalid("metadata is cut off");
+    const auto packing = load_le<std::uint8_t>(section.data());
+    const auto size = load_le<std::uint32_t>(section.data() + 1);
+    const std::span<const std::byte> body = section.subspan(packing_header_bytes);
+    if (size > max_text_bytes)
+        return invalid("metadata claims " + std::to_string(size) + " bytes, more than 2^24");
+    if (packing == packing_stored)
+        return body.size() == size ? parse_text(body)
+                                   : invalid("metadata claims " + std::to_string(size) +
+                                             " bytes and has " + std::to_string(body.size()));
+    if (packing != packing_zstd)
+        return invalid("metadata has unknown packing " + std::to_string(packing));
+    Result<std::vector<std::byte>> text = unpack_zstd(body, size);
+    return text ? parse_text(*text) : Result<Metadata>(text.status());
+}
+
+const char* name_of(Proxy value) {
+    switch (value) {
+    case Proxy::none:
+        return "none";
+    case Proxy::sphere:
+        return "sphere";
+    case Proxy::mesh:
+        return "mesh";
+    }
+    return "unknown";
+}
+
+const char* name_of(SurfaceMap value) {
+    switch (value) {
+    case SurfaceMap::none:
+        return "none";
+    case SurfaceMap::sphere_longitude_latitude:
+        return "sphere longitude/latitude";
+    case SurfaceMap::mesh_uv:
+        return "mesh uv";
+    }
+    return "unknown";
+}
+
+const char* name_of(AngularMap value) {
+    switch (value) {
+    case AngularMap::none:
+        return "none";
+    case AngularMap::hemisphere_alpha_beta:
+        return "hemisphere alpha/beta";
+    case AngularMap::planar_views:
+        return "planar views";
+    }
+    return "unknown";
+}
+
+const char* name_of(Transfer value) {
+    switch (value) {
+    case Transfer::unspecified:
+        return "unspecified";
+    case Transfer::srgb:
+        return "sRGB";
+    case Transfer::linear:
+        return "linear";
+    }
+    return "unknown";
+}
+
+const char* name_of(Primaries value) {
+    switch (value) {
+    case Primaries::unspecified:
+        return "unspecified";
+    case Primaries::bt709:
+        return "BT.709";
+    }
+    return "unknown";
+}
+
+const char* name_of(AlphaMode value) {
+    switch (value) {
+    case AlphaMode::none:
+        return "none";
+    case AlphaMode::straight:
+        return "straight";
+    case AlphaMode::premultiplied:
+        return "premultiplied";
+    }
+    return "unknown";
+}
+
+} // namespace tessera

@@ -1,0 +1,104 @@
+// An open container: what ContainerReader shows, and how it is found, loaded and checked.
+//   container_open.cpp      header, sections, levels, root
+//   container_tiles.cpp     index records, pages, tiles
+//   container_prefetch.cpp  many of them with two requests
+//   container_validate.cpp  all of them
+#pragma once
+
+#include "format/container/container_caches.h"
+#include "format/container/level_table.h"
+#include "format/container/syntax.h"
+#include "format/container_reader.h"
+
+namespace tessera {
+
+class OpenContainer {
+public:
+    // Does the work of open(); `rule` is the rule being checked when an error is returned.
+    Status load(ByteSource& source, const OpenOptions& options, ContainerRule& rule);
+
+    const FileHeader& header() const { return header_; }
+    const Metadata& metadata() const { return metadata_; }
+    const LevelTable& level_table() const { return table_; }
+    std::uint64_t tile_count() const { return table_.tile_count(); }
+    std::uint32_t group_count() const { return table_.group_count(); }
+    const ByteSource& source() const { return *source_; }
+    std::span<const SectionInfo> sections() const { return sections_; }
+    std::string name() const { return source_->name(); }
+
+    // As ContainerReader says.
+    std::span<const std::byte> section_bytes(const std::string& type) const;
+    Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
+    Result<TileSummary> summarise_tiles() const;
+    Result<bool> is_received(std::uint64_t tile) const;
+    Result<TileLocation> locate(std::uint64_t tile) const;
+    Status read_tile(std::uint64_t tile, std::vector<std::byte>& out) const;
+    Result<TileBytes> load_tile(std::uint64_t tile) const;
+    Result<std::size_t> prefetch(std::span<const std::uint64_t> tiles) const;
+    Result<std::uint32_t> prefetch_groups(std::uint32_t first) const;
+    std::vector<Finding> validate(const ContainerReader::Progress& progress) const;
+
+private:
+    // Precondition: groups that exist, each once, at most window_groups * 2.
+    Status bring_groups(std::span<const std::uint32_t> groups) const;
+    Status load_header(const OpenOptions& options, ContainerRule& rule);
+    Status load_sections(ContainerRule& rule);
+    Status load_levels();
+    Status load_root();
+    // Precondition: the section exists.
+    const SectionInfo& section(const std::string& type) const;
+    Status invalid(const std::string& text) const;
+
+    struct RootEntry {
+        std::uint64_t data, index; // bytes, absolute
+    };
+    RootEntry root(std::uint32_t group) const;
+    GroupKey group_key(std::uint32_t group) const;
+    struct IndexRange {
+        std::uint64_t offset, length; // bytes
+    };
+    IndexRange index_range(std::uint32_t group) const;
+    Result<GroupIndex> read_group(std::uint32_t group, ContainerRule& rule) const;
+    Result<GroupIndex> parse_group(std::uint32_t group, std::span<const std::byte> bytes,
+                                   ContainerRule& rule) const;
+    Status no_such_tile(std::uint64_t tile) const;
+
+    // A tile's bytes [begin, end) and the index that says so.
+    struct Place {
+        std::shared_ptr<const GroupIndex> index;
+        std::uint32_t group = 0;
+        std::uint64_t begin = 0, end = 0;
+    };
+    Result<Place> place_of(std::uint64_t tile) const;
+    Status check_page(std::uint32_t group, std::size_t number, const Page& page,
+                      std::span<const std::byte> bytes) const;
+    Result<std::vector<std::byte>> read_page(std::uint32_t group, std::size_t number,
+                                             const Page& page) const;
+    Status check_pages(const Place& place, const GroupIndex::PageRange& pages,
+                       std::span<const std::byte> bytes) const;
+    Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
+
+    void note_curiosities(std::vector<Finding>& out) const;
+    // Adds to `missing` the tiles that have not been received.
+    void validate_group(std::uint32_t group, std::vector<Finding>& out,
+                        std::uint64_t& missing) const;
+
+    ByteSource* source_ = nullptr;
+    FileHeader header_;
+    // From the stored bytes of the first reads where they are there, else from the source.
+    Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
+    bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
+        return offset <= head_.size() && length <= head_.size() - offset;
+    }
+    std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
+    std::vector<SectionInfo> sections_;
+    Metadata metadata_;
+    LevelTable table_;
+    std::span<const std::byte> root_; // into head_
+    std::unique_ptr<ContainerCaches> caches_;
+};
+
+// ", at offset 17": where in the file a message is about.
+std::string at_offset(std::uint64_t offset);
+
+} // namespace tessera

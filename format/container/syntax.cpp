@@ -1,0 +1,231 @@
+#include "format/container/syntax.h"
+
+#include "format/io/bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
+
+namespace tessera {
+
+namespace {
+
+// Takes or puts the fields one after the other; FORMAT.md 1.1 gives the order.
+class FieldReader {
+public:
+    explicit FieldReader(const std::byte* at) : at_(at) {}
+    template <std::unsigned_integral T> void field(T& value) {
+        value = load_le<T>(at_);
+        at_ += sizeof(T);
+    }
+
+private:
+    const std::byte* at_;
+};
+
+class FieldWriter {
+public:
+    explicit FieldWriter(std::byte* at) : at_(at) {}
+    template <std::unsigned_integral T> void field(T value) {
+        store_le(at_, value);
+        at_ += sizeof(T);
+    }
+
+private:
+    std::byte* at_;
+};
+
+// One list of fields for both directions, so that they cannot disagree. `Fields` is FieldReader
+// with a mutable header or FieldWriter with a const one.
+template <class Fields, class Header> void walk_header(Fields& fields, Header& h) {
+    const auto byte_enum = [&](auto& value) {
+        auto raw = static_cast<std::uint8_t>(value);
+        fields.field(raw);
+        if constexpr (!std::is_const_v<Header>)
+            value = static_cast<std::remove_reference_t<decltype(value)>>(raw);
+    };
+    const auto real = [&](auto& value) {
+        auto raw = std::bit_cast<std::uint32_t>(value);
+        fields.field(raw);
+        if constexpr (!std::is_const_v<Header>)
+            value = std::bit_cast<float>(raw);
+    };
+    fields.field(h.version_major);
+    fields.field(h.version_minor);
+    fields.field(h.required_features);
+    fields.field(h.optional_features);
+    fields.field(h.file_size);
+    fields.field(h.head_size);
+    fields.field(h.section_count);
+    fields.field(h.page_target);
+    for (auto& extent : h.desc.size)
+        fields.field(extent);
+    for (auto& extent : h.tile_extent) {
+        auto raw = static_cast<std::uint8_t>(extent);
+        fields.field(raw);
+        if constexpr (!std::is_const_v<Header>)
+            extent = raw;
+    }
+    byte_enum(h.desc.type);
+    fields.field(h.desc.channels);
+    byte_enum(h.colour);
+    byte_enum(h.description.alpha);
+    byte_enum(h.description.proxy);
+    byte_enum(h.description.surface_map);
+    byte_enum(h.description.angular_map);
+    byte_enum(h.description.transfer);
+    byte_enum(h.description.primaries);
+    fields.field(h.level_count);
+    auto reserved_78 = static_cast<std::uint16_t>(h.reserved >> 32);
+    fields.field(reserved_78);
+    for (auto& value : h.description.sphere_centre)
+        real(value);
+    real(h.description.sphere_radius);
+    for (auto& value : h.description.viewing_radius)
+        real(value);
+    for (auto& value : h.background)
+        fields.field(value);
+    fields.field(h.identity);
+    auto reserved_120 = static_cast<std::uint32_t>(h.reserved);
+    fields.field(reserved_120);
+    fields.field(h.crc);
+    if constexpr (!std::is_const_v<Header>)
+        h.reserved = std::uint64_t{reserved_78} << 32 | reserved_120;
+}
+
+Status invalid(const std::string& text) {
+    return {ErrorCode::invalid_file, text};
+}
+
+Status check_range(const char* field, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
+    if (low <= value && value <= high)
+        return {};
+    return invalid(std::string("header field ") + field + " is " + std::to_string(value) +
+                   ", outside " + std::to_string(low) + ".." + std::to_string(high));
+}
+
+Status check_tile_extent(const FileHeader& h) {
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        TESSERA_TRY(check_range("tile_extent", h.tile_extent[axis], 1,
+                                static_cast<std::uint64_t>(max_side_along(axis))));
+    return check_range("tile_extent (product)", texel_count(h.tile_extent), 1, max_tile_texels);
+}
+
+Status check_channel_use(const FileHeader& h) {
+    TESSERA_TRY(check_range("colour", static_cast<std::uint8_t>(h.colour), 0, 1));
+    if (h.colour == ColourTransform::ycocg_r && h.desc.channels < 3)
+        return invalid("header field colour is YCoCg-R with " + std::to_string(h.desc.channels) +
+                       " channels");
+    const AlphaMode alpha = h.description.alpha;
+    TESSERA_TRY(check_range("alpha", static_cast<std::uint8_t>(alpha), 0, 2));
+    if (alpha != AlphaMode::none && h.desc.channels % 2 != 0)
+        return invalid(std::string("header field alpha is ") + name_of(alpha) + " with " +
+                       std::to_string(h.desc.channels) + " channels");
+    return {};
+}
+
+Status check_background(const FileHeader& h) {
+    for (std::size_t channel = 0; channel < h.background.size(); ++channel) {
+        const std::uint16_t sample = h.background[channel];
+        const bool finite =
+            h.desc.type == SampleType::unorm8 ? sample <= 255 : (sample & 0x7C00) != 0x7C00;
+        if (channel < h.desc.channels ? !finite : sample != 0)
+            return invalid("header field background[" + std::to_string(channel) + "] is " +
+                           std::to_string(sample) + ", not a sample of this texture");
+    }
+    return {};
+}
+
+Status check_geometry(const Description& d) {
+    if (!std::ranges::all_of(d.sphere_centre, [](float x) { return std::isfinite(x); }))
+        return invalid("header field sphere_centre is not finite");
+    const bool sphere = d.proxy == Proxy::sphere;
+    if (!std::isfinite(d.sphere_radius) || (sphere ? !(d.sphere_radius > 0) : d.sphere_radius != 0))
+        return invalid("header field sphere_radius is " + std::to_string(d.sphere_radius) +
+                       (sphere ? ", not above 0" : ", not 0 without a sphere"));
+    const auto [near, far] = std::pair(d.viewing_radius[0], d.viewing_radius[1]);
+    if (!std::isfinite(near) || !std::isfinite(far) || near < 0 || near > far)
+        return invalid("header field viewing_radius is not 0 <= near <= far");
+    return {};
+}
+
+} // namespace
+
+std::string feature_name(unsigned bit) {
+    constexpr const char* names[] = {"coarse levels", "corrections", "quality layers",
+                                     "colour rotation per leaf", "prediction inside tiles"};
+    return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
+}
+
+FileHeader load_header(std::span<const std::byte, header_bytes> bytes) {
+    FileHeader header;
+    FieldReader fields(bytes.data() + file_identifier.size());
+    walk_header(fields, header);
+    return header;
+}
+
+std::array<std::byte, header_bytes> store_header(const FileHeader& header) {
+    std::array<std::byte, header_bytes> bytes;
+    std::ranges::copy(std::as_bytes(std::span(file_identifier)), bytes.begin());
+    FieldWriter fields(bytes.data() + file_identifier.size());
+    walk_header(fields, header);
+    return bytes;
+}
+
+Status check_features(const FileHeader& header) {
+    const std::uint64_t unknown = header.required_features & ~known_features;
+    if (unknown == 0)
+        return {};
+    const auto bit = static_cast<unsigned>(std::countr_zero(unknown));
+    return {ErrorCode::unsupported, "the file needs feature \"" + feature_name(bit) + "\" (bit " +
+                                        std::to_string(bit) +
+                                        " of required_features), which this version does not have"};
+}
+
+Status check_fields(const FileHeader& h) {
+    TESSERA_TRY(check_range("sample_type", static_cast<std::uint8_t>(h.desc.type), 0, 1));
+    if (const Status status = check_desc(h.desc); !status)
+        return invalid("header field size or channels: " + status.message());
+    TESSERA_TRY(check_range("head_size", h.head_size, 0, max_head_bytes));
+    TESSERA_TRY(check_range("section_count", h.section_count, min_sections, max_sections));
+    TESSERA_TRY(check_range("page_target", h.page_target, min_page_target, max_page_target));
+    TESSERA_TRY(check_tile_extent(h));
+    TESSERA_TRY(check_channel_use(h));
+    const bool levels = (h.required_features & feature_levels) != 0;
+    TESSERA_TRY(check_range("level_count", h.level_count, levels ? 2 : 1, levels ? max_levels : 1));
+    TESSERA_TRY(check_range("reserved", h.reserved, 0, 0));
+    TESSERA_TRY(check_geometry(h.description));
+    return check_background(h);
+}
+
+SectionEntry load_section(std::span<const std::byte, section_entry_bytes> bytes) {
+    SectionEntry entry;
+    for (std::size_t i = 0; i < entry.type.size(); ++i)
+        entry.type[i] = std::to_integer<char>(bytes[i]);
+    entry.crc = load_le<std::uint32_t>(bytes.data() + 4);
+    entry.offset = load_le<std::uint64_t>(bytes.data() + 8);
+    entry.length = load_le<std::uint64_t>(bytes.data() + 16);
+    return entry;
+}
+
+std::array<std::byte, section_entry_bytes> store_section(const SectionEntry& entry) {
+    std::array<std::byte, section_entry_bytes> bytes;
+    std::ranges::copy(std::as_bytes(std::span(entry.type)), bytes.begin());
+    store_le(bytes.data() + 4, entry.crc);
+    store_le(bytes.data() + 8, entry.offset);
+    store_le(bytes.data() + 16, entry.length);
+    return bytes;
+}
+
+bool is_section_type(const std::string& type) {
+    const auto letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+    return type.size() == 4 && std::ranges::all_of(type, letter);
+}
+
+bool is_known_section(const std::string& type) {
+    constexpr const char* known[] = {"CODE", "LEVL", "ROOT", "INDX", "DATA", "meta", "prxy"};
+    return std::ranges::find(known, type) != std::end(known);
+}
+
+} // namespace tessera

@@ -1,0 +1,99 @@
+// The fixed numbers and records of FORMAT.md part 1, shared by reader and writer.
+#pragma once
+
+#include "format/tile/limits.h"
+#include "format/metadata.h"
+#include "format/status.h"
+#include "format/texture.h"
+#include "format/tile/colour_transform.h"
+#include "format/tile/features.h"
+#include "format/version.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+inline constexpr std::array<unsigned char, 12> file_identifier = {
+    0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1A, '\n'};
+
+// Sizes of records and limits, in bytes where not said otherwise.
+inline constexpr std::size_t header_bytes = 128;
+inline constexpr std::size_t header_crc_offset = 124;
+inline constexpr std::size_t section_entry_bytes = 24;
+inline constexpr std::size_t level_entry_bytes = 24;
+inline constexpr std::size_t root_entry_bytes = 12;
+inline constexpr unsigned min_sections = 5, max_sections = 64;
+inline constexpr std::uint32_t max_head_bytes = 1u << 28;
+inline constexpr unsigned max_levels = 64;
+inline constexpr std::uint64_t max_tiles = 0xFFFFFFFFu;
+inline constexpr std::uint32_t tiles_per_group = 256;
+inline constexpr std::uint32_t page_unit = 16;         // page_target counts these
+inline constexpr std::uint32_t max_page_bytes = 65536; // longer tiles are cut into such pages
+inline constexpr std::uint32_t min_page_target = 16, max_page_target = 4096; // page units
+
+// "corrections", "bit 17": for messages and listings.
+std::string feature_name(unsigned bit);
+
+// The header's fields. Those that check_fields has accepted are within the ranges of 1.1.
+struct FileHeader {
+    std::uint16_t version_major = format_version_major;
+    std::uint16_t version_minor = format_version_minor;
+    std::uint64_t required_features = 0;
+    std::uint64_t optional_features = 0;
+    std::uint64_t file_size = 0; // bytes
+    std::uint32_t head_size = 0; // bytes from the start of the file to INDX
+    std::uint16_t section_count = 0;
+    std::uint16_t page_target = 256; // in units of 16 bytes
+    TextureDesc desc;                // of level 0
+    Extent4 tile_extent{1, 1, 1, 1}; // texels, the largest tile
+    ColourTransform colour = ColourTransform::none;
+    Description description;
+    std::uint8_t level_count = 1;
+    std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), channel order
+    std::uint64_t identity = 0;
+    std::uint64_t reserved = 0; // both reserved fields
+    std::uint32_t crc = 0;
+
+    std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }
+};
+
+// Fields <-> the 128 bytes; neither checks anything.
+FileHeader load_header(std::span<const std::byte, header_bytes> bytes);
+std::array<std::byte, header_bytes> store_header(const FileHeader& header);
+
+// unsupported: a required feature that this version does not know, by name.
+Status check_features(const FileHeader& header);
+// invalid_file: the first field outside its range in 1.1, by name. Does not look at the version, the
+// features, file_size, identity or crc.
+Status check_fields(const FileHeader& header);
+
+// One entry of the section table.
+struct SectionEntry {
+    std::array<char, 4> type{};
+    std::uint32_t crc = 0;
+    std::uint64_t offset = 0, length = 0; // bytes, absolute
+
+    std::string name() const { return std::string(type.data(), type.size()); }
+    bool required() const { return type[0] >= 'A' && type[0] <= 'Z'; }
+};
+
+SectionEntry load_section(std::span<const std::byte, section_entry_bytes> bytes);
+std::array<std::byte, section_entry_bytes> store_section(const SectionEntry& entry);
+// Whether `type` is four ASCII letters.
+bool is_section_type(const std::string& type);
+// Whether this version knows what the section holds.
+bool is_known_section(const std::string& type);
+
+// The limits of 1.3. Errors: bad_argument, naming the key and the limit.
+Status check_metadata(const Metadata& metadata);
+// Body of section `meta` (1.3). Errors: those of check_metadata.
+Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata);
+// Errors: invalid_file, without the file's name.
+Result<Metadata> unpack_metadata(std::span<const std::byte> section);
+
+} // namespace tessera

@@ -1,0 +1,133 @@
+#include "format/byte_source.h"
+
+#include "format/io/system_calls.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+
+namespace tessera {
+
+namespace {
+
+class FileSource : public ByteSource {
+public:
+    FileSource(int descriptor, std::uint64_t size, std::string path)
+        : descriptor_(descriptor), size_(size), path_(std::move(path)) {}
+    ~FileSource() override { ::close(descriptor_); }
+    FileSource(const FileSource&) = delete;
+    FileSource& operator=(const FileSource&) = delete;
+
+    std::uint64_t size() const override { return size_; }
+    std::string name() const override { return path_; }
+
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        TESSERA_TRY(check_range(*this, offset, out.size()));
+        while (!out.empty()) {
+            const ssize_t got =
+                ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));
+            if (got < 0 && errno == EINTR)
+                continue;
+            const std::string what = "cannot read at offset " + std::to_string(offset);
+            if (got < 0)
+                return sys::system_error(path_, what, errno);
+            if (got == 0)
+                return {ErrorCode::io, path_ + ": " + what + ": the file became shorter"};
+            offset += static_cast<std::uint64_t>(got);
+            out = out.subspan(static_cast<std::size_t>(got));
+        }
+        return {};
+    }
+
+private:
+    int descriptor_;
+    std::uint64_t size_;
+    std::string path_;
+};
+
+class MemorySource : public ByteSource {
+public:
+    explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    std::string name() const override { return "<memory>"; }
+
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        TESSERA_TRY(check_range(*this, offset, out.size()));
+        if (!out.empty())
+            std::memcpy(out.data(), bytes_.data() + offset, out.size());
+        return {};
+    }
+
+private:
+    std::span<const std::byte> bytes_;
+};
+
+} // namespace
+
+Status check_range(const ByteSource& source, std::uint64_t offset, std::uint64_t length) {
+    if (offset <= source.size() && length <= source.size() - offset)
+        return {};
+    return {ErrorCode::io, source.name() + ": cannot read " + std::to_string(length) +
+                               " bytes at offset " + std::to_string(offset) + " of " +
+                               std::to_string(source.size())};
+}
+
+Status ByteSource::read_many(std::span<const ReadRequest> requests) {
+    for (const ReadRequest& request : requests)
+        TESSERA_TRY(read(request.offset, request.out));
+    return {};
+}
+
+Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
+    // O_NONBLOCK: opening a pipe must not wait for its writer before it is refused.
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0)
+        return sys::system_error(path, "cannot open", errno);
+    struct stat info = {};
+    const int failed = ::fstat(descriptor, &info) < 0 ? errno : 0;
+    if (failed == 0 && S_ISREG(info.st_mode))
+        return std::unique_ptr<ByteSource>(std::make_unique<FileSource>(
+            descriptor, static_cast<std::uint64_t>(info.st_size), path));
+    ::close(descriptor);
+    if (failed != 0)
+        return sys::system_error(path, "cannot find its size", failed);
+    return Status(ErrorCode::io,
+                  path + ": cannot open: it is " +
+                      (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file"));
+}
+
+std::unique_ptr<ByteSource> wrap_memory(std::span<const std::byte> bytes) {
+    return std::make_unique<MemorySource>(bytes);
+}
+
+// One lock for all counters: they serve tests and reports, and the class stays movable.
+static std::mutex counting_mutex;
+
+Status CountingByteSource::read(std::uint64_t offset, std::span<std::byte> out) {
+    {
+        const std::lock_guard lock(counting_mutex);
+        reads_.push_back({offset, out.size()});
+        asked_ += out.size();
+    }
+    return inner_.read(offset, out);
+}
+
+Status CountingByteSource::read_many(std::span<const ReadRequest> requests) {
+    for (const ReadRequest& request : requests)
+        TESSERA_TRY(check_range(*this, request.offset, request.out.size()));
+    {
+        const std::lock_guard lock(counting_mutex);
+        for (const MergedRead& read : merge_reads(requests))
+            reads_.push_back({read.offset, read.length});
+        for (const ReadRequest& request : requests)
+            asked_ += request.out.size();
+    }
+    return inner_.read_many(requests);
+}
+
+} // namespace tessera

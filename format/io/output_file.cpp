@@ -1,0 +1,120 @@
+#include "format/output_file.h"
+
+#include "format/io/system_calls.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+namespace tessera {
+
+namespace {
+
+using sys::system_error;
+
+// Renaming over a directory fails only after all the work, and over a device replaces it.
+Status check_target(const std::string& path) {
+    struct stat info = {};
+    if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
+        return {ErrorCode::io, path + ": cannot write: it is " +
+                                   (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file")};
+    return {};
+}
+
+constexpr int create_flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+
+} // namespace
+
+OutputFile::OutputFile(OutputFile&& other) noexcept {
+    *this = std::move(other);
+}
+
+OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
+    if (this != &other) {
+        discard();
+        path_ = std::move(other.path_);
+        temporary_ = std::move(other.temporary_);
+        descriptor_ = std::exchange(other.descriptor_, -1);
+        appended_ = std::exchange(other.appended_, 0);
+    }
+    return *this;
+}
+
+OutputFile::~OutputFile() {
+    discard();
+}
+
+void OutputFile::discard() {
+    if (descriptor_ < 0)
+        return;
+    ::close(std::exchange(descriptor_, -1));
+    ::unlink(temporary_.c_str());
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path) {
+    TESSERA_TRY(check_target(path));
+    // A killed run may have left its temporary file, and process numbers come again.
+    constexpr int attempts = 100;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        OutputFile file;
+        file.path_ = path;
+        file.temporary_ = path + "." + std::to_string(::getpid()) +
+                          (attempt > 0 ? "-" + std::to_string(attempt) : "") + ".tmp";
+        file.descriptor_ = sys::open(file.temporary_.c_str(), create_flags, 0666);
+        if (file.descriptor_ >= 0)
+            return file;
+        if (errno != EEXIST)
+            return system_error(path, "cannot create " + file.temporary_, errno);
+    }
+    return system_error(path, "cannot create a temporary file beside it", EEXIST);
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path, const std::string& temporary) {
+    TESSERA_TRY(check_target(path));
+    OutputFile file;
+    file.path_ = path;
+    file.temporary_ = temporary;
+    ::unlink(temporary.c_str());
+    file.descriptor_ = sys::open(temporary.c_str(), create_flags, 0666);
+    if (file.descriptor_ < 0)
+        return system_error(path, "cannot create " + temporary, errno);
+    return file;
+}
+
+Status OutputFile::append(std::span<const std::byte> bytes) {
+    TESSERA_TRY(write_at(appended_, bytes));
+    appended_ += bytes.size();
+    return {};
+}
+
+Status OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+    if (descriptor_ < 0)
+        return {ErrorCode::io, path_ + ": cannot write: the file is not open"};
+    return sys::write_all(descriptor_, path_, bytes, offset);
+}
+
+Status OutputFile::commit() {
+    if (descriptor_ < 0)
+        return {ErrorCode::io, path_ + ": cannot finish: the file is not open"};
+    if (sys::fsync(descriptor_) < 0) {
+        const int error = errno;
+        discard();
+        return system_error(path_, "cannot write to the disk", error);
+    }
+    std::string what = "cannot finish " + temporary_;
+    // Some file systems report a failed write only here.
+    int error = sys::close(std::exchange(descriptor_, -1)) < 0 ? errno : 0;
+    if (error == 0 && sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
+        error = errno;
+        what = "cannot rename " + temporary_ + " to it";
+    }
+    if (error == 0)
+        return {};
+    ::unlink(temporary_.c_str());
+    return system_error(path_, what, error);
+}
+
+} // namespace tessera

@@ -1,0 +1,84 @@
+#include "format/io/system_calls.h"
+#include "format/output_file.h"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <filesystem>
+#include <unistd.h>
+#include <utility>
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string beside(const std::string& path, const char* suffix) {
+    return path + "." + std::to_string(getpid()) + suffix;
+}
+
+} // namespace
+
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept
+    : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+
+OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
+    if (this != &other) {
+        discard();
+        path_ = std::move(other.path_);
+        temporary_ = std::exchange(other.temporary_, {});
+    }
+    return *this;
+}
+
+OutputFolder::~OutputFolder() {
+    discard();
+}
+
+void OutputFolder::discard() {
+    std::error_code ignored;
+    if (!temporary_.empty())
+        fs::remove_all(temporary_, ignored);
+    temporary_.clear();
+}
+
+Result<OutputFolder> OutputFolder::create(const std::string& path) {
+    OutputFolder folder;
+    const std::string temporary = beside(path, ".tmp");
+    if (sys::mkdir(temporary.c_str(), 0777) < 0)
+        return sys::system_error(path, "cannot create " + temporary, errno);
+    folder.path_ = path;
+    folder.temporary_ = temporary;
+    return folder;
+}
+
+Status OutputFolder::add(const std::string& name, std::span<const std::byte> bytes) const {
+    const std::string path = temporary_ + "/" + name;
+    const int file = sys::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0)
+        return sys::system_error(path, "cannot create", errno);
+    Status status = sys::write_all(file, path, bytes, 0);
+    if (sys::close(file) < 0 && status.ok())
+        status = sys::system_error(path, "cannot write", errno);
+    return status;
+}
+
+Status OutputFolder::commit() {
+    std::error_code ignored;
+    const std::string old = beside(path_, ".old");
+    const bool replacing = fs::exists(path_, ignored);
+    if (replacing && sys::rename(path_.c_str(), old.c_str()) < 0)
+        return sys::system_error(path_, "cannot rename it to " + old, errno);
+    if (sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
+        const int error = errno;
+        if (replacing) // not through a call that a test makes fail: this is the way back
+            fs::rename(old, path_, ignored);
+        return sys::system_error(path_, "cannot rename " + temporary_ + " to it", error);
+    }
+    temporary_.clear();
+    if (replacing)
+        fs::remove_all(old, ignored);
+    return {};
+}
+
+} // namespace tessera

@@ -1,0 +1,81 @@
+// The levels of a file, which are the texture itself and coarser copies of it, and how a level is cut
+// into tiles: FORMAT.md 1.4 and part 2.
+//
+// Along an axis of D texels with largest tile extent T there are n = ceil(D / T) tiles, and tile i
+// covers [floor(i D / n), floor((i + 1) D / n)). Extents along an axis differ by at most one, so no
+// tile is a sliver. Tiles are numbered ((it * ns + is) * nv + iv) * nu + iu.
+#pragma once
+
+#include "format/texture.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace TESSERA_PUBLIC tessera {
+
+// A value type; everything is pure and thread-safe.
+class TileGrid {
+public:
+    TileGrid() = default;
+    // Precondition: every extent is at least 1 and `size` is accepted by check_desc.
+    TileGrid(const Extent4& size, const Extent4& tile_extent);
+
+    const Extent4& size() const { return size_; }               // texels
+    const Extent4& tile_extent() const { return tile_extent_; } // texels, the largest tile
+    const Extent4& count() const { return count_; }             // tiles along each axis
+    std::uint64_t tiles() const { return texel_count(count_); } // at most 2^48
+
+    // Tile number <-> tile coordinates. Preconditions: number < tiles(), coordinates < count().
+    std::uint64_t number(const Extent4& coordinates) const;
+    Extent4 coordinates(std::uint64_t number) const;
+
+    // The texels of a tile.
+    Box4 box(const Extent4& coordinates) const;
+    Box4 box(std::uint64_t number) const { return box(coordinates(number)); }
+
+    // The tile coordinates whose tiles meet `texels`, as a half-open box.
+    // Precondition: is_inside(texels, size()).
+    Box4 touched(const Box4& texels) const;
+
+    // Their numbers, ascending.
+    std::vector<std::uint64_t> tiles_touched(const Box4& texels) const;
+
+    // Calls visit(tile number) for every tile of a box of tile coordinates, in ascending order.
+    template <class Visit> void for_each(const Box4& tiles, Visit visit) const;
+
+private:
+    Extent4 size_{0, 0, 0, 0}, tile_extent_{1, 1, 1, 1}, count_{0, 0, 0, 0};
+};
+
+template <class Visit> void TileGrid::for_each(const Box4& tiles, Visit visit) const {
+    for (std::uint32_t t = tiles.begin[axis_t]; t < tiles.end[axis_t]; ++t)
+        for (std::uint32_t s = tiles.begin[axis_s]; s < tiles.end[axis_s]; ++s)
+            for (std::uint32_t v = tiles.begin[axis_v]; v < tiles.end[axis_v]; ++v)
+                for (std::uint32_t u = tiles.begin[axis_u]; u < tiles.end[axis_u]; ++u)
+                    visit(number({u, v, s, t}));
+}
+
+constexpr unsigned max_lod = 20; // 2^20 is the largest extent
+constexpr unsigned max_step_shift = 15;
+
+// What section LEVL says of one level. A texel of it stands for 2^spatial_lod texels of level 0 along
+// u and v, and 2^angular_lod along s and t; its steps are those of CODE times 2^step_shift.
+struct LevelEntry {
+    Extent4 size{0, 0, 0, 0};
+    std::uint8_t spatial_lod = 0, angular_lod = 0, step_shift = 0;
+
+    unsigned lod(int axis) const { return axis < axis_s ? spatial_lod : angular_lod; }
+    bool operator==(const LevelEntry&) const = default;
+};
+
+// The entry of the level that is `full` with every 2^lod texels joined.
+LevelEntry coarse_level(const Extent4& full, unsigned spatial_lod, unsigned angular_lod,
+                        unsigned step_shift);
+
+struct Level : LevelEntry {
+    std::uint64_t first_tile = 0;
+    std::uint32_t first_group = 0, group_count = 0;
+    TileGrid grid;
+};
+
+} // namespace tessera

@@ -1,0 +1,73 @@
+// Blocks inside a tile and how they split, normative (FORMAT.md 3.2).
+#pragma once
+
+#include "format/tile/limits.h"
+
+#include <array>
+#include <cstdint>
+
+namespace tessera {
+
+// Sides of a block along u, v, s, t, 1..64, 1..64, 1..32, 1..32, product at most 65,536.
+struct BlockShape {
+    std::array<std::uint8_t, 4> n{1, 1, 1, 1};
+
+    constexpr int texels() const { return n[0] * n[1] * n[2] * n[3]; }
+    bool operator==(const BlockShape&) const = default;
+    auto operator<=>(const BlockShape&) const = default;
+};
+
+// A node of a tile's split tree: a block and how often it was split spatially and angularly.
+struct Block {
+    std::array<std::uint8_t, 4> origin{0, 0, 0, 0}; // in the tile
+    BlockShape shape;
+    std::uint8_t spatial_depth = 0, angular_depth = 0;
+    bool operator==(const Block&) const = default;
+};
+
+enum class Split : std::uint8_t { none = 0, spatial = 1, angular = 2 };
+constexpr int split_kinds = 3;
+
+constexpr int first_axis(Split split) {
+    return split == Split::spatial ? 0 : 2;
+}
+
+// Whether `split` divides at least one side.
+inline bool can_split(const BlockShape& shape, Split split) {
+    const int axis = first_axis(split);
+    return shape.n[axis] > 1 || shape.n[axis + 1] > 1;
+}
+
+// Children in decoding order: the first axis of the pair varies fastest. A side of n falls into
+// (n + 1) / 2 and n / 2; a side of 1 stays whole, so there are 2 or 4 children.
+struct Children {
+    std::array<Block, 4> block;
+    int count = 0;
+};
+
+inline Children children_of(const Block& parent, Split split) {
+    const int axis = first_axis(split);
+    Children result;
+    const int parts_a = parent.shape.n[axis] > 1 ? 2 : 1;
+    const int parts_b = parent.shape.n[axis + 1] > 1 ? 2 : 1;
+    for (int b = 0; b < parts_b; ++b)
+        for (int a = 0; a < parts_a; ++a) {
+            Block child = parent;
+            const auto divide = [&child](int side, int parts, int part) {
+                const int n = child.shape.n[side];
+                const int head = (n + 1) / 2;
+                if (parts == 1)
+                    return;
+                child.shape.n[side] = static_cast<std::uint8_t>(part == 0 ? head : n - head);
+                child.origin[side] =
+                    static_cast<std::uint8_t>(child.origin[side] + (part == 0 ? 0 : head));
+            };
+            divide(axis, parts_a, a);
+            divide(axis + 1, parts_b, b);
+            ++(split == Split::spatial ? child.spatial_depth : child.angular_depth);
+            result.block[result.count++] = child;
+        }
+    return result;
+}
+
+} // namespace tessera

@@ -1,0 +1,64 @@
+#include "format/tile/code_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+std::array<std::uint16_t, parameter_count_of_odds> make_frequencies() {
+    std::array<std::uint16_t, parameter_count_of_odds> table{};
+    for (int p = 0; p < parameter_count_of_odds; ++p)
+        table[static_cast<std::size_t>(p)] = static_cast<std::uint16_t>(
+            std::clamp(std::lround(4096.0 / (1.0 + std::exp2((p - 32) / 3.0))), 1L, 4095L));
+    return table;
+}
+
+// Symbol i stops the chain with the frequency of its parameter out of what is left; every symbol
+// keeps at least 1.
+template <int symbols>
+void build(SymbolTable<symbols>& table, const std::uint8_t* chain, int chain_length) {
+    std::uint32_t start = 0;
+    for (int symbol = 0; symbol + 1 < symbols; ++symbol) {
+        table.start[static_cast<std::size_t>(symbol)] = static_cast<std::uint16_t>(start);
+        const std::uint32_t left = probability_total - start;
+        const std::uint32_t later = static_cast<std::uint32_t>(symbols - 1 - symbol);
+        const std::uint32_t share =
+            (left * stop_frequency(chain[std::min(symbol, chain_length - 1)])) >> probability_bits;
+        start += std::clamp(share, 1u, left - later);
+    }
+    table.start[symbols - 1] = static_cast<std::uint16_t>(start);
+    table.start[symbols] = probability_total;
+}
+
+} // namespace
+
+std::uint32_t stop_frequency(std::uint8_t parameter) {
+    static const auto frequencies = make_frequencies();
+    return frequencies[parameter & (parameter_count_of_odds - 1)];
+}
+
+CodeTables::CodeTables(const Parameters& parameters) {
+    for (int i = 0; i < zero_parameters; ++i)
+        zero[static_cast<std::size_t>(i)] =
+            static_cast<std::uint16_t>(stop_frequency(parameters[i]));
+    const std::uint8_t* next = parameters.data() + magnitude_offset;
+    const auto build_next = [&next](auto& tables, int chain_length) {
+        for (auto& table : tables) {
+            build(table, next, chain_length);
+            next += chain_length;
+        }
+    };
+    build_next(magnitude, magnitude_chain);
+    build_next(first_length, length_tokens - 1);
+    build_next(other_length, length_tokens - 1);
+    for (auto& row : split)
+        build_next(row, split_kinds - 1);
+    build_next(correction, correction_chain);
+    build_next(colour, colour_kinds - 1);
+    build_next(prediction, prediction_kinds - 1);
+    build_next(displacement_kind, displacement_kinds - 1);
+    build_next(displacement, displacement_tokens - 1);
+}
+
+} // namespace tessera

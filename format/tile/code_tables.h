@@ -1,0 +1,205 @@
+// The probabilities of a file: parameters, contexts and the rANS tables made from them, normative
+// (FORMAT.md 3.5).
+//
+// Every probability is one parameter, a quantised log-odds. A binary decision uses one; a symbol of
+// a larger alphabet is a chain of decisions "this one, or a later one". So tables of any size are
+// arrays of small numbers that can be coded as differences to the built-in defaults.
+#pragma once
+
+#include "format/tile/limits.h"
+#include "format/tile/rans.h"
+#include "format/tile/scan_order.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// Frequency out of 4096 of "no / stop" for a parameter: 4096 / (1 + 2^((p - 32) / 3)), rounded,
+// within 1..4095. p = 0 is almost surely no, 63 almost surely yes.
+constexpr int parameter_count_of_odds = 64;
+std::uint32_t stop_frequency(std::uint8_t parameter);
+
+constexpr int plane_classes = 2; // first plane of a leaf; the others
+constexpr int copy_classes = 2;  // blocks that copy nothing; those that copy
+
+// Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
+// half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
+constexpr int quantiser_states = 8;
+// [state][parity of the magnitude]
+constexpr std::uint8_t next_state[quantiser_states][2] = {{0, 2}, {5, 7}, {1, 3}, {6, 4},
+                                                          {2, 0}, {4, 6}, {3, 1}, {7, 5}};
+constexpr int quantisers = 2;
+constexpr int quantiser_of(int state) {
+    return state & 1;
+}
+
+// Contexts look at amplitudes: distances from 0 in half steps, to two binary digits. Code c stands
+// for 0, 1, 2, 3, 4, 6, 8, 12, ... 192.
+constexpr int amplitude_codes = 16;
+constexpr int amplitude_code(std::uint32_t amplitude) {
+    if (amplitude < 2)
+        return static_cast<int>(amplitude);
+    const int digits = static_cast<int>(std::bit_width(amplitude));
+    return std::min(2 * (digits - 1) + static_cast<int>(amplitude >> (digits - 2) & 1),
+                    amplitude_codes - 1);
+}
+constexpr std::uint32_t amplitude_of(int code) {
+    return code < 2 ? static_cast<std::uint32_t>(code) : (2u + (code & 1)) << (code / 2 - 1);
+}
+constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
+// Codes of small numbers; the last one stands for all above.
+inline constexpr auto small_codes = [] {
+    std::array<std::uint8_t, 193> codes{};
+    for (std::uint32_t x = 0; x < codes.size(); ++x)
+        codes[x] = static_cast<std::uint8_t>(amplitude_code(x));
+    return codes;
+}();
+constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
+    return small_codes[std::min<std::size_t>((sum * share) >> 9, small_codes.size() - 1)];
+}
+constexpr int cross_classes = 6; // the amplitude at the same place in earlier planes
+constexpr int cross_class(int code) {
+    return std::min((code + 1) / 2, cross_classes - 1);
+}
+constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
+constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
+constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
+constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
+// The table that codes the length of plane 0.
+constexpr int size_class(const BlockShape& shape) {
+    const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
+    return std::min(bits / 2, size_classes - 1);
+}
+// Tables of plane 0's length: by size, blocks that copy nothing first.
+constexpr int length_contexts = 2 * size_classes;
+constexpr int length_context(const BlockShape& shape, bool copies) {
+    return size_class(shape) + (copies ? size_classes : 0);
+}
+// Nodes of a split tree by how often they were split along a pair of axes; the deepest share one.
+constexpr int depth_classes = 6;
+constexpr std::size_t depth_class(int depth) {
+    return static_cast<std::size_t>(std::min(depth, depth_classes - 1));
+}
+
+// Magnitude tables of one quantiser and copy class: of plane 0 by neighbours, then those of DC by
+// size class; of the other planes by neighbours / 2 and cross, then those of DC by size class.
+constexpr int magnitude_crosses = cross_classes - 2; // the first three in one
+constexpr int other_magnitudes = neighbour_classes + size_classes;
+constexpr int magnitude_tables =
+    other_magnitudes + neighbour_classes / 2 * magnitude_crosses + size_classes;
+// neighbours is the size class for DC.
+constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool dc, int neighbours,
+                              int cross) {
+    const int first = (copies * quantisers + quantiser) * magnitude_tables;
+    if (plane_class == 0)
+        return first + (dc ? neighbour_classes : 0) + neighbours;
+    return first + other_magnitudes +
+           (dc ? neighbour_classes / 2 * magnitude_crosses + neighbours
+               : neighbours / 2 * magnitude_crosses + std::max(cross - 2, 0));
+}
+
+constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation
+constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
+constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
+constexpr int correction_chain = magnitude_chain + 1;
+
+// Where each group's parameters start, in file order, and how many a file holds in all.
+constexpr int zero_parameters =
+    copy_classes * quantisers * (1 + cross_classes) * zero_positions * neighbour_classes;
+constexpr int magnitude_offset = zero_parameters;
+constexpr int all_magnitude_tables = copy_classes * quantisers * magnitude_tables;
+constexpr int magnitude_parameters = all_magnitude_tables * magnitude_chain;
+constexpr int first_length_offset = magnitude_offset + magnitude_parameters;
+constexpr int first_length_parameters = length_contexts * (length_tokens - 1);
+constexpr int other_length_offset = first_length_offset + first_length_parameters;
+constexpr int other_length_parameters = length_tokens * (length_tokens - 1);
+constexpr int split_offset = other_length_offset + other_length_parameters;
+constexpr int split_parameters = depth_classes * depth_classes * 2;
+constexpr int correction_offset = split_offset + split_parameters;
+constexpr int correction_parameters = correction_contexts * correction_chain;
+constexpr int colour_offset = correction_offset + correction_parameters;
+constexpr int colour_parameters =
+    2 * (colour_kinds - 1); // after a plain block, after a rotated one
+constexpr int prediction_kinds = 4;      // nothing, along s, along t, both (see format/tile/prediction.h)
+constexpr int prediction_contexts = 6;   // what lies before: s, t, both; times the block before
+constexpr int displacement_kinds = 3;    // the last one, the one before it, a new one
+constexpr int displacement_tokens = 9;   // bit length of a component's magnitude, 0..255
+constexpr int displacement_classes = 2;  // along the parallax, across it
+constexpr int prediction_offset = colour_offset + colour_parameters;
+constexpr int prediction_parameters = prediction_contexts * (prediction_kinds - 1);
+constexpr int displacement_kind_offset = prediction_offset + prediction_parameters;
+constexpr int displacement_kind_parameters = 2 * (displacement_kinds - 1);
+constexpr int displacement_offset = displacement_kind_offset + displacement_kind_parameters;
+constexpr int displacement_parameters = displacement_classes * (displacement_tokens - 1);
+constexpr int parameter_count = displacement_offset + displacement_parameters;
+
+using Parameters = std::array<std::uint8_t, parameter_count>;
+
+// Groups of parameters that blocks that copy have of their own: their second halves, in the same order
+// as the first ones.
+struct ParameterGroup {
+    int offset, count;
+};
+constexpr ParameterGroup groups_with_copies[] = {{0, zero_parameters},
+                                                 {magnitude_offset, magnitude_parameters},
+                                                 {first_length_offset, first_length_parameters}};
+
+// Whether only blocks that copy use a parameter: files without predictions do not hold it.
+constexpr bool is_of_copies(int parameter) {
+    for (const auto& [offset, count] : groups_with_copies)
+        if (parameter >= offset + count / 2 && parameter < offset + count)
+            return true;
+    return parameter >= prediction_offset;
+}
+
+// Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class
+// for DC.
+constexpr int zero_parameter(bool copies, int quantiser, int plane_class, int position,
+                             int neighbours, int cross) {
+    const int row = (copies * quantisers + quantiser) * (1 + cross_classes) +
+                    (plane_class == 0 ? 0 : 1 + cross);
+    return (row * zero_positions + position) * neighbour_classes + neighbours;
+}
+
+// A multi-symbol table: start[i] .. start[i + 1] is symbol i's share of 4096.
+template <int symbols> struct SymbolTable {
+    std::array<std::uint16_t, symbols + 1> start{};
+
+    template <class Coder> void encode(Coder& coder, int symbol) const {
+        coder.put(start[symbol], start[symbol + 1] - start[symbol]);
+    }
+    int decode(RansDecoder& decoder) const {
+        const std::uint32_t slot = decoder.slot();
+        int symbol = 0;
+        while (symbol + 1 < symbols && slot >= start[symbol + 1])
+            ++symbol;
+        decoder.consume(start[symbol], start[symbol + 1] - start[symbol]);
+        return symbol;
+    }
+};
+
+// Tables ready for coding, made from parameters. Immutable, so thread-safe.
+struct CodeTables {
+    explicit CodeTables(const Parameters& parameters);
+
+    std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
+    std::array<SymbolTable<magnitude_tokens>, all_magnitude_tables> magnitude;
+    std::array<SymbolTable<length_tokens>, length_contexts> first_length;
+    std::array<SymbolTable<length_tokens>, length_tokens> other_length;
+    std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
+    std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
+    std::array<SymbolTable<colour_kinds>, 2> colour; // [last block with a colour was rotated]
+    std::array<SymbolTable<prediction_kinds>, prediction_contexts> prediction;
+    std::array<SymbolTable<displacement_kinds>, 2> displacement_kind; // [along s, along t]
+    std::array<SymbolTable<displacement_tokens>, displacement_classes> displacement;
+};
+
+// Built-in defaults: what files start from and what small files use as they are.
+const Parameters& default_parameters();
+
+} // namespace tessera

@@ -1,0 +1,77 @@
+// From levels to transform coefficients in integers, normative (FORMAT.md 4.1).
+#pragma once
+
+#include "format/tile/block.h"
+#include "format/texture.h"
+
+#include <array>
+#include <cstdint>
+
+namespace tessera {
+
+// Coefficients and intermediate values count in 2^-fraction_bits of a sample step.
+constexpr int fraction_bits(SampleType type) {
+    return type == SampleType::unorm8 ? 14 : 8;
+}
+
+// Values between the transform and the texels (4.3) count in 2^-value_bits of a code, and those that are
+// copied or filtered lie within -value_limit .. value_limit - 1.
+constexpr int value_bits(SampleType type) {
+    return type == SampleType::unorm8 ? 4 : 0;
+}
+constexpr std::int32_t value_limit(SampleType type) {
+    return type == SampleType::unorm8 ? 1 << 14 : 1 << 18;
+}
+
+constexpr std::int32_t max_level = (1 << 20) - 1;
+constexpr std::int32_t coefficient_limit = 1 << 26; // |coefficient| stays below or at this
+
+// A quantiser step in sample units, as stored: (2048 + mantissa) * 2^exponent / 4096, mantissa the
+// low 11 bits, exponent the high 5 (0..20). From 0.5 to about 2^20, steps of 0.05 % or less.
+struct StepCode {
+    std::uint16_t bits = 0x0800; // 1.0
+
+    double value() const;
+    static StepCode nearest(double step); // clamps to the range
+    bool operator==(const StepCode&) const = default;
+};
+constexpr int max_step_exponent = 20;
+
+// magnitude * mantissa * 2^exponent; the coefficient of a level of that magnitude, before offsets.
+struct Scale {
+    std::int32_t mantissa = 1024; // 1024..2047
+    std::int32_t exponent = 0;
+};
+
+// Scales of one plane of one block shape, indexed by the number of axes whose frequency is not 0.
+using ScaleSet = std::array<Scale, 5>;
+
+// step * 2^fraction * sqrt(2)^axes / sqrt(texels), rounded as FORMAT.md 4.1 says; half of that where
+// levels are `dependent`.
+ScaleSet make_scales(StepCode step, const BlockShape& shape, SampleType type,
+                     bool dependent = false);
+
+// How far towards zero a reconstruction point lies inside its interval, in 1/64 of a step, for
+// magnitude 1 and for larger ones: the centroid of a Laplacian. 0..31.
+using ReconstructionOffsets = std::array<std::uint8_t, 2>;
+
+// |coefficient| of a level of this magnitude; result at most coefficient_limit.
+// Precondition: 1 <= magnitude <= max_level.
+inline std::int32_t dequantize(std::int32_t magnitude, Scale scale,
+                               const ReconstructionOffsets& offsets) {
+    const std::int32_t offset = offsets[magnitude > 1 ? 1 : 0];
+    const std::int32_t product = magnitude * scale.mantissa - ((scale.mantissa * offset) >> 6);
+    if (scale.exponent < 0) {
+        if (scale.exponent < -31)
+            return 0;
+        const std::uint32_t half = 1u << (-scale.exponent - 1);
+        const std::uint32_t rounded =
+            (static_cast<std::uint32_t>(product) + half) >> -scale.exponent;
+        return rounded > coefficient_limit ? coefficient_limit : static_cast<std::int32_t>(rounded);
+    }
+    return scale.exponent > 26 || product > (coefficient_limit >> scale.exponent)
+               ? coefficient_limit
+               : product << scale.exponent;
+}
+
+} // namespace tessera

@@ -1,0 +1,15 @@
+// What a decoder must know to read a file.
+#pragma once
+
+#include <cstdint>
+
+namespace tessera {
+
+// Bits of required_features (FORMAT.md 1.5).
+inline constexpr std::uint64_t feature_levels = 1u << 0;
+inline constexpr std::uint64_t feature_corrections = 1u << 1;
+inline constexpr std::uint64_t feature_prediction = 1u << 4;
+inline constexpr std::uint64_t known_features =
+    feature_levels | feature_corrections | feature_prediction;
+
+} // namespace tessera

@@ -1,0 +1,148 @@
+#include "format/tile/prediction.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace tessera {
+namespace {
+
+int decode_component(RansDecoder& rans, const SymbolTable<displacement_tokens>& table) {
+    const int token = table.decode(rans);
+    if (token == 0)
+        return 0;
+    const int magnitude = (1 << (token - 1)) + static_cast<int>(rans.raw(token - 1));
+    return rans.raw(1) != 0 ? -magnitude : magnitude;
+}
+
+bool decode_displacement(RansDecoder& rans, const CodeTables& tables, int direction,
+                         PredictionMemory& memory, Displacement& out) {
+    const auto d = static_cast<std::size_t>(direction);
+    const int kind = tables.displacement_kind[d].decode(rans);
+    if (kind < 2) {
+        out = memory.known(direction, kind);
+    } else {
+        std::array<int, 2> at = {memory.known(direction, 0).u, memory.known(direction, 0).v};
+        for (int component = 0; component < 2; ++component) {
+            int& value = at[static_cast<std::size_t>(component)];
+            value += decode_component(
+                rans, tables.displacement[static_cast<std::size_t>(
+                          displacement_class(direction, component))]);
+            if (value < -max_displacement || value > max_displacement)
+                return false;
+        }
+        out = {static_cast<std::int8_t>(at[0]), static_cast<std::int8_t>(at[1])};
+    }
+    memory.remember(direction, out);
+    return true;
+}
+
+// The path of angular splits that leads to coordinate x of a side of n, first split highest.
+std::uint32_t split_path(int n, int x) {
+    std::uint32_t path = 0;
+    for (int depth = 0; depth < max_split_depth; ++depth) {
+        const int head = (n + 1) / 2;
+        const bool second = n > 1 && x >= head;
+        path = path << 1 | (second ? 1u : 0u);
+        x -= second ? head : 0;
+        n = second ? n - head : head;
+    }
+    return path;
+}
+
+} // namespace
+
+bool copies_anything(std::span<const BlockPrediction> predictions) {
+    return std::any_of(predictions.begin(), predictions.end(),
+                       [](const BlockPrediction& prediction) { return prediction.copies(); });
+}
+
+bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block& block,
+                       PredictionMemory& memory, BlockPrediction& out) {
+    out = {};
+    const int context = memory.context_of(block);
+    if (context < 0)
+        return true;
+    const int from = copy_from_symbol(
+        tables.prediction[static_cast<std::size_t>(context)].decode(rans), context);
+    if (from < 0)
+        return false;
+    out.from = static_cast<CopyFrom>(from);
+    memory.remember(from != 0);
+    for (int direction = 0; direction < copy_directions; ++direction)
+        if (out.copies_along(direction) &&
+            !decode_displacement(rans, tables, direction, memory,
+                                 out.displacement[static_cast<std::size_t>(direction)]))
+            return false;
+    return true;
+}
+
+CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
+                       std::span<const BlockPrediction> predictions) {
+    // Cells of the angular tree come in the order of their paths, t before s: the views before a
+    // cell along s or t lie in cells that come earlier, whatever their sizes.
+    std::array<std::uint32_t, max_tile_side> path_s{}, path_t{};
+    for (int s = 0; s < tile.n[2]; ++s)
+        path_s[static_cast<std::size_t>(s)] = split_path(tile.n[2], s);
+    for (int t = 0; t < tile.n[3]; ++t)
+        path_t[static_cast<std::size_t>(t)] = split_path(tile.n[3], t);
+    const auto key = [&](const Block& block) {
+        std::uint32_t both = 0;
+        for (int bit = max_split_depth; bit-- > 0;)
+            both = both << 2 | (path_t[block.origin[3]] >> bit & 1) << 1 |
+                   (path_s[block.origin[2]] >> bit & 1);
+        return both;
+    };
+    std::vector<std::uint32_t> keys(blocks.size());
+    CopyDepths result;
+    result.order.resize(blocks.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        keys[i] = key(blocks[i]);
+        result.order[i] = static_cast<std::uint16_t>(i);
+    }
+    std::sort(result.order.begin(), result.order.end(), [&](std::uint16_t a, std::uint16_t b) {
+        return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+    });
+
+    std::vector<std::uint8_t> view_depth(static_cast<std::size_t>(tile.n[2] * tile.n[3]));
+    const auto deepest = [&](int s, int s_end, int t, int t_end) {
+        int depth = 0;
+        for (int y = t; y < t_end; ++y)
+            for (int x = s; x < s_end; ++x)
+                depth = std::max<int>(depth,
+                                      view_depth[static_cast<std::size_t>(y * tile.n[2] + x)]);
+        return depth;
+    };
+    result.depth.resize(blocks.size());
+    for (const std::uint16_t i : result.order) {
+        const Block& block = blocks[i];
+        const int s = block.origin[2], s_end = s + block.shape.n[2];
+        const int t = block.origin[3], t_end = t + block.shape.n[3];
+        int depth = 0;
+        if (predictions[i].copies_along(0) && s > 0)
+            depth = std::max(depth, 1 + deepest(s - 1, s, t, t_end));
+        if (predictions[i].copies_along(1) && t > 0)
+            depth = std::max(depth, 1 + deepest(s, s_end, t - 1, t));
+        result.largest = std::max(result.largest, depth);
+        result.depth[i] = static_cast<std::uint8_t>(std::min(depth, max_copy_depth + 1));
+        for (int y = t; y < t_end; ++y)
+            for (int x = s; x < s_end; ++x) {
+                auto& view = view_depth[static_cast<std::size_t>(y * tile.n[2] + x)];
+                view = std::max(view, result.depth[i]);
+            }
+    }
+    return result;
+}
+
+CopyDepths limit_copy_depths(const BlockShape& tile, std::span<const Block> blocks,
+                             std::span<BlockPrediction> predictions) {
+    for (;;) {
+        CopyDepths depths = copy_depths(tile, blocks, predictions);
+        if (depths.largest <= max_copy_depth)
+            return depths;
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            if (depths.depth[i] > max_copy_depth)
+                predictions[i] = {};
+    }
+}
+
+} // namespace tessera

@@ -1,0 +1,98 @@
+#include "format/tile/scan_order.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// Sum over the axes of weight * k / n in 1/64 of a halving of variance; floor of an exact quotient
+// per axis, so that every implementation sorts alike.
+std::uint32_t scan_cost(const ScanEntry& e, const BlockShape& shape, const ScanWeights& weights) {
+    std::uint32_t cost = 0;
+    for (int axis = 0; axis < 4; ++axis)
+        cost += std::uint32_t{weights[axis]} * e.k[axis] * 8u / shape.n[axis];
+    return cost;
+}
+
+std::uint8_t position_class_of(std::uint32_t cost) {
+    return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
+}
+
+// Neighbours before each entry, and what contexts need of them.
+void find_neighbours(ScanOrder& order) {
+    constexpr std::uint16_t unknown = 0xFFFF;
+    const auto& n = order.shape.n;
+    const auto raster = [&n](const std::array<int, 4>& k) {
+        return static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0]);
+    };
+    std::vector<std::uint16_t> rank(static_cast<std::size_t>(order.shape.texels()), unknown);
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const auto& k = order.entry[i].k;
+        rank[raster({k[0], k[1], k[2], k[3]})] = static_cast<std::uint16_t>(i);
+    }
+    order.neighbours.resize(order.entry.size());
+    order.context.resize(order.entry.size());
+    for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        unsigned weight = 0;
+        for (std::size_t j = 0; j < scan_neighbours; ++j) {
+            std::array<int, 4> k;
+            bool inside = true;
+            for (std::size_t axis = 0; axis < 4; ++axis) {
+                k[axis] = order.entry[i].k[axis] - neighbour_steps[j][axis];
+                inside = inside && k[axis] >= 0 && k[axis] < n[axis];
+            }
+            const std::uint16_t found = inside ? rank[raster(k)] : unknown;
+            const bool earlier = found < i;
+            order.neighbours[i][j] = earlier ? found : static_cast<std::uint16_t>(i);
+            weight += earlier ? (j < double_neighbours ? 2u : 1u) : 0u;
+        }
+        order.context[i].share = static_cast<std::uint16_t>(weight > 0 ? 4096u / weight : 0u);
+        // Four position classes make one.
+        order.context[i].position = static_cast<std::uint8_t>((order.position_class[i] + 3) / 4);
+    }
+}
+static_assert((position_classes - 1 + 3) / 4 == zero_positions - 1);
+
+} // namespace
+
+ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
+    struct Keyed {
+        std::uint32_t cost, raster;
+        ScanEntry entry;
+    };
+    std::vector<Keyed> all;
+    all.reserve(static_cast<std::size_t>(shape.texels()));
+    const auto coded = [&shape](int axis) {
+        return std::min<int>(shape.n[static_cast<std::size_t>(axis)], max_frequencies);
+    };
+    for (int t = 0; t < coded(3); ++t)
+        for (int s = 0; s < coded(2); ++s)
+            for (int v = 0; v < coded(1); ++v)
+                for (int u = 0; u < coded(0); ++u) {
+                    const ScanEntry entry{
+                        {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
+                         static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
+                    all.push_back({scan_cost(entry, shape, weights),
+                                   static_cast<std::uint32_t>(all.size()), entry});
+                }
+    std::sort(all.begin(), all.end(), [](const Keyed& a, const Keyed& b) {
+        return a.cost != b.cost ? a.cost < b.cost : a.raster < b.raster;
+    });
+    all.resize(std::min<std::size_t>(all.size(), max_coded_length));
+
+    ScanOrder order;
+    order.shape = shape;
+    std::array<std::uint8_t, 4> support{1, 1, 1, 1};
+    for (const Keyed& keyed : all) {
+        order.position_class.push_back(order.entry.empty() ? 0 : position_class_of(keyed.cost));
+        order.entry.push_back(keyed.entry);
+        for (int axis = 0; axis < 4; ++axis)
+            support[axis] =
+                std::max(support[axis], static_cast<std::uint8_t>(keyed.entry.k[axis] + 1));
+        order.support.push_back(support);
+    }
+    find_neighbours(order);
+    return order;
+}
+
+} // namespace tessera

@@ -1,0 +1,245 @@
+// Prediction from other views of a tile: coding, depths, reconstruction, and what the encoder gains.
+#include "codec/tile_encoder/tile_encoder.h"
+#include "tests/support/decode_cases.h"
+#include "tests/support/encoded_file.h"
+#include "tests/support/random_predictions.h"
+#include "tests/reference/spec_decoder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+using test::Bytes;
+using test::encode_file_of;
+using test::EncodedFile;
+
+TEST(Prediction, RandomTilesDecodeAsTheSpecificationSays) {
+    for (const test::DecodeCase& one : test::predicted_cases()) {
+        const auto file = wrap_memory(one.file);
+        const auto decoder = Decoder::open(*file);
+        ASSERT_TRUE(decoder.ok()) << one.name << ": " << decoder.status().message();
+        const Box4 whole = Box4::whole(decoder->desc().size);
+        Bytes texels(decoder->desc().box_bytes(whole));
+        ASSERT_TRUE(decoder->decode_box(whole, texels).ok()) << one.name;
+        std::string error;
+        const auto expected = tessera_reference::decode(one.file, error);
+        ASSERT_TRUE(expected) << one.name << ": " << error;
+        EXPECT_EQ(texels, expected->texels) << one.name;
+    }
+}
+
+TEST(Prediction, RandomTilesRoundTripThroughTheEntropyCoder) {
+    test::Random random(31);
+    std::size_t copies = 0;
+    for (int i = 0; i < 60; ++i) {
+        CodingParameters parameters;
+        if (i % 2 == 1)
+            parameters.parameters = test::random_parameters(random);
+        parameters.prediction = true;
+        const TileCoding coding(parameters, SampleType::unorm8, 3);
+        const BlockShape shape = test::shape_of(random.range(1, 32), random.range(1, 32),
+                                                random.range(1, 8), random.range(1, 8));
+        TileLevels levels =
+            test::RandomTile(random, coding, {.split = 0.8, .density = 0.05, .magnitude_bits = 3})
+                .make(shape);
+        test::RandomPredictions(random, 0.6).add_to(levels);
+        for (std::size_t block = 0; block < levels.blocks.size(); ++block)
+            copies += levels.copies(block);
+        Bytes payload;
+        encode_levels(levels, {}, coding, payload);
+        const ColourCoding colour{{{}, SampleType::unorm8, 3}, ColourTransform::ycocg_r, {}};
+        TileDecoder decoder(coding, colour);
+        const Status parsed = decoder.parse(payload, shape);
+        ASSERT_TRUE(parsed.ok()) << parsed.message();
+        EXPECT_TRUE(decoder.levels() == levels) << i;
+    }
+    EXPECT_GT(copies, 500u);
+}
+
+// A tile of S x T views, each a block of its own, in the order of the split tree.
+void cut_into_views(TileLevels& tile, const Block& block) {
+    const bool leaf = block.shape.n[2] == 1 && block.shape.n[3] == 1;
+    tile.splits.push_back(static_cast<std::uint8_t>(leaf ? Split::none : Split::angular));
+    if (leaf) {
+        tile.blocks.push_back(block);
+        return;
+    }
+    const Children children = children_of(block, Split::angular);
+    for (int i = 0; i < children.count; ++i)
+        cut_into_views(tile, children.block[static_cast<std::size_t>(i)]);
+}
+
+// `copying` views in a row along s, each from the one before.
+TileLevels chain(int views, int copying) {
+    TileLevels tile;
+    tile.shape = test::shape_of(2, 2, views, 1);
+    cut_into_views(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0});
+    for (const Block& block : tile.blocks) {
+        tile.predictions.emplace_back();
+        if (block.origin[2] > 0 && block.origin[2] <= copying)
+            tile.predictions.back() = {CopyFrom::along_s, {{{1, -1}, {}}}};
+    }
+    tile.colours.assign(tile.blocks.size(), 0);
+    tile.planes.assign(tile.blocks.size(), {});
+    return tile;
+}
+
+TEST(CopyDepths, GrowAlongAChainWhateverTheOrderOfBlocks) {
+    for (const int views : {2, 5, 9, 16}) {
+        const TileLevels tile = chain(views, views - 1);
+        const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
+        EXPECT_EQ(depths.largest, views - 1);
+        for (std::size_t i = 0; i < tile.blocks.size(); ++i)
+            EXPECT_EQ(depths.depth[i], tile.blocks[i].origin[2]);
+        for (std::size_t i = 1; i < depths.order.size(); ++i)
+            EXPECT_LT(depths.depth[depths.order[i - 1]], depths.depth[depths.order[i]]);
+    }
+}
+
+TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
+    TileLevels tile;
+    tile.shape = test::shape_of(4, 4, 2, 2);
+    cut_into_views(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0});
+    tile.predictions.resize(4);
+    tile.predictions[1].from = CopyFrom::along_s;
+    tile.predictions[3].from = CopyFrom::both;
+    const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
+    EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 0, 2}));
+}
+
+TEST(CopyDepths, SixteenIsRefused) {
+    CodingParameters parameters;
+    parameters.prediction = true;
+    const TileCoding coding(parameters, SampleType::unorm8, 1);
+    const ColourCoding colour{{{}, SampleType::unorm8, 1}, ColourTransform::none, {}};
+    for (const int copying : {15, 16}) {
+        const TileLevels tile = chain(17, copying);
+        Bytes payload;
+        encode_levels(tile, {}, coding, payload);
+        TileDecoder decoder(coding, colour);
+        const Status parsed = decoder.parse(payload, tile.shape);
+        EXPECT_EQ(parsed.ok(), copying == 15) << parsed.message();
+        if (copying == 16) {
+            EXPECT_NE(parsed.message().find("15 deep"), std::string::npos) << parsed.message();
+        }
+    }
+}
+
+// A picture of fine detail that moves by `u`, `v` half texels a step along s and along t.
+test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
+                                   const std::array<int, 2>& along_t) {
+    const auto picture = [](double x, double y, int c) {
+        return 0.5 + 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
+               0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
+    };
+    return {{{32, 32, 8, 8}, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
+                return picture(u + 0.5 * (s * along_s[0] + t * along_t[0]),
+                               v + 0.5 * (s * along_s[1] + t * along_t[1]), c);
+            }};
+}
+
+// A picture of coarse detail that moves by two texels a view, under noise that does not.
+test::MemoryTexture noisy_moving_picture() {
+    test::Random random(3);
+    return {{{32, 32, 8, 8}, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
+                const double x = u + 2 * s, y = v + 2 * t;
+                return 0.5 + 0.25 * std::sin(x * 0.5 + c) * std::cos(y * 0.4) +
+                       0.12 * (random.unit() - 0.5);
+            }};
+}
+
+TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
+    test::MemoryTexture source = noisy_moving_picture();
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::psnr, 29}; // above, it is noise that is coded
+    options.tile_extent = {16, 16, 4, 4};
+    options.threads = 1;
+    const EncodedFile smooth = encode_file_of(source, options);
+    EXPECT_TRUE(smooth.parameters.smooth_copies);
+    options.threads = 3;
+    EXPECT_EQ(encode_file_of(source, options).file, smooth.file);
+    options.tools = "-smooth";
+    const EncodedFile plain = encode_file_of(source, options);
+    EXPECT_FALSE(plain.parameters.smooth_copies);
+    EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
+
+    const auto bytes = wrap_memory(smooth.file);
+    const auto decoder = Decoder::open(*bytes);
+    ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+    const Box4 whole = Box4::whole(decoder->desc().size);
+    Bytes texels(decoder->desc().box_bytes(whole));
+    ASSERT_TRUE(decoder->decode_box(whole, texels).ok());
+    std::string error;
+    const auto expected = tessera_reference::decode(smooth.file, error);
+    ASSERT_TRUE(expected) << error;
+    EXPECT_EQ(texels, expected->texels);
+}
+
+TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
+    test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::quality, 60};
+    EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
+    options.effort = 3; // without copies there is nothing to smooth
+    options.tools = "+smooth";
+    EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
+}
+
+TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
+    for (const auto& [along_s, along_t] : {std::pair{std::array{4, 0}, std::array{0, 4}},
+                                           std::pair{std::array{-6, 2}, std::array{2, 5}}}) {
+        std::array<EncodeReport, 2> report;
+        for (const int effort : {3, 5}) {
+            test::MemoryTexture source = moving_picture(along_s, along_t);
+            EncodeOptions options;
+            options.effort = effort;
+            options.tile_extent = {32, 32, 8, 8};
+            options.rate = {RateTarget::Kind::quality, effort == 5 ? 64.0 : 60.0};
+            Bytes file;
+            const auto encoded = encode_memory(source, file, options);
+            ASSERT_TRUE(encoded.ok()) << encoded.status().message();
+            report[effort == 5] = *encoded;
+            const auto bytes = wrap_memory(file);
+            const auto reader = ContainerReader::open(*bytes);
+            ASSERT_TRUE(reader.ok());
+            EXPECT_EQ(reader->header().required_features, effort == 5 ? feature_prediction : 0u);
+        }
+        const double more = report[1].psnr - report[0].psnr;
+        EXPECT_GT(more, 0);
+        // A fifth at the same PSNR; a dB is worth 15 % of the bytes and more.
+        EXPECT_LT(static_cast<double>(report[1].file_bytes),
+                  0.8 * static_cast<double>(report[0].file_bytes) * (1 + 0.15 * more));
+    }
+}
+
+TEST(EncodeCopies, ErrorBoundsGoWithoutThem) {
+    test::MemoryTexture source = moving_picture({4, 0}, {0, 4});
+    EncodeOptions options;
+    options.effort = 9;
+    options.rate = {RateTarget::Kind::max_error, 1};
+    Bytes file;
+    const auto encoded = encode_memory(source, file, options);
+    ASSERT_TRUE(encoded.ok()) << encoded.status().message();
+    EXPECT_LE(encoded->max_error, 1);
+    const auto bytes = wrap_memory(file);
+    const auto reader = ContainerReader::open(*bytes);
+    ASSERT_TRUE(reader.ok());
+    EXPECT_EQ(reader->header().required_features, feature_corrections);
+}
+
+TEST(PredictedFiles, HeaderAndSectionMustAgree) {
+    CodingParameters coding;
+    coding.prediction = true;
+    EXPECT_TRUE(check_features(coding, feature_prediction).ok());
+    EXPECT_FALSE(check_features(coding, 0).ok());
+    EXPECT_FALSE(check_features(coding, feature_prediction | feature_corrections).ok());
+    coding.prediction = false;
+    EXPECT_TRUE(check_features(coding, feature_corrections).ok());
+    EXPECT_FALSE(check_features(coding, feature_prediction).ok());
+}
+
+} // namespace
+} // namespace tessera

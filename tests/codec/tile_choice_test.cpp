@@ -1,0 +1,116 @@
+// Which tiles the encoder cuts a texture into when nobody says.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "format/texture.h"
+#include "codec/trials/tile_choice.h"
+#include "tests/support/codec_test_support.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+constexpr Extent4 size{128, 64, 16, 16};
+constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
+
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = 3) {
+    options.rate = {RateTarget::Kind::quality, 60};
+    options.effort = effort;
+    Bytes file;
+    const auto report = encode_memory(texture, file, options);
+    EXPECT_TRUE(report) << report.status().message();
+    const auto source = wrap_memory(file);
+    const auto decoder = Decoder::open(*source);
+    EXPECT_TRUE(decoder) << decoder.status().message();
+    return decoder ? decoder->container().grid().tile_extent() : Extent4{};
+}
+
+// Waves as long as a tile of 64 texels, each view another picture.
+MemoryTexture blurred_views(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+        return 0.5 + 0.25 * std::sin(0.09 * u + 0.05 * v + 1.9 * s + 2.3 * t + c) +
+               0.25 * std::sin(0.04 * u - 0.08 * v + 2.9 * s - 1.3 * t);
+    });
+}
+
+// Spots of a few texels that look the same from everywhere.
+MemoryTexture painted_surface(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int, int, int c) {
+        return 0.5 + 0.5 * std::sin(1.3 * u + c) * std::sin(1.7 * v + 0.01 * u * u);
+    });
+}
+
+// Patterned balls on a plain ground; they leave a tile of 32 texels within eight views.
+MemoryTexture moving_balls(const Extent4& extent) {
+    return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+        const int x = u - 4 * s + 640, y = v - 4 * t + 640;
+        const int dx = x % 40 - 20, dy = y % 40 - 20;
+        if (dx * dx + dy * dy >= 14 * 14)
+            return 0.1;
+        return (1 - 0.1 * c) * (0.5 + 0.25 * std::sin(0.7 * x + 0.3 * y) +
+                                0.25 * std::sin(0.23 * y - 0.5 * x) * std::sin(0.61 * y));
+    });
+}
+
+TEST(TileChoice, BlurredViewsGetWideTiles) {
+    MemoryTexture texture = blurred_views(size);
+    EXPECT_EQ(chosen_tile(texture), wide);
+}
+
+TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
+    MemoryTexture texture = painted_surface(size);
+    EXPECT_EQ(chosen_tile(texture), usual);
+}
+
+TEST(TileChoice, LayersKeepPlacesSmall) {
+    EncodeOptions options;
+    options.layers = true;
+    MemoryTexture moving = moving_balls(size);
+    EXPECT_EQ(chosen_tile(moving, options, 4), few_views);
+    MemoryTexture still = painted_surface(size);
+    EXPECT_EQ(chosen_tile(still, options), usual);
+}
+
+// Has a size, but no texels.
+class Unreadable : public TexelSource {
+public:
+    explicit Unreadable(const Extent4& extent) : desc_{extent, SampleType::unorm8, 3} {}
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4&, std::span<std::byte>) override {
+        return {ErrorCode::io, "was read"};
+    }
+
+private:
+    TextureDesc desc_;
+};
+
+TEST(TileChoice, LayersOfTheLargestTexturesKeepTheIndexSmall) {
+    EncodeOptions options;
+    options.layers = true;
+    const auto choose = [&](const Extent4& extent) {
+        Unreadable source(extent);
+        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(2)};
+        return choose_tile_extent(plan);
+    };
+    const auto largest = choose({1024, 512, 128, 128});
+    ASSERT_TRUE(largest) << largest.status().message(); // without a trial
+    EXPECT_EQ(*largest, usual);
+    EXPECT_EQ(choose({1024, 512, 64, 64}).status().message(), "was read");
+}
+
+TEST(TileChoice, WhoeverAsksForATileGetsIt) {
+    MemoryTexture texture = blurred_views({70, 66, 5, 4});
+    EncodeOptions options;
+    options.tile_extent = {16, 64, 5, 2};
+    EXPECT_EQ(chosen_tile(texture, options), options.tile_extent);
+}
+
+TEST(TileChoice, SmallTexturesNeedNoTrial) {
+    MemoryTexture texture = blurred_views({64, 32, 8, 8});
+    EXPECT_EQ(chosen_tile(texture), usual);
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,218 @@
+// The filter of decoded tiles: its arithmetic, its fit, and what it is worth in a file. That decoders
+// agree about it on any tile is tested where they are compared.
+#include "codec/fit/filter_fit.h"
+#include "codec/kernels/kernels.h"
+#include "codec/tile/padded_plane.h"
+#include "codec/reconstruct/tile_filter.h"
+#include "tests/support/encoded_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace tessera {
+namespace {
+
+using test::Random;
+
+TEST(TileFilter, SlopesFollowTheStep) {
+    // A share falls to 0 where the difference is reach / 16 steps.
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (const double step : {2.0, 10.0, 300.0})
+            for (const int reach : {3, 16, 255}) {
+                const FilterRing ring{100, static_cast<std::uint8_t>(reach)};
+                const std::uint32_t slope = filter_slope(ring, StepCode::nearest(step), type);
+                const auto end = static_cast<std::uint32_t>(
+                    std::lround(reach / 16.0 * step * (1 << value_bits(type))));
+                SCOPED_TRACE(std::to_string(step) + " " + std::to_string(reach));
+                if (end < 8 || end > 4000) // a slope has 16 bits; differences count no further
+                    continue;
+                EXPECT_LE(filter_share(ring.strength, slope, end + 1 + end / 50), 1);
+                EXPECT_GT(filter_share(ring.strength, slope, end - 1 - end / 50), 0);
+                EXPECT_NEAR(filter_share(ring.strength, slope, end / 2), 50, end < 40 ? 6 : 2);
+            }
+    // Of any step: no overflow, no division by nothing.
+    for (unsigned bits = 0; bits < (max_step_exponent + 1u) << 11; bits += 97)
+        for (const int strength : {-127, 0, 127})
+            EXPECT_LE(filter_slope({static_cast<std::int8_t>(strength), 1},
+                                   StepCode{static_cast<std::uint16_t>(bits)}, SampleType::unorm8),
+                      65535u);
+}
+
+TEST(TileFilter, EveryPathGivesTheSameBits) {
+    Random random(1);
+    for (int round = 0; round < 400; ++round) {
+        const int n = random.range(1, max_tile_side);
+        const int most = round % 3 == 0 ? 16383 : round % 3 == 1 ? 600 : 40; // of a value
+        std::vector<std::int16_t> narrow(4096);
+        for (std::int16_t& value : narrow)
+            value = static_cast<std::int16_t>(random.range(-most - 1, most));
+        const std::vector<std::int32_t> wide(narrow.begin(), narrow.end());
+        FilterTaps taps{};
+        for (std::size_t ring = 0; ring < filter_rings; ++ring) {
+            taps.strength[ring] = random.chance(0.1) ? 0 : random.range(-127, 127);
+            taps.slope[ring] =
+                static_cast<std::uint32_t>(random.range(0, random.chance(0.5) ? 65535 : 300));
+        }
+        std::array<const std::int16_t*, filter_taps> from;
+        std::array<const std::int32_t*, filter_taps> wide_from;
+        for (std::size_t i = 0; i < filter_taps; ++i) {
+            const int at = random.range(0, 3900);
+            from[i] = narrow.data() + at;
+            wide_from[i] = wide.data() + at;
+        }
+        const auto size = static_cast<std::size_t>(n);
+        std::vector<std::int32_t> a(size), b(size), c(size);
+        kernels_scalar.filter_row(narrow.data() + 7, from.data(), taps, n, a.data());
+        kernels_scalar.filter_wide_row(wide.data() + 7, wide_from.data(), taps, n, b.data());
+        if (2 * most + 1 <= 4095) { // else differences count further in halves
+            EXPECT_EQ(a, b);
+        }
+        if (!avx2_available())
+            continue;
+        kernels_avx2.filter_row(narrow.data() + 7, from.data(), taps, n, c.data());
+        EXPECT_EQ(a, c) << n;
+        kernels_avx2.filter_wide_row(wide.data() + 7, wide_from.data(), taps, n, c.data());
+        EXPECT_EQ(b, c) << n;
+    }
+}
+
+// One plane of unorm8, step 8 codes (128 in values), rings that reach half a step.
+class FilteredTile {
+public:
+    explicit FilteredTile(const BlockShape& shape) : coding(parameters(), SampleType::unorm8, 1) {
+        planes.resize(shape, 1);
+    }
+    static CodingParameters parameters() {
+        CodingParameters coding;
+        coding.step.fill(StepCode::nearest(8));
+        coding.filter.ring[0] = {{{30, 8}, {15, 8}, {20, 8}}};
+        return coding;
+    }
+    std::int32_t& at(int u, int v, int s, int t) {
+        const auto& n = planes.shape.n;
+        return planes.plane[0][static_cast<std::size_t>(((t * n[2] + s) * n[1] + v) * n[0] + u)];
+    }
+    void filter() { filter_tile(coding, scratch, planes); }
+
+    TileCoding coding;
+    FilterScratch scratch;
+    TilePlanes planes;
+};
+
+TEST(TileFilter, TakesStepsOfTheQuantiserAndLeavesEdges) {
+    for (const int height : {20, 63, 65, 1000}) { // of the step between the halves, in values
+        FilteredTile tile(test::shape_of(9, 7, 3, 2));
+        for (int t = 0; t < 2; ++t)
+            for (int s = 0; s < 3; ++s)
+                for (int v = 0; v < 7; ++v)
+                    for (int u = 0; u < 9; ++u)
+                        tile.at(u, v, s, t) = u < 4 ? 100 : 100 + height;
+        tile.filter();
+        for (int u = 0; u < 9; ++u) {
+            const int before = u < 4 ? 100 : 100 + height, after = tile.at(u, 3, 1, 1);
+            const bool near = u >= 2 && u < 6;
+            if (height > 64 || !near)
+                EXPECT_EQ(after, before) << u;
+            else
+                EXPECT_GE(u < 4 ? after - before : before - after, height < 60 ? 2 : 0) << u;
+        }
+    }
+}
+
+TEST(TileFilter, ConstantsStayAndViewsFlowTogether) {
+    FilteredTile tile(test::shape_of(5, 5, 4, 1));
+    for (int s = 0; s < 4; ++s)
+        for (int v = 0; v < 5; ++v)
+            for (int u = 0; u < 5; ++u)
+                tile.at(u, v, s, 0) = s < 2 ? -500 : -490;
+    tile.filter();
+    EXPECT_EQ(tile.at(2, 2, 0, 0), -500);
+    EXPECT_EQ(tile.at(2, 2, 3, 0), -490);
+    EXPECT_GT(tile.at(2, 2, 1, 0), -500);
+    EXPECT_LT(tile.at(2, 2, 2, 0), -490);
+    FilteredTile zero(test::shape_of(5, 5, 4, 1));
+    zero.filter();
+    EXPECT_EQ(zero.planes.plane[0], std::vector<std::int32_t>(100, 0));
+}
+
+double squared_difference(const TilePlanes& a, const TilePlanes& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.plane[0].size(); ++i)
+        sum += std::pow(a.plane[0][i] - b.plane[0][i], 2.0);
+    return sum;
+}
+
+TEST(FilterFit, TakesAwayTheErrorThatItPromises) {
+    FilteredTile tile(test::shape_of(32, 32, 4, 4));
+    Random random(2);
+    for (int t = 0; t < 4; ++t)
+        for (int s = 0; s < 4; ++s)
+            for (int v = 0; v < 32; ++v)
+                for (int u = 0; u < 32; ++u)
+                    tile.at(u, v, s, t) = static_cast<std::int32_t>(
+                        150 * std::sin(0.05 * u + 0.05 * s) + 150 * std::cos(0.06 * v - 0.05 * t));
+    const TilePlanes source = tile.planes;
+    for (std::int32_t& value : tile.planes.plane[0])
+        value += random.range(-25, 25);
+    const FilterStatistics statistics = filter_statistics(source, tile.planes, tile.coding);
+    const TileFilter filter = fit_filter(statistics);
+    ASSERT_TRUE(filter.is_on());
+    CodingParameters parameters = FilteredTile::parameters();
+    parameters.filter = filter;
+    const TileCoding coding(parameters, SampleType::unorm8, 1);
+    const double before = squared_difference(source, tile.planes);
+    filter_tile(coding, tile.scratch, tile.planes);
+    // Twelve neighbours under noise of the same kind: a mean of 13 leaves a thirteenth.
+    EXPECT_LT(squared_difference(source, tile.planes), 0.25 * before);
+}
+
+TEST(FilterFit, NothingWhereNothingIsToMend) {
+    FilteredTile tile(test::shape_of(64, 64, 4, 4));
+    Random random(3);
+    for (std::int32_t& value : tile.planes.plane[0])
+        value = random.range(-4000, 4000);
+    const TilePlanes source = tile.planes;
+    EXPECT_FALSE(fit_filter(filter_statistics(source, tile.planes, tile.coding)).is_on());
+    // Noise that has nothing to do with its neighbours.
+    for (std::int32_t& value : tile.planes.plane[0])
+        value += random.range(-25, 25);
+    EXPECT_FALSE(fit_filter(filter_statistics(source, tile.planes, tile.coding)).is_on());
+    EXPECT_FALSE(fit_filter({}).is_on());
+}
+
+test::EncodedFile encode(const EncodeOptions& options) {
+    test::MemoryTexture source(
+        {{32, 32, 8, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+            return 0.5 + 0.3 * std::sin(0.2 * u + 0.1 * s + c) * std::cos(0.17 * v + 0.15 * t);
+        });
+    return test::encode_file_of(source, options);
+}
+
+TEST(EncodeFilter, MendsCoarseQuantisation) {
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::quality, 40};
+    options.threads = 1;
+    const test::EncodedFile filtered = encode(options);
+    EXPECT_TRUE(filtered.parameters.filter.is_on());
+    options.threads = 3;
+    EXPECT_EQ(encode(options).file, filtered.file);
+    options.tools = "-filter";
+    const test::EncodedFile plain = encode(options);
+    EXPECT_FALSE(plain.parameters.filter.is_on());
+    EXPECT_GT(filtered.report.psnr, plain.report.psnr + 0.1);
+    EXPECT_LE(filtered.report.file_bytes, plain.report.file_bytes + 16);
+}
+
+TEST(EncodeFilter, NotAtLowEffortsNorWithAGuarantee) {
+    EncodeOptions options;
+    options.effort = 3; // the filter is for tiles that copy
+    EXPECT_FALSE(encode(options).parameters.filter.is_on());
+    options.effort = 5;
+    options.rate = {RateTarget::Kind::max_error, 2};
+    EXPECT_FALSE(encode(options).parameters.filter.is_on());
+}
+
+} // namespace
+} // namespace tessera

@@ -1,0 +1,535 @@
+// The decoder's shaders compiled as C++: the same texels as the CPU, bounded work, and sanity on any
+// bytes.
+#include "format/texture.h"
+#include "format/byte_source.h"
+#include "format/tile/dct_basis.h"
+#include "tests/support/decode_cases.h"
+#include "tests/support/shader_oracle.h"
+
+namespace tessera::test {
+namespace {
+
+using shaders::image;
+using shaders::Machine;
+
+// A picture of all tiles of a batch side by side.
+struct Atlas {
+    Extent4 largest;
+    TexelPlan plan;
+    int columns = 8;
+
+    explicit Atlas(const TileGrid& grid) : largest(grid.tile_extent()) {
+        plan.stride_s = largest[2] + 1;
+        plan.stride_t = largest[3] + 1;
+    }
+    TexelPlace place(std::uint32_t slot) const {
+        return {slot % columns * largest[0] * plan.stride_s,
+                slot / columns * largest[1] * plan.stride_t, 0, 0, 0};
+    }
+    void resize_image(std::size_t tiles) const {
+        const auto rows = static_cast<int>((tiles + columns - 1) / columns);
+        image.resize(columns * static_cast<int>(largest[0] * plan.stride_s),
+                     rows * static_cast<int>(largest[1] * plan.stride_t), 1);
+    }
+};
+
+struct Opened {
+    std::unique_ptr<ByteSource> source;
+    std::unique_ptr<Decoder> decoder;
+    std::unique_ptr<DecodeTables> tables;
+};
+
+Opened open(const Bytes& file) {
+    Opened opened;
+    opened.source = wrap_memory(file);
+    auto decoder = Decoder::open(*opened.source);
+    EXPECT_TRUE(decoder) << decoder.status().message();
+    opened.decoder = std::make_unique<Decoder>(std::move(*decoder));
+    auto tables = DecodeTables::make(opened.decoder->container());
+    EXPECT_TRUE(tables) << tables.status().message();
+    opened.tables = std::make_unique<DecodeTables>(std::move(*tables));
+    return opened;
+}
+
+// Number of texels of the tile in `slot` that differ from the CPU's.
+std::uint64_t differing(const Decoder& decoder, std::uint64_t tile, const Atlas& atlas,
+                        std::uint32_t slot) {
+    const Box4 box = decoder.container().grid().box(tile);
+    const auto expected = expected_samples(decoder, box);
+    const Extent4 n = box.extent();
+    const TexelPlace place = atlas.place(slot);
+    std::uint64_t count = 0;
+    std::size_t i = 0;
+    for (std::uint32_t v = 0; v < n[1]; ++v)
+        for (std::uint32_t u = 0; u < n[0]; ++u)
+            for (std::uint32_t t = 0; t < n[3]; ++t)
+                for (std::uint32_t s = 0; s < n[2]; ++s, ++i) {
+                    const auto& got =
+                        image.at(static_cast<int>(place.x + u * atlas.plan.stride_s + s),
+                                 static_cast<int>(place.y + v * atlas.plan.stride_t + t), 0);
+                    for (int c = 0; c < 4; ++c)
+                        if (got[c] != expected[i][static_cast<std::size_t>(c)]) {
+                            ++count;
+                            break;
+                        }
+                }
+    return count;
+}
+
+// Decodes the whole file by batches of at most 64 tiles.
+void expect_same_texels(const DecodeCase& test, Machine& machine) {
+    SCOPED_TRACE(test.name);
+    const Opened file = open(test.file);
+    const ContainerReader& reader = file.decoder->container();
+    const Atlas atlas(reader.grid());
+    machine.load_tables(file.tables->words());
+    BatchBuilder builder(*file.tables, reader.grid(), {.tiles = 64}, atlas.plan);
+    std::uint64_t tile = 0;
+    while (tile < reader.tile_count()) {
+        for (std::uint32_t slot = 0; tile < reader.tile_count(); ++slot, ++tile) {
+            const auto bytes = reader.load_tile(tile);
+            ASSERT_TRUE(bytes);
+            if (!builder.add(tile, bytes->bytes, atlas.place(slot)))
+                break;
+        }
+        const DecodeBatch batch = builder.finish();
+        EXPECT_TRUE(batch.damaged.empty());
+        atlas.resize_image(batch.tiles.size());
+        machine.run(batch);
+        EXPECT_EQ(image.outside, 0u);
+        EXPECT_TRUE(Machine::guards_hold(batch));
+        for (std::uint32_t slot = 0; slot < batch.tiles.size(); ++slot) {
+            EXPECT_EQ(Machine::damage(slot), 0u) << "tile " << batch.tiles[slot];
+            EXPECT_EQ(differing(*file.decoder, batch.tiles[slot], atlas, slot), 0u)
+                << "tile " << batch.tiles[slot];
+        }
+    }
+    EXPECT_LE(machine.most_rounds, shader_round_limit);
+}
+
+TEST(ShaderCore, EncodedTexturesDecodeAsOnTheCpu) {
+    Machine machine;
+    for (const DecodeCase& test : encoded_cases())
+        expect_same_texels(test, machine);
+    RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
+}
+
+TEST(ShaderCore, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
+    Machine machine;
+    for (const DecodeCase& test : random_cases())
+        expect_same_texels(test, machine);
+    RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
+}
+
+TEST(ShaderCore, PredictedTilesDecodeAsOnTheCpu) {
+    Machine machine;
+    for (const DecodeCase& test : predicted_cases())
+        expect_same_texels(test, machine);
+    EXPECT_EQ(machine.most_waves, 16u);
+    RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
+}
+
+TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
+    const DecodeCase test = encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1},
+                                         {RateTarget::Kind::quality, 50});
+    Machine().load_tables(open(test.file).tables->words());
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int k = 0; k < std::min(n, max_frequencies); ++k)
+            for (int x = 0; x < n; ++x)
+                ASSERT_EQ(
+                    static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
+                    basis(n)[k * n + x])
+                    << n << " " << k << " " << x;
+    // The tables lie one behind the other.
+    EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
+              shaders::tsr_t_prediction);
+    EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
+              shaders::tsr_t_filter);
+    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_end);
+}
+
+// ---- Any bytes at all.
+
+// Textures of one tile or two, small enough to be decoded thousands of times: with corrections and
+// with predictions, which a file cannot have both.
+std::vector<std::unique_ptr<ShaderOracle>> small_files() {
+    struct File {
+        TextureDesc desc;
+        Extent4 tile;
+    };
+    std::vector<std::unique_ptr<ShaderOracle>> files;
+    unsigned number = 0;
+    for (const File& file : {File{{{7, 5, 3, 2}, SampleType::unorm8, 3}, {7, 5, 3, 2}},
+                             File{{{9, 6, 5, 4}, SampleType::half16, 4}, {5, 6, 5, 4}},
+                             File{{{1, 1, 1, 1}, SampleType::unorm8, 2}, {1, 1, 1, 1}},
+                             File{{{4, 3, 17, 9}, SampleType::unorm8, 1}, {4, 3, 17, 9}},
+                             File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}}}) {
+        Random random(++number);
+        CodingParameters parameters;
+        parameters.parameters = random_parameters(random);
+        parameters.colour_rotation = true;
+        parameters.dependent = number % 2 == 1;
+        parameters.correction_error = static_cast<std::uint16_t>(number);
+        if (number > 2)
+            parameters.filter = random_filter(random);
+        files.push_back(
+            std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
+        parameters.prediction = true;
+        parameters.smooth_copies = number % 4 >= 2;
+        files.push_back(
+            std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, false)));
+    }
+    return files;
+}
+
+Bytes random_payload(Random& random, const ShaderOracle& file, std::uint64_t tile = 0) {
+    const BlockShape shape = file.shape_of_tile(tile);
+    const TileCoding& coding = file.coding();
+    CorrectionMap map(static_cast<std::size_t>(shape.texels() * coding.planes));
+    for (std::int32_t& multiplier : map)
+        multiplier = random.chance(0.05) ? random.range(-3, 3) : 0;
+    const double split = coding.predicts ? 0.8 : 0.5;
+    TileLevels levels =
+        RandomTile(random, coding, {.split = split, .density = 0.05, .magnitude_bits = 12})
+            .make(shape);
+    if (coding.predicts)
+        RandomPredictions(random, 0.7).add_to(levels);
+    Bytes payload;
+    encode_levels(levels,
+                  coding.predicts ? std::vector<Bytes>()
+                                  : encode_corrections(map, shape, coding.planes, coding.tables),
+                  coding, payload);
+    return payload;
+}
+
+std::string check_one(ShaderOracle& file, const Bytes& payload,
+                      const ShaderOracle::Layout& layout) {
+    return file.check(std::vector<Bytes>{payload}, layout);
+}
+
+TEST(ShaderCore, RandomBytesAreRefusedOrDecodedAsOnTheCpu) {
+    Random random(11);
+    std::uint64_t accepted = 0, refused = 0;
+    for (const auto& file : small_files()) {
+        for (int i = 0; i < 1500; ++i) {
+            std::vector<Bytes> payload{random.bytes(static_cast<std::size_t>(random.range(0, 64)))};
+            if (i % 3 == 0 && !payload[0].empty()) // a sound table more often
+                payload[0][0] &= std::byte{0x81};
+            ASSERT_EQ(file->check(payload, {i % 4 < 2}), "") << "case " << i;
+        }
+        EXPECT_LE(file->most_rounds(), shader_round_limit);
+        accepted += file->accepted(), refused += file->refused();
+    }
+    EXPECT_GT(accepted, 0u);
+    EXPECT_GT(refused, 0u);
+}
+
+TEST(ShaderCore, CutOffPayloadsAreRefusedOrDecodedAsOnTheCpu) {
+    Random random(12);
+    for (const auto& file : small_files()) {
+        const Bytes whole = random_payload(random, *file);
+        ASSERT_EQ(check_one(*file, whole, {}), "");
+        EXPECT_EQ(file->accepted(), 1u);
+        for (std::size_t length = 0; length < whole.size(); ++length) {
+            const auto end = whole.begin() + static_cast<std::ptrdiff_t>(length);
+            ASSERT_EQ(check_one(*file, Bytes(whole.begin(), end), {}), "") << length;
+        }
+    }
+}
+
+TEST(ShaderCore, EveryFlippedBitIsRefusedOrDecodedAsOnTheCpu) {
+    Random random(13);
+    std::uint64_t accepted = 0, refused = 0;
+    for (const auto& file : small_files()) {
+        const Bytes whole = random_payload(random, *file);
+        const std::size_t step = 1 + whole.size() / 250; // every byte of the short ones
+        for (std::size_t at = 0; at < whole.size(); at += at < 64 ? 1 : step)
+            for (int bit = 0; bit < 8; ++bit) {
+                std::vector<Bytes> payload{whole};
+                payload[0][at] ^= static_cast<std::byte>(1 << bit);
+                ASSERT_EQ(file->check(payload, {}), "") << at << " bit " << bit;
+            }
+        accepted += file->accepted(), refused += file->refused();
+    }
+    EXPECT_GT(accepted, 0u); // raw bits
+    EXPECT_GT(refused, accepted);
+}
+
+// Every word before the payloads, one or all of a handful at a time: offsets, counts and records that
+// no host would write.
+TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
+    constexpr std::uint64_t patience = 300000;
+    Random random(14);
+    for (const auto& file : small_files()) {
+        std::vector<Bytes> payloads;
+        for (std::uint64_t tile = 0; tile < file->reader().tile_count(); ++tile)
+            payloads.push_back(random_payload(random, *file, tile));
+        std::size_t records = 0;
+        const auto note_records = [&](auto words) { records = words[shaders::tsr_b_payload_at]; };
+        ASSERT_EQ(file->check_changed(payloads, {}, note_records, patience), "");
+        const std::size_t step = 1 + records / 400; // every word but those of many blocks
+        for (std::size_t at = 0; at < records; at += at < 128 ? 1 : step)
+            for (const std::uint32_t value :
+                 {0u, 1u, 7u, 13758u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
+                const auto change = [&](auto words) { words[at] = value; };
+                ASSERT_EQ(file->check_changed(payloads, {true}, change, patience), "")
+                    << "word " << at << " is " << value;
+            }
+        for (int i = 0; i < 500; ++i) {
+            const auto change = [&](auto words) {
+                for (int n = random.range(2, 8); n > 0; --n)
+                    words[random() % records] = random() >> random.range(0, 31);
+            };
+            ASSERT_EQ(file->check_changed(payloads, {i % 2 == 0}, change, patience), "") << i;
+        }
+    }
+}
+
+// ---- Tiles made by hand, at the limits of the format.
+
+class HandMadeTile {
+public:
+    explicit HandMadeTile(const BlockShape& shape)
+        : nodes_{{Block{{0, 0, 0, 0}, shape, 0, 0}, Split::none, 0, 0}} {}
+
+    // Splits nodes, oldest first, into `children`. Returns how many of `count` splits there was no
+    // node for; those wider than `widest` stay.
+    int split(int count, int children, Split kind, int widest = max_tile_side) {
+        for (std::size_t i = 0; i < nodes_.size() && count > 0; ++i) {
+            if (nodes_[i].split != Split::none || nodes_[i].block.shape.n[0] > widest ||
+                !can_split(nodes_[i].block.shape, kind))
+                continue;
+            const Children made = children_of(nodes_[i].block, kind);
+            if (made.count != children)
+                continue;
+            nodes_[i].split = kind;
+            nodes_[i].first = nodes_.size();
+            nodes_[i].count = made.count;
+            for (int child = 0; child < made.count; ++child)
+                nodes_.push_back({made.block[static_cast<std::size_t>(child)], Split::none, 0, 0});
+            --count;
+        }
+        return count;
+    }
+
+    // Splits the node at the tile's first texel.
+    void split_first(Split kind) {
+        std::size_t at = 0;
+        while (nodes_[at].split != Split::none)
+            at = nodes_[at].first;
+        const Children made = children_of(nodes_[at].block, kind);
+        nodes_[at].split = kind;
+        nodes_[at].first = nodes_.size();
+        nodes_[at].count = made.count;
+        for (int child = 0; child < made.count; ++child)
+            nodes_.push_back({made.block[static_cast<std::size_t>(child)], Split::none, 0, 0});
+    }
+
+    struct Run {
+        int length = 0;     // coded
+        bool dense = false; // every level of it, else the last one only, is not 0
+    };
+    // run(block, plane)
+    template <class Function> TileLevels levels(int planes, Function run) const {
+        TileLevels tile;
+        tile.shape = nodes_[0].block.shape;
+        append(0, tile);
+        tile.colours.assign(tile.blocks.size(), 0);
+        for (std::size_t block = 0; block < tile.blocks.size(); ++block)
+            for (int plane = 0; plane < planes; ++plane) {
+                const Run wanted = run(block, plane);
+                PlaneLevels made;
+                made.first = static_cast<std::uint32_t>(tile.nonzeros.size());
+                made.coded_length = static_cast<std::uint16_t>(wanted.length);
+                for (int i = 0; i < wanted.length; ++i)
+                    if (wanted.dense || i + 1 == wanted.length)
+                        tile.nonzeros.push_back(
+                            {static_cast<std::uint16_t>(i), i % 3 == 0 ? -1 : 1});
+                made.count = static_cast<std::uint16_t>(tile.nonzeros.size() - made.first);
+                tile.planes.push_back(made);
+            }
+        return tile;
+    }
+
+private:
+    struct Node {
+        Block block;
+        Split split;
+        std::size_t first;
+        int count;
+    };
+    void append(std::size_t at, TileLevels& tile) const {
+        const Node& node = nodes_[at];
+        tile.splits.push_back(static_cast<std::uint8_t>(node.split));
+        if (node.split == Split::none)
+            tile.blocks.push_back(node.block);
+        for (int i = 0; i < node.count; ++i)
+            append(node.first + static_cast<std::size_t>(i), tile);
+    }
+    std::vector<Node> nodes_;
+};
+
+ShaderOracle file_of_one_tile(const Extent4& size, std::uint8_t channels) {
+    CodingParameters parameters;
+    parameters.step.fill(StepCode::nearest(30));
+    return ShaderOracle(empty_file({size, SampleType::unorm8, channels}, size, parameters, true));
+}
+
+TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
+    ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 4);
+    HandMadeTile tile(shape_of(32, 32, 8, 8));
+    ASSERT_EQ(tile.split(1, 4, Split::spatial), 0);
+    // Blocks of 16,384 texels. The second has as many levels as a segment of 16,000 allows, with
+    // all levels of three planes not 0; the last two fill the segment up.
+    const TileLevels levels = tile.levels(4, [](std::size_t block, int plane) {
+        if (block >= 2)
+            return HandMadeTile::Run{plane > 0 ? 0 : block == 2 ? 112 : 4, false};
+        return HandMadeTile::Run{plane < 3 ? 4096 : 3584, block == 1};
+    });
+    std::vector<Bytes> payload(1);
+    encode_levels(levels, {}, file.coding(), payload[0], max_segment_work);
+    EXPECT_EQ(std::to_integer<int>(payload[0][0]), 1); // one further segment
+    EXPECT_EQ(file.check(payload, {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
+    EXPECT_EQ(file.most_rounds(), 16000u);
+    EXPECT_LT(file.most_rounds(), shader_round_limit);
+}
+
+// Blocks without levels behind the tree take no bytes: the stream is that of the tree alone.
+Bytes payload_of_tree(const HandMadeTile& tile, const ShaderOracle& file) {
+    TileLevels levels =
+        tile.levels(file.coding().planes, [](std::size_t, int) { return HandMadeTile::Run{}; });
+    Bytes payload;
+    encode_levels(levels, {}, file.coding(), payload);
+    if (payload.size() % 2 != 0) // cut off the table of the further segments, which are empty
+        payload.erase(payload.begin(), payload.begin() + 1 + 4 * std::to_integer<int>(payload[0]));
+    return payload;
+}
+
+TEST(ShaderCore, WorkIsCountedAsOnTheCpu) {
+    struct Splits {
+        int four, two;
+        bool accepted;
+    };
+    // 4 n + 1 + 2 m nodes and 3 n + 1 + m blocks of 3 planes.
+    for (const Splits splits : {Splits{1227, 9, true}, Splits{1229, 4, false}}) {
+        ShaderOracle file = file_of_one_tile({24, 24, 8, 8}, 3);
+        HandMadeTile tile(shape_of(24, 24, 8, 8));
+        const int left = tile.split(splits.four, 4, Split::spatial);
+        ASSERT_EQ(tile.split(left, 4, Split::angular), 0);
+        ASSERT_EQ(tile.split(splits.two, 2, Split::spatial), 0);
+        EXPECT_EQ(4 * splits.four + 1 + 2 * splits.two + 3 * (3 * splits.four + 1 + splits.two),
+                  splits.accepted ? 16000 : 16001);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
+        EXPECT_EQ(file.accepted(), splits.accepted ? 1u : 0u);
+    }
+}
+
+TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
+    for (const bool too_many : {false, true}) {
+        ShaderOracle file = file_of_one_tile({31, 31, 8, 8}, 1);
+        HandMadeTile tile(shape_of(31, 31, 8, 8));
+        const int left = tile.split(1365, 4, Split::spatial);
+        ASSERT_EQ(tile.split(left, 4, Split::angular), 0);
+        ASSERT_EQ(tile.split(too_many, 2, Split::spatial), 0);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
+        EXPECT_EQ(file.accepted(), too_many ? 0u : 1u);
+    }
+}
+
+// Every side cut until all blocks are single texels: 11 levels, the deepest that a tree can have.
+TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
+    for (const bool spatial_first : {}) {
+        ShaderOracle file = file_of_one_tile({1, 64, 1, 32}, 1);
+        HandMadeTile tile(shape_of(1, 64, 1, 32));
+        const Split first = spatial_first ? Split::spatial : Split::angular;
+        const Split second = spatial_first ? Split::angular : Split::spatial;
+        ASSERT_EQ(tile.split(spatial_first ? 63 : 31, 2, first), 0);
+        tile.split(4096, 2, second);
+        EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
+        EXPECT_EQ(file.accepted(), 1u);
+    }
+}
+
+// Sides of 9 and 17 have the longest row of siblings that wait for their turn.
+TEST(ShaderCore, TheWidestTreeIsDecodedAsOnTheCpu) {
+    ShaderOracle file = file_of_one_tile({9, 17, 17, 17}, 1);
+    HandMadeTile tile(shape_of(9, 17, 17, 17));
+    for (int level = 0; level < 5; ++level) // the first child of the first child, and so on
+        for (const Split kind : {Split::spatial, Split::angular})
+            tile.split_first(kind);
+    EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
+}
+
+// Views that copy each other in a row or in a plane, 15 deep at most; on the way values reach the
+// limits of what a predicted tile holds.
+TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
+    struct Views {
+        int s, t;
+        bool accepted;
+    };
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (const Views views :
+             {Views{16, 1, true}, Views{17, 1, false}, Views{1, 16, true}, Views{1, 17, false},
+              Views{8, 8, true}, Views{9, 9, false}, Views{2, 15, true}, Views{32, 32, false}}) {
+            SCOPED_TRACE(std::to_string(views.s) + "x" + std::to_string(views.t));
+            const Extent4 size{6, 5, static_cast<std::uint32_t>(views.s),
+                               static_cast<std::uint32_t>(views.t)};
+            CodingParameters parameters;
+            parameters.step.fill(StepCode::nearest(30000));
+            parameters.prediction = true;
+            parameters.smooth_copies = views.s % 2 == 1;
+            if (views.t % 2 == 1)
+                parameters.filter.ring[0][2] = {100, 255};
+            ShaderOracle file(empty_file({size, type, 3}, size, parameters, false));
+            HandMadeTile tile(shape_of(6, 5, views.s, views.t));
+            tile.split(4096, 4, Split::angular);
+            tile.split(4096, 2, Split::angular);
+            TileLevels levels = tile.levels(3, [](std::size_t block, int) {
+                return HandMadeTile::Run{block % 3 != 1 ? 4 : 0, true};
+            });
+            ASSERT_EQ(levels.blocks.size(), static_cast<std::size_t>(views.s * views.t));
+            for (const Block& block : levels.blocks) {
+                BlockPrediction p;
+                p.from = static_cast<CopyFrom>((block.origin[2] > 0 ? 1 : 0) |
+                                               (block.origin[3] > 0 ? 2 : 0));
+                if (p.copies_along(0))
+                    p.displacement[0] = {3, static_cast<std::int8_t>(-block.origin[2])};
+                if (p.copies_along(1))
+                    p.displacement[1] = {static_cast<std::int8_t>(block.origin[3]), -1};
+                levels.predictions.push_back(p);
+            }
+            Bytes payload;
+            encode_levels(levels, {}, file.coding(), payload);
+            EXPECT_EQ(check_one(file, payload, {}), "");
+            EXPECT_EQ(file.accepted(), views.accepted ? 1u : 0u);
+        }
+}
+
+// Large flat blocks, each cut into many items, beside as many small blocks as there may be; and
+// corrections in the first and the last chunk only, which lie behind the items in the work buffer.
+TEST(ShaderCore, ATileOfManyItemsKeepsItsCorrections) {
+    ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 3);
+    HandMadeTile tile(shape_of(32, 32, 8, 8));
+    ASSERT_EQ(tile.split(21, 4, Split::angular), 0);
+    ASSERT_EQ(tile.split(4, 4, Split::spatial), 0);
+    ASSERT_EQ(tile.split(1340, 4, Split::spatial, 16), 0); // 4,096 blocks in all
+    const BlockShape shape = file.shape_of_tile(0);
+    CorrectionMap map(static_cast<std::size_t>(shape.texels()) * 3);
+    for (std::size_t i = 0; i < 12288; ++i)
+        map[i] = static_cast<int>(i % 5) - 2, map[map.size() - 1 - i] = static_cast<int>(i % 3);
+    const auto corrections = encode_corrections(map, shape, 3, file.coding().tables);
+    ASSERT_TRUE(corrections[1].empty());
+    std::vector<Bytes> payload(1);
+    encode_levels(tile.levels(3,
+                              [](std::size_t block, int) {
+                                  return HandMadeTile::Run{block % 7 == 0 ? 1 : 0, false};
+                              }),
+                  corrections, file.coding(), payload[0]);
+    EXPECT_EQ(file.check(payload, {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
+}
+
+} // namespace
+} // namespace tessera::test

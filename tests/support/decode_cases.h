@@ -1,0 +1,221 @@
+// Files that the shaders must decode as the CPU does: encoded textures of every sample type, channel
+// count and tile shape, and tiles of random trees, colours and levels that no encoder would write.
+#pragma once
+
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "format/tile/coding_parameters.h"
+#include "format/container/container_writer.h"
+#include "tests/support/codec_test_support.h"
+#include "tests/support/random_predictions.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace tessera::test {
+
+struct DecodeCase {
+    std::string name;
+    Bytes file;
+};
+
+inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& desc, RateTarget rate,
+                               const Extent4& tile = {32, 32, 8, 8},
+                               int effort = EncodeOptions().effort) {
+    MemoryTexture source = named_texture(desc, texture);
+    EncodeOptions options;
+    options.rate = rate;
+    options.threads = 2;
+    options.tile_extent = tile;
+    options.effort = effort;
+    options.tools = "-dense-tables"; // a decoder cannot tell; half of the time
+    DecodeCase made;
+    made.name = texture + " " + to_string(desc.size) + " x" + std::to_string(desc.channels) +
+                (desc.type == SampleType::half16 ? " half" : "") + " rate " +
+                std::to_string(rate.value) + " tiles " + to_string(tile) + " effort " +
+                std::to_string(effort);
+    const auto report = encode_memory(source, made.file, options);
+    EXPECT_TRUE(report) << made.name << ": " << report.status().message();
+    return made;
+}
+
+inline std::vector<DecodeCase> encoded_cases() {
+    using Kind = RateTarget::Kind;
+    std::vector<DecodeCase> cases;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(
+                encoded_case("smooth", {{33, 21, 9, 6}, type, channels}, {Kind::quality, 60}));
+            cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
+                                         {Kind::max_error, type == SampleType::unorm8 ? 0. : 3.}));
+        }
+    const TextureDesc rgb{{34, 20, 10, 8}, SampleType::unorm8, 3};
+    for (const char* name :
+         {"black", "constant", "lambert", "checkerboard", "bright_texel", "grazing_ramp", "noise"})
+        cases.push_back(encoded_case(name, rgb, {Kind::quality, 75}));
+    cases.push_back(encoded_case("noise", rgb, {Kind::max_error, 4}));
+    cases.push_back(encoded_case("smooth", {{4, 3, 32, 40}, SampleType::unorm8, 3},
+                                 {Kind::quality, 90}, {4, 4, 32, 32}));
+    cases.push_back(encoded_case("noise", {{64, 40, 3, 1}, SampleType::unorm8, 3},
+                                 {Kind::quality, 50}, {32, 32, 8, 8}));
+    cases.push_back(
+        encoded_case("smooth", {{1, 1, 1, 1}, SampleType::half16, 4}, {Kind::quality, 75}));
+    // Sides above 32, without copies and with them.
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
+        const bool bytes = type == SampleType::unorm8;
+        cases.push_back(encoded_case("smooth", {{64, 64, 4, 4}, type, 3}, {Kind::quality, 70},
+                                     {64, 64, 4, 4}, bytes ? 5 : 3));
+        cases.push_back(encoded_case("grazing_ramp", {{125, 45, 4, 2}, type, 3},
+                                     {Kind::quality, 60}, {63, 45, 5, 3}, bytes ? 3 : 5));
+    }
+    cases.push_back(encoded_case("lambert", {{64, 1, 32, 32}, SampleType::unorm8, 3},
+                                 {Kind::quality, 70}, {64, 1, 32, 32}));
+    cases.push_back(encoded_case("noise", {{50, 33, 3, 2}, SampleType::unorm8, 3},
+                                 {Kind::max_error, 4}, {64, 64, 4, 4}, 3));
+    return cases;
+}
+
+// A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
+// and, where `copies` is above 0, blocks that copy by that chance. Two thirds of all seeds have a filter.
+inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
+                              const Extent4& size, const Extent4& tile_extent, double split,
+                              double density, int magnitude_bits, double copies = 0) {
+    Random random(seed);
+    CodingParameters parameters;
+    parameters.parameters = random_parameters(random);
+    parameters.colour_rotation = channels >= 3;
+    parameters.prediction = copies > 0;
+    parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
+    parameters.dependent = seed % 2 == 1;
+    if (seed % 3 != 0)
+        parameters.filter = random_filter(random);
+    for (StepCode& step : parameters.step)
+        step.bits = static_cast<std::uint16_t>((random.range(0, 8) << 11) | random.range(0, 2047));
+    parameters.rotated_step.bits =
+        static_cast<std::uint16_t>((random.range(0, 8) << 11) | random.range(0, 2047));
+    for (ReconstructionOffsets& offsets : parameters.offsets)
+        for (std::uint8_t& offset : offsets)
+            offset = static_cast<std::uint8_t>(random.range(0, 31));
+    const TextureDesc desc{size, type, channels};
+    const TileCoding coding(parameters, type, channels);
+    const TileGrid grid(size, tile_extent);
+    std::vector<Bytes> tiles(grid.tiles());
+    for (std::uint64_t i = 0; i < grid.tiles(); ++i)
+        if (!random.chance(0.1)) {
+            TileLevels levels =
+                RandomTile(random, coding,
+                           {.split = split, .density = density, .magnitude_bits = magnitude_bits})
+                    .make(tile_shape(grid.box(i)));
+            if (copies > 0)
+                RandomPredictions(random, copies).add_to(levels);
+            encode_levels(levels, {}, coding, tiles[i]);
+        }
+    const auto section = write_coding_parameters(parameters);
+    ContainerContents contents;
+    contents.desc = desc;
+    contents.tile_extent = tile_extent;
+    contents.colour = channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
+    for (std::size_t i = 0; i < channels; ++i)
+        contents.background[i] = static_cast<std::uint16_t>(random.range(0, 255));
+    contents.required_features = parameters.prediction ? feature_prediction : 0;
+    contents.codec_parameters = section;
+    contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
+    DecodeCase made;
+    made.name = "random " + std::to_string(seed);
+    VectorSink sink(made.file);
+    const auto written = write_container(contents, sink);
+    EXPECT_TRUE(written) << written.status().message();
+    return made;
+}
+
+inline std::vector<DecodeCase> random_cases() {
+    std::vector<DecodeCase> cases;
+    std::uint32_t seed = 100;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(
+                random_case(++seed, type, channels, {64, 20, 11, 5}, {32, 32, 8, 8}, 0.6, 0.1, 4));
+            cases.push_back(
+                random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9, 0.3, 20));
+        }
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 3, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.97, 0.02, 2));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 4, {2, 32, 32, 32}, {2, 32, 32, 32}, 0, 0.02, 3));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 4, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.5, 0.9, 3));
+    // Sides above 32: whole blocks, blocks of many lengths, and trees of 11 levels.
+    cases.push_back(
+        random_case(++seed, SampleType::half16, 3, {64, 64, 2, 2}, {64, 64, 4, 4}, 0, 0.03, 8));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 4, {125, 45, 3, 2}, {63, 45, 5, 3}, 0.4, 0.03, 6));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 3, {64, 1, 32, 32}, {64, 1, 32, 32}, 0.8, 0.02, 4));
+    cases.push_back(
+        random_case(++seed, SampleType::half16, 1, {33, 51, 6, 4}, {33, 51, 6, 4}, 0.6, 0.05, 20));
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 2, {64, 3, 32, 1}, {64, 2, 32, 1}, 0.99, 0.1, 4));
+    return cases;
+}
+
+// Files with predicted tiles among others, up to 15 deep.
+inline std::vector<DecodeCase> predicted_cases() {
+    std::vector<DecodeCase> cases;
+    std::uint32_t seed = 200;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(random_case(++seed, type, channels, {40, 20, 11, 5}, {32, 32, 8, 8},
+                                        0.8, 0.02, 6, 0.7));
+            cases.push_back(random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9,
+                                        0.1, 20, 0.3));
+            // Long chains of copies of large values.
+            cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17},
+                                        0.98, 0.1, 18, 0.9));
+        }
+    // Sides above 32.
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {125, 45, 5, 3}, {63, 45, 5, 3}, 0.7,
+                                0.02, 6, 0.7));
+    cases.push_back(random_case(++seed, SampleType::half16, 4, {64, 64, 4, 2}, {64, 64, 4, 4}, 0.7,
+                                0.01, 12, 0.7));
+    cases.push_back(random_case(++seed, SampleType::unorm8, 1, {64, 1, 32, 32}, {64, 1, 32, 32},
+                                0.9, 0.02, 6, 0.8));
+    return cases;
+}
+
+// The texels of a tile as the four stored channels, from the CPU's decoder.
+inline std::vector<std::array<std::uint32_t, 4>> expected_samples(const Decoder& decoder,
+                                                                  const Box4& box) {
+    const TextureDesc& desc = decoder.desc();
+    Bytes texels(desc.box_bytes(box));
+    const Status status = decoder.decode_box(box, texels);
+    EXPECT_TRUE(status) << status.message();
+    const bool bytes = desc.type == SampleType::unorm8;
+    const std::uint32_t one = bytes ? 255 : 0x3C00;
+    std::vector<std::array<std::uint32_t, 4>> out(box.texels());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        std::array<std::uint32_t, 4> c{};
+        for (std::size_t k = 0; k < desc.channels; ++k)
+            c[k] = load_sample(texels.data() + (i * desc.channels + k) * sample_bytes(desc.type),
+                               desc.type);
+        switch (desc.channels) {
+        case 1:
+            c = {c[0], c[0], c[0], one};
+            break;
+        case 2:
+            c = {c[0], c[0], c[0], c[1]};
+            break;
+        case 3:
+            c[3] = one;
+            break;
+        default:
+            break;
+        }
+        out[i] = c;
+    }
+    return out;
+}
+
+} // namespace tessera::test

@@ -1,0 +1,34 @@
+// A texture encoded into memory, and what its section CODE says.
+#pragma once
+
+#include "codec/encoder.h"
+#include "format/container_reader.h"
+#include "tests/support/codec_test_support.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+
+struct EncodedFile {
+    EncodeReport report;
+    Bytes file;
+    CodingParameters parameters;
+};
+
+inline EncodedFile encode_file_of(MemoryTexture& source, const EncodeOptions& options) {
+    EncodedFile encoded;
+    const auto report = encode_memory(source, encoded.file, options);
+    EXPECT_TRUE(report.ok()) << report.status().message();
+    if (!report.ok())
+        return encoded;
+    encoded.report = *report;
+    const auto bytes = wrap_memory(encoded.file);
+    const auto reader = ContainerReader::open(*bytes);
+    EXPECT_TRUE(reader.ok());
+    const auto coding = read_coding_parameters(reader->codec_parameters());
+    EXPECT_TRUE(coding.ok());
+    encoded.parameters = *coding;
+    return encoded;
+}
+
+} // namespace tessera::test

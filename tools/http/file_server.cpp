@@ -1,0 +1,225 @@
+#include "tools/http/file_server.h"
+
+#include "format/byte_source.h"
+#include "tools/http/file_server_paths.h"
+#include "tools/http/file_server_ranges.h"
+#include "tools/http/http_response.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <curl/curl.h>
+#include <filesystem>
+#include <httplib.h>
+#include <thread>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A connection that is kept open holds a thread.
+constexpr std::size_t threads = 64;
+constexpr std::size_t requests_per_connection = 1'000'000;
+constexpr std::time_t idle_seconds = 2; // then a connection is closed; stopping waits for it
+constexpr std::size_t max_ranges = 64;
+
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 32 || c == 127)
+            c = '?';
+    return text;
+}
+
+// The status that the request's conditions ask for instead of the file; 0: none.
+int refused_by_conditions(const httplib::Request& request, const FileVersion& version) {
+    if (request.has_header("If-Match")) {
+        if (!lists_etag(request.get_header_value("If-Match"), version.etag))
+            return 412;
+    } else if (request.has_header("If-Unmodified-Since")) {
+        const std::time_t since =
+            curl_getdate(request.get_header_value("If-Unmodified-Since").c_str(), nullptr);
+        if (since >= 0 && version.changed > since)
+            return 412;
+    }
+    if (request.has_header("If-None-Match") &&
+        lists_etag(request.get_header_value("If-None-Match"), version.etag))
+        return 304;
+    return 0;
+}
+
+bool is_of_version(const std::string& if_range, const FileVersion& version) {
+    return if_range.empty() || if_range == version.etag || if_range == version.last_modified;
+}
+
+// Sends the parts, or the whole file where there are none. A file that shrinks meanwhile breaks the
+// connection off. The library (0.11) neither cuts ranges to the file nor states its length right when
+// there are several, so it is told nothing of ranges.
+void send_file(std::shared_ptr<ByteSource> file, const std::vector<FilePart>& parts,
+               httplib::Response& response) {
+    const std::uint64_t size = file->size();
+    const auto body = std::make_shared<PartsBody>(std::move(file));
+    std::string type = "application/octet-stream";
+    if (parts.size() > 1) {
+        const std::string boundary = "tessera-part-7c1d5b9e-53a2-4f0e-9d6b-8a1f0c3e2b47";
+        body->add_multipart(parts, boundary);
+        type = "multipart/byteranges; boundary=" + boundary;
+    } else if (parts.size() == 1) {
+        body->add_part(parts.front());
+        response.set_header("Content-Range", "bytes " + std::to_string(parts.front().first) + "-" +
+                                                 std::to_string(parts.front().last) + "/" +
+                                                 std::to_string(size));
+    } else if (size > 0) {
+        body->add_part({0, size - 1});
+    }
+    response.status = parts.empty() ? 200 : 206;
+    response.set_header("Content-Length", std::to_string(body->size()));
+    response.set_content_provider(type, [body](std::size_t, httplib::DataSink& sink) {
+        if (!body->at_end() && !body->send_some(sink.write))
+            return false;
+        if (body->at_end())
+            sink.done();
+        return true;
+    });
+}
+
+void answer_file(const fs::path& path, const httplib::Request& request,
+                 const httplib::Ranges& ranges, httplib::Response& response) {
+    const auto version = version_of(path);
+    auto opened = open_file(path.string());
+    if (!version || !opened.ok() || (*opened)->size() != version->size) {
+        response.status = version && opened.ok() ? 503 : 404; // 503: it is being written
+        return;
+    }
+    response.set_header("Accept-Ranges", "bytes");
+    response.set_header("ETag", version->etag);
+    response.set_header("Last-Modified", version->last_modified);
+    if (const int status = refused_by_conditions(request, *version); status != 0) {
+        response.status = status;
+        return;
+    }
+    std::vector<FilePart> parts;
+    const bool in_parts = request.method == "GET" && !ranges.empty() &&
+                          is_of_version(request.get_header_value("If-Range"), *version);
+    if (in_parts) {
+        parts = parts_of({ranges.begin(), ranges.end()}, version->size);
+        if (parts.empty() || parts.size() > max_ranges) {
+            response.set_header("Content-Range", "bytes */" + std::to_string(version->size));
+            response.status = 416;
+            return;
+        }
+    }
+    send_file(std::move(*opened), parts, response);
+}
+
+void answer(const fs::path& root, const httplib::Request& request, const httplib::Ranges& ranges,
+            httplib::Response& response) {
+    const auto path = find_served(root, request.path);
+    if (path && !fs::is_directory(*path))
+        return answer_file(*path, request, ranges, response);
+    if (!path) {
+        response.status = 404;
+        response.set_content("There is no such file.\n", "text/plain");
+    } else if (!request.path.ends_with('/')) {
+        response.set_redirect(fs::path(request.path).filename().string() + "/");
+    } else {
+        response.set_content(list_folder(*path, request.path), "text/html; charset=utf-8");
+    }
+}
+
+} // namespace
+
+class FileServer::Impl {
+public:
+    Impl(fs::path root, const FileServerOptions& options) : root_(std::move(root)) {
+        server_.new_task_queue = [] { return new httplib::ThreadPool(threads); };
+        server_.set_keep_alive_max_count(requests_per_connection);
+        server_.set_keep_alive_timeout(idle_seconds);
+        server_.set_tcp_nodelay(true);
+        // Not the library's SO_REUSEPORT, with which two servers share a port and nobody is told.
+        server_.set_socket_options([](socket_t socket) {
+            const int yes = 1;
+            setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
+        server_.set_pre_routing_handler([this](const httplib::Request& request,
+                                               httplib::Response& response) {
+            if (request.method != "GET" && request.method != "HEAD")
+                return httplib::Server::HandlerResponse::Unhandled;
+            // Not const where the library made it; see send_file().
+            const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
+            answer(root_, request, ranges, response);
+            return httplib::Server::HandlerResponse::Handled;
+        });
+        if (options.log)
+            server_.set_logger([log = options.log](const httplib::Request& request,
+                                                   const httplib::Response& response) {
+                const bool has_body =
+                    request.method != "HEAD" &&
+                    (response.content_provider_success_ || !response.body.empty());
+                const auto length = parse_decimal(response.get_header_value("Content-Length"));
+                log({request.remote_addr, printable(request.method), printable(request.path),
+                     printable(request.get_header_value("Range")), response.status,
+                     has_body ? length.value_or(0) : 0});
+            });
+    }
+
+    ~Impl() {
+        if (!thread_.joinable())
+            return;
+        server_.stop();
+        thread_.join();
+    }
+
+    Status listen(const FileServerOptions& options) {
+        port_ = options.port == 0 ? server_.bind_to_any_port(options.host)
+                : server_.bind_to_port(options.host, options.port) ? options.port
+                                                                   : -1;
+        const bool is_v6 = options.host.find(':') != std::string::npos;
+        const std::string host = is_v6 ? "[" + options.host + "]" : options.host;
+        if (port_ <= 0)
+            return {ErrorCode::io, host + ":" + std::to_string(options.port) +
+                                       ": cannot listen there: the port is taken, or the address "
+                                       "is not this machine's"};
+        url_ = "http://" + host + ":" + std::to_string(port_) + "/";
+        thread_ = std::thread([this] {
+            server_.listen_after_bind();
+            ended_ = true;
+        });
+        while (!server_.is_running() && !ended_) // stop() has no effect before
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return {};
+    }
+
+    int port_ = 0;
+    std::string url_;
+
+private:
+    const fs::path root_;
+    httplib::Server server_;
+    std::atomic<bool> ended_{false};
+    std::thread thread_;
+};
+
+Result<std::unique_ptr<FileServer>> FileServer::start(const FileServerOptions& options) {
+    std::error_code error;
+    const fs::path root = fs::canonical(options.folder, error);
+    if (error || !fs::is_directory(root))
+        return Status(ErrorCode::io, options.folder + ": is no folder");
+    auto impl = std::make_unique<Impl>(root, options);
+    TESSERA_TRY(impl->listen(options));
+    return std::unique_ptr<FileServer>(new FileServer(std::move(impl)));
+}
+
+FileServer::FileServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FileServer::~FileServer() = default;
+
+int FileServer::port() const {
+    return impl_->port_;
+}
+
+std::string FileServer::url() const {
+    return impl_->url_;
+}
+
+} // namespace tessera

@@ -1,0 +1,68 @@
+#include "tools/http/open_bytes.h"
+
+#include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
+#ifdef TESSERA_HTTP
+#include "tools/http/http_source.h"
+#endif
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+
+namespace tessera {
+namespace {
+
+Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
+#ifdef TESSERA_HTTP
+    HttpOptions options;
+    if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // as curl itself has it
+        options.ca_file = bundle;
+    auto source = HttpSource::open(url, options);
+    if (!source.ok())
+        return source.status();
+    return std::unique_ptr<ByteSource>(std::move(*source));
+#else
+    return Status(ErrorCode::unsupported, url + ": this program was built without HTTP");
+#endif
+}
+
+} // namespace
+
+Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
+    const std::string scheme = scheme_of(name);
+    if (name == standard_stream)
+        return open_standard_input();
+    if (scheme.empty())
+        return open_file(name);
+    if (scheme == "http" || scheme == "https")
+        return open_url(name);
+    return Status(ErrorCode::bad_argument, name + ": only http:// and https:// URLs can be read");
+}
+
+std::optional<Traffic> network_traffic([[maybe_unused]] const ByteSource& source) {
+#ifdef TESSERA_HTTP
+    if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {
+        const HttpStatistics sum = http->statistics();
+        return Traffic{sum.requests, sum.bytes};
+    }
+#endif
+    return std::nullopt;
+}
+
+std::string transfer_text([[maybe_unused]] const ByteSource& source) {
+#ifdef TESSERA_HTTP
+    if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {
+        const HttpStatistics sum = http->statistics();
+        std::string text = ", " + std::to_string(sum.requests) +
+                           (sum.requests == 1 ? " request, " : " requests, ") +
+                           human_bytes(sum.bytes) + " received";
+        if (sum.retries > 0)
+            text += ", " + std::to_string(sum.retries) + (sum.retries == 1 ? " retry" : " retries");
+        return text;
+    }
+#endif
+    return "";
+}
+
+} // namespace tessera

@@ -1,0 +1,45 @@
+#include "tools/picture/picture.h"
+
+#include "format/output_file.h"
+#include "tools/picture/png_file.h"
+#include "tools/support/output_folders.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+Picture blank_picture(std::uint32_t width, std::uint32_t height, int grey) {
+    return {width, height,
+            std::vector<std::byte>(std::size_t{width} * height * 3, std::byte(grey))};
+}
+
+std::byte tone_mapped(double linear) {
+    const double x = std::max(0.0, linear);
+    const double y = std::isfinite(x) ? x / (1 + x) : 1;
+    const double code = y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
+    return std::byte(static_cast<int>(255 * code + 0.5));
+}
+
+Picture difference_of(const Picture& a, const Picture& b, double amplify) {
+    Picture out = a;
+    for (std::size_t i = 0; i < out.rgb.size(); ++i) {
+        const int d = std::to_integer<int>(a.rgb[i]) - std::to_integer<int>(b.rgb[i]);
+        out.rgb[i] = std::byte(static_cast<int>(std::min(255.0, std::abs(d) * amplify + 0.5)));
+    }
+    return out;
+}
+
+Status write_png(const std::string& path, const Picture& picture) {
+    const auto png = encode_png({picture.width, picture.height, 3}, picture.rgb);
+    if (!png.ok())
+        return png.status().with_context(path);
+    TESSERA_TRY(make_parent_folders(path));
+    auto file = OutputFile::create(path);
+    if (!file.ok())
+        return file.status();
+    TESSERA_TRY(file->append(*png));
+    return file->commit();
+}
+
+} // namespace tessera

@@ -1,0 +1,50 @@
+#include "tools/support/memory_budget.h"
+
+#include "format/work.h"
+#include "tools/support/parse.h"
+
+#include <algorithm>
+#include <cctype>
+#include "tools/support/option_checks.h"
+
+namespace tessera {
+namespace {
+
+// Measured, generously: the program with its libraries, the tables and the index of the largest
+// texture; and what one thread of an encoder holds.
+constexpr std::uint64_t fixed_bytes = 64ull << 20;
+constexpr std::uint64_t thread_bytes = 16ull << 20;
+// Of what is left, for slabs: pictures are held a second time in part while they are packed.
+constexpr double slab_share = 0.75;
+
+} // namespace
+
+void add_memory_option(CLI::App& app, std::string& text) {
+    text = usual_memory;
+    app.add_option("--memory", text,
+                   "Most memory to use, such as 512M or 2G; K, M, G are powers of 1024")
+        ->type_name("SIZE")
+        ->capture_default_str();
+}
+
+Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
+    const auto memory = parse_size(text);
+    if (!memory.ok())
+        return memory.status().with_context("--memory");
+    const std::uint64_t needed = fixed_bytes + thread_count(threads) * thread_bytes;
+    const std::uint64_t least = needed + (16ull << 20);
+    if (*memory < least)
+        return Status(ErrorCode::bad_argument, "--memory: " + text + " is too little; " +
+                                                   std::to_string(thread_count(threads)) +
+                                                   " threads need at least " +
+                                                   std::to_string((least >> 20) + 1) + "M");
+    return static_cast<std::uint64_t>(static_cast<double>(*memory - needed) * slab_share);
+}
+
+Status with_memory_hint(const Status& status) {
+    const bool helps = status.code() == ErrorCode::unsupported &&
+                       status.message().find("held in memory") != std::string::npos;
+    return helps ? Status(status.code(), status.message() + "; a larger --memory helps") : status;
+}
+
+} // namespace tessera

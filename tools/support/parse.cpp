@@ -1,0 +1,146 @@
+#include "tools/support/parse.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    while (true) {
+        const std::size_t at = text.find(separator);
+        parts.push_back(text.substr(0, at));
+        if (at == std::string_view::npos)
+            return parts;
+        text.remove_prefix(at + 1);
+    }
+}
+
+template <class Number> bool parse_whole(std::string_view text, Number& out) {
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, out);
+    return error == std::errc() && rest == end;
+}
+
+bool parse_range(std::string_view text, std::uint32_t limit, std::uint32_t& begin,
+                 std::uint32_t& end) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos)
+        return false;
+    const std::string_view low = text.substr(0, colon), high = text.substr(colon + 1);
+    std::uint64_t first = 0, last = limit;
+    if ((!low.empty() && !parse_number(low, first)) || (!high.empty() && !parse_number(high, last)))
+        return false;
+    begin = static_cast<std::uint32_t>(std::min<std::uint64_t>(first, UINT32_MAX));
+    end = static_cast<std::uint32_t>(std::min<std::uint64_t>(last, UINT32_MAX));
+    return true;
+}
+
+} // namespace
+
+bool parse_number(std::string_view text, std::uint64_t& out) {
+    return parse_whole(text, out);
+}
+
+bool parse_number(std::string_view text, double& out) {
+    return parse_whole(text, out) && std::isfinite(out);
+}
+
+Result<Extent4> parse_extent(std::string_view text) {
+    const Status malformed(ErrorCode::bad_argument, "'" + std::string(text.substr(0, 100)) +
+                                                        "' is not a size UxVxSxT such as "
+                                                        "512x256x32x32");
+    const auto parts = split(text, 'x');
+    if (parts.size() != 4)
+        return malformed;
+    TextureDesc desc;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        std::uint64_t value = 0;
+        if (!parse_number(parts[axis], value))
+            return malformed;
+        // Saturate: check_desc refuses it with the right words.
+        desc.size[axis] = static_cast<std::uint32_t>(std::min<std::uint64_t>(value, UINT32_MAX));
+    }
+    TESSERA_TRY(check_desc(desc));
+    return desc.size;
+}
+
+Result<Extent4> parse_extent_or(const std::string& text, const char* option, const Extent4& usual) {
+    if (text.empty())
+        return usual;
+    auto parsed = parse_extent(text);
+    return parsed.ok() ? parsed : parsed.status().with_context(option);
+}
+
+Result<Box4> parse_box(std::string_view text, const Extent4& whole) {
+    const auto parts = split(text, ',');
+    const std::string quoted = "'" + std::string(text.substr(0, 100)) + "'";
+    if (parts.size() != 4)
+        return Status(ErrorCode::bad_argument,
+                      quoted + " is not a box u0:u1,v0:v1,s0:s1,t0:t1 such as 0:64,:,3:4,:");
+    Box4 box;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        const std::string name(1, axis_name(static_cast<int>(axis)));
+        if (!parse_range(parts[axis], whole[axis], box.begin[axis], box.end[axis]))
+            return Status(ErrorCode::bad_argument, quoted + ": '" + std::string(parts[axis]) +
+                                                       "' is not a range " + name + "0:" + name +
+                                                       "1");
+        if (box.begin[axis] >= box.end[axis] || box.end[axis] > whole[axis])
+            return Status(ErrorCode::bad_argument,
+                          quoted + ": the range of " + name +
+                              " is empty or leaves 0:" + std::to_string(whole[axis]));
+    }
+    return box;
+}
+
+Result<SampleType> parse_sample_type(std::string_view text) {
+    if (text == "8" || text == "unorm8")
+        return SampleType::unorm8;
+    if (text == "16f" || text == "half" || text == "half16")
+        return SampleType::half16;
+    return Status(ErrorCode::bad_argument,
+                  "'" + std::string(text.substr(0, 100)) + "' is not a sample type (unorm8, half)");
+}
+
+const char* name_of(SampleType type) {
+    return type == SampleType::unorm8 ? "unorm8" : "half16";
+}
+
+std::string format_number(double value, int decimals) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    return text;
+}
+
+std::string human_bytes(std::uint64_t bytes) {
+    const char* const units[] = {"kB", "MB", "GB", "TB", "PB"};
+    if (bytes < 1000)
+        return std::to_string(bytes) + " bytes";
+    double value = static_cast<double>(bytes) / 1000;
+    int unit = 0;
+    for (; value >= 999.95 && unit < 4; ++unit)
+        value /= 1000;
+    return format_number(value, 1) + " " + units[unit];
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j)
+        row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+        }
+    }
+    return row[b.size()];
+}
+
+} // namespace tessera

@@ -1,0 +1,67 @@
+#include "tools/support/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double first_after = 0.3, again_after = 0.1; // seconds: short work stays silent
+constexpr int bar_width = 30;
+
+double seconds(Clock::duration d) {
+    return std::chrono::duration<double>(d).count();
+}
+
+std::string time_left(double elapsed, double fraction) {
+    if (fraction < 0.01 || elapsed < 1)
+        return "";
+    const int left = static_cast<int>(std::min(elapsed / fraction - elapsed, 359999.0));
+    char text[32];
+    if (left >= 3600)
+        std::snprintf(text, sizeof text, "%d:%02d h left", left / 3600, left / 60 % 60);
+    else
+        std::snprintf(text, sizeof text, "%d:%02d min left", left / 60, left % 60);
+    return text;
+}
+
+} // namespace
+
+Progress::Progress(std::string title, bool quiet)
+    : title_(std::move(title)), visible_(!quiet && isatty(STDERR_FILENO)),
+      stage_start_(Clock::now()), last_(stage_start_) {}
+
+Progress::~Progress() {
+    if (drawn_)
+        std::fputs("\r\x1b[K", stderr);
+}
+
+ProgressFunction Progress::function() {
+    if (!visible_)
+        return {};
+    return [this](const char* stage, double done, double total) { show(stage, done, total); };
+}
+
+void Progress::show(const char* stage, double done, double total) {
+    const auto now = Clock::now();
+    if (stage_ != stage) {
+        stage_ = stage;
+        stage_start_ = now;
+    }
+    if (seconds(now - last_) < (drawn_ ? again_after : first_after))
+        return;
+    last_ = now;
+    drawn_ = true;
+    const double fraction = total > 0 ? std::clamp(done / total, 0.0, 1.0) : 0;
+    std::string bar(static_cast<std::size_t>(bar_width), '.');
+    std::fill_n(bar.begin(), static_cast<int>(fraction * bar_width), '#');
+    std::fprintf(stderr, "\r%s: %s [%s] %3d%%  %s\x1b[K", title_.c_str(), stage, bar.c_str(),
+                 static_cast<int>(fraction * 100),
+                 time_left(seconds(now - stage_start_), fraction).c_str());
+    std::fflush(stderr);
+}
+
+} // namespace tessera

@@ -1,0 +1,27 @@
+// --mask: which texels of a texture matter.
+#pragma once
+
+#include "format/texture.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+namespace tessera {
+
+struct MaskArguments {
+    std::string path, size; // no path: all texels matter
+};
+
+// `meaning`: what the verb does with texels that do not matter.
+void add_mask_options(CLI::App& app, MaskArguments& arguments, const std::string& meaning);
+
+// The mask of a texture of `texture_size`, interruptible; nullptr without --mask. Raw files of one 8-bit
+// channel are read in place; others are loaded, a byte a texel, which `slab_bytes` of texels in
+// memory pay for; of several channels the first one counts. Errors: those of opening a texture;
+// bad_argument (it does not fit), unsupported (it takes more than half of `slab_bytes`).
+Result<std::unique_ptr<TexelSource>> open_mask(const MaskArguments& arguments,
+                                               const Extent4& texture_size, unsigned threads,
+                                               std::uint64_t& slab_bytes);
+
+} // namespace tessera

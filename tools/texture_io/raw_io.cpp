@@ -1,0 +1,202 @@
+#include "tools/texture_io/raw_io.h"
+
+#include "format/output_file.h"
+#include "tools/support/slab_buffer.h"
+#include "tools/support/standard_streams.h"
+
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+// Wanted texels are picked out of a longer read while it is at most this many times longer: one
+// call to the system costs as much as copying some kB.
+constexpr std::uint32_t max_read_excess = 32;
+
+std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_t v,
+                          std::uint32_t s, std::uint32_t t) {
+    const Extent4& n = desc.size;
+    const std::uint64_t place = std::uint64_t{v} * n[axis_u] + u;
+    return ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
+}
+
+class RawSource : public TexelSource {
+public:
+    RawSource(std::unique_ptr<ByteSource> file, const TextureDesc& desc)
+        : file_(std::move(file)), desc_(desc) {}
+
+    const TextureDesc& desc() const override { return desc_; }
+
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
+            return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit"};
+        const Extent4 e = box.extent();
+        const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
+        const std::uint32_t step = angular_whole ? e[axis_u] : 1; // places per read
+        const std::size_t bytes = desc_.texel_bytes() * e[axis_s] * e[axis_t] * step;
+        std::byte* to = out.data();
+        std::vector<std::byte> scratch;
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v) {
+            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; u += step) {
+                if (angular_whole)
+                    TESSERA_TRY(file_->read(file_offset(desc_, u, v, 0, 0), {to, bytes}));
+                else
+                    TESSERA_TRY(read_angular_part(box, u, v, to, scratch));
+                to += bytes;
+            }
+        }
+        return {};
+    }
+
+private:
+    // The part of one angular image that lies in `box`.
+    Status read_angular_part(const Box4& box, std::uint32_t u, std::uint32_t v, std::byte* to,
+                             std::vector<std::byte>& scratch) {
+        const Extent4 e = box.extent();
+        const std::uint32_t s = box.begin[axis_s], t = box.begin[axis_t];
+        const std::size_t run = e[axis_s] * desc_.texel_bytes();
+        const std::size_t row = desc_.size[axis_s] * desc_.texel_bytes();
+        if (row / run > max_read_excess) {
+            for (std::uint32_t i = 0; i < e[axis_t]; ++i)
+                TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t + i), {to + i * run, run}));
+            return {};
+        }
+        scratch.resize((e[axis_t] - 1) * row + run);
+        TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t), scratch));
+        for (std::uint32_t i = 0; i < e[axis_t]; ++i)
+            std::memcpy(to + i * run, scratch.data() + i * row, run);
+        return {};
+    }
+
+    std::unique_ptr<ByteSource> file_;
+    TextureDesc desc_;
+};
+
+class RawSink : public TexelSink {
+public:
+    RawSink(OutputFile file, const TextureDesc& desc) : file_(std::move(file)), desc_(desc) {}
+
+    // Some places beside each other are one run of the file for each v.
+    Locality locality() const override { return Locality::places; }
+
+    Status begin_slab(const Box4& box) override {
+        slab_.clear();
+        gathering_ = spans(box, desc_.size, axis_s, axis_t);
+        return gathering_ ? slab_.reset(desc_, box).with_context(file_.path()) : Status();
+    }
+
+    Status write(const Box4& box, std::span<const std::byte> texels) override {
+        if (gathering_)
+            return slab_.copy_in(box, texels);
+        if (!is_inside(box, desc_.size) || texels.size() != desc_.box_bytes(box))
+            return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit"};
+        return write_runs(box, texels.data());
+    }
+
+    Status end_slab() override {
+        if (!gathering_)
+            return {};
+        gathering_ = false;
+        const Box4& box = slab_.box();
+        const std::size_t run = slab_.bytes().size() / box.extent()[axis_v];
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            TESSERA_TRY(file_.write_at(file_offset(desc_, box.begin[axis_u], v, 0, 0),
+                                       slab_.bytes().subspan((v - box.begin[axis_v]) * run, run)));
+        return {};
+    }
+
+    Status finish() override {
+        slab_.clear();
+        return file_.commit();
+    }
+
+private:
+    Status write_runs(const Box4& box, const std::byte* from) {
+        const bool rows_whole = box.extent()[axis_s] == desc_.size[axis_s];
+        const std::uint32_t step = rows_whole ? box.extent()[axis_t] : 1; // rows per write
+        const std::size_t bytes = box.extent()[axis_s] * step * desc_.texel_bytes();
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; t += step) {
+                    TESSERA_TRY(file_.write_at(file_offset(desc_, u, v, box.begin[axis_s], t),
+                                               {from, bytes}));
+                    from += bytes;
+                }
+        return {};
+    }
+
+    OutputFile file_;
+    TextureDesc desc_;
+    SlabBuffer slab_;
+    bool gathering_ = false;
+};
+
+// Nothing can be written twice there, so whole rows come one after the other.
+class RawStreamSink : public TexelSink {
+public:
+    explicit RawStreamSink(const TextureDesc& desc) : desc_(desc) {}
+    Locality locality() const override { return Locality::spatial_rows; }
+    Status begin_slab(const Box4& box) override {
+        if (!spans(box, desc_.size, axis_s, axis_t) || box.begin[axis_u] != 0 ||
+            box.end[axis_u] != desc_.size[axis_u] || box.begin[axis_v] != next_v_)
+            return {ErrorCode::runtime,
+                    "standard output: slab " + to_string(box) + " is not the next rows of v"};
+        return slab_.reset(desc_, box);
+    }
+    Status write(const Box4& box, std::span<const std::byte> texels) override {
+        return slab_.copy_in(box, texels);
+    }
+    Status end_slab() override {
+        next_v_ = slab_.box().end[axis_v];
+        return write_standard_output(slab_.bytes());
+    }
+    Status finish() override {
+        slab_.clear();
+        return next_v_ == desc_.size[axis_v] ? flush_standard_output()
+                                             : Status(ErrorCode::runtime, "rows are missing");
+    }
+
+private:
+    TextureDesc desc_;
+    SlabBuffer slab_;
+    std::uint32_t next_v_ = 0;
+};
+
+} // namespace
+
+Result<std::unique_ptr<TexelSource>> open_raw(std::unique_ptr<ByteSource> file,
+                                              const TextureDesc& desc) {
+    const std::string path = file->name();
+    TESSERA_TRY(check_desc(desc).with_context(path));
+    const std::uint64_t expected = desc.box_bytes(Box4::whole(desc.size));
+    if (file->size() != expected)
+        return Status(ErrorCode::invalid_file,
+                      path + ": a raw texture of " + to_string(desc.size) + ", " +
+                          std::to_string(desc.channels) + " channels of " +
+                          std::to_string(sample_bytes(desc.type)) + " bytes, is " +
+                          std::to_string(expected) + " bytes, but the file has " +
+                          std::to_string(file->size()));
+    return std::unique_ptr<TexelSource>(new RawSource(std::move(file), desc));
+}
+
+Result<std::unique_ptr<TexelSource>> open_raw(const std::string& path, const TextureDesc& desc) {
+    auto file = open_file(path);
+    if (!file.ok())
+        return file.status();
+    return open_raw(std::move(*file), desc);
+}
+
+Result<std::unique_ptr<TexelSink>> raw_to_standard_output(const TextureDesc& desc) {
+    TESSERA_TRY(check_desc(desc));
+    return std::unique_ptr<TexelSink>(std::make_unique<RawStreamSink>(desc));
+}
+
+Result<std::unique_ptr<TexelSink>> create_raw(const std::string& path, const TextureDesc& desc) {
+    TESSERA_TRY(check_desc(desc).with_context(path));
+    auto file = OutputFile::create(path);
+    if (!file.ok())
+        return file.status();
+    return std::unique_ptr<TexelSink>(new RawSink(std::move(*file), desc));
+}
+
+} // namespace tessera

@@ -1,0 +1,385 @@
+#include "codec/metrics.h"
+#include "corpus/bake.h"
+#include "tools/texture_io/baked_original.h"
+#include "tools/verbs/command.h"
+#include "tools/support/fill_text.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/json_text.h"
+#include "tools/texture_io/mask_io.h"
+#include "tools/support/memory_budget.h"
+#include "tools/http/open_bytes.h"
+#include "tools/bench/prefix_curve.h"
+#include "tools/support/progress.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string a, b;
+    TextureArguments texture;
+    MaskArguments mask;
+    std::optional<double> min_psnr, max_error, min_ssim, sample;
+    std::uint64_t sample_seed = 1;
+    std::string scene, memory; // scene: baked again as the reference
+    std::optional<unsigned> samples;
+    std::optional<std::uint64_t> seed;
+    bool no_ssim = false, json = false;
+    std::optional<unsigned> beginnings;
+};
+
+struct Inputs {
+    std::unique_ptr<TexelSource> a, b;
+    std::vector<const Decoder*> decoders{}; // of those that are .tess files
+};
+
+// The scene, baked box by box as it is read, beside the only file.
+Result<Inputs> open_baked(const Arguments& arguments) {
+    const auto hints = make_hints(arguments.texture);
+    if (!hints.ok())
+        return hints.status();
+    auto file = open_texture(arguments.a, *hints);
+    if (!file.ok())
+        return with_partial_hint(file.status(), arguments.a, hints->decode);
+    auto baked = bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
+                            file->source->desc().size, file->metadata);
+    if (!baked.ok())
+        return baked.status();
+    std::vector<const Decoder*> decoders;
+    if (file->decoder != nullptr)
+        decoders.push_back(file->decoder);
+    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source)),
+                  decoders};
+}
+
+Result<Inputs> open_both(const Arguments& arguments) {
+    const auto hints = make_hints(arguments.texture);
+    if (!hints.ok())
+        return hints.status();
+    auto opened = open_two_textures(arguments.a, arguments.b, *hints);
+    if (!opened.ok()) {
+        const Status hinted = with_partial_hint(opened.status(), arguments.a, hints->decode);
+        return hinted.message() != opened.status().message()
+                   ? hinted
+                   : with_partial_hint(hinted, arguments.b, hints->decode);
+    }
+    auto& [first, second] = *opened;
+    std::vector<const Decoder*> decoders;
+    for (const Decoder* decoder : {first.decoder, second.decoder})
+        if (decoder != nullptr)
+            decoders.push_back(decoder);
+    return Inputs{interruptible(std::move(first.source)), interruptible(std::move(second.source)),
+                  decoders};
+}
+
+// Thresholds that were missed, each with its figure.
+std::vector<std::string> missed_thresholds(const Arguments& a, const Comparison& c) {
+    std::vector<std::string> missed;
+    if (a.min_psnr && c.errors.psnr() < *a.min_psnr)
+        missed.push_back("PSNR " + format_number(c.errors.psnr(), 4) + " dB is below " +
+                         format_number(*a.min_psnr, 4));
+    if (a.max_error && c.errors.max_error() > *a.max_error)
+        missed.push_back("the largest error " + std::to_string(c.errors.max_error()) +
+                         " is above " + format_number(*a.max_error, 0));
+    if (a.min_ssim && c.ssim_mean < *a.min_ssim)
+        missed.push_back("SSIM " + format_number(c.ssim_mean, 6) + " is below " +
+                         format_number(*a.min_ssim, 6));
+    return missed;
+}
+
+const char* channel_name(unsigned channels, unsigned c) {
+    if (channels >= 3)
+        return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";
+    return c == 0 ? "Y" : "A";
+}
+
+// null where the textures are the same: JSON has no infinity.
+Json decibels(double db) {
+    return std::isfinite(db) ? Json(db) : Json(nullptr);
+}
+
+std::string first_name(const Arguments& a) {
+    return a.scene.empty() ? a.a : a.scene + " (baked)";
+}
+std::string second_name(const Arguments& a) {
+    return a.scene.empty() ? a.b : a.a;
+}
+
+Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
+             const std::vector<std::string>& missed, double seconds) {
+    const ErrorSums& e = c.errors;
+    Json json = {{"a", first_name(a)},
+                 {"b", second_name(a)},
+                 {"size", to_string(desc.size)},
+                 {"type", name_of(desc.type)},
+                 {"channels", desc.channels},
+                 {"identical", e.differing_samples() == 0},
+                 {"differing_samples", e.differing_samples()},
+                 {"psnr", decibels(e.psnr())}};
+    for (unsigned i = 0; i < desc.channels; ++i)
+        json["psnr_per_channel"][channel_name(desc.channels, i)] = decibels(e.psnr(i));
+    if (desc.type == SampleType::unorm8) {
+        json["psnr_luma"] = decibels(e.psnr_luma());
+    } else {
+        json["psnr_pu21"] = decibels(e.psnr_pu21());
+        json["psnr_log2"] = decibels(e.psnr_log2());
+        json["non_finite_a"] = e.non_finite(0);
+        json["non_finite_b"] = e.non_finite(1);
+    }
+    const SamplePlace& p = e.max_error_place();
+    json["max_error"] = e.max_error();
+    json["max_error_at"] = {{"u", p.u}, {"v", p.v}, {"s", p.s}, {"t", p.t}, {"channel", p.channel}};
+    if (c.has_ssim)
+        json["ssim"] = {{"mean", c.ssim_mean},
+                        {"worst", c.ssim_worst},
+                        {"worst_view", {{"s", c.worst_s}, {"t", c.worst_t}}},
+                        {"views", c.views}};
+    if (c.tiles > 0)
+        json["sample"] = {{"tiles", c.compared_tiles},
+                          {"of_tiles", c.tiles},
+                          {"texels", e.texels()},
+                          {"seed", a.sample_seed}};
+    if (!a.mask.path.empty())
+        json["mask"] = {{"file", a.mask.path}, {"texels", e.texels()}};
+    json["seconds"] = seconds;
+    json["passed"] = missed.empty();
+    json["missed"] = missed;
+    return json;
+}
+
+std::string decibel_text(double db) {
+    return std::isfinite(db) ? format_number(db, 2) + " dB" : "no error";
+}
+
+void print_text(const Arguments& a, const TextureDesc& desc, const Comparison& c, double seconds) {
+    const ErrorSums& e = c.errors;
+    const bool hdr = desc.type == SampleType::half16;
+    std::printf("%s, %d x %s\n", to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
+    std::printf("  PSNR        %s%s", decibel_text(e.psnr()).c_str(),
+                hdr ? " over 16-bit codes" : "");
+    for (unsigned i = 0; i < desc.channels; ++i)
+        std::printf("%s%s %s", i == 0 ? "   (" : ", ", channel_name(desc.channels, i),
+                    decibel_text(e.psnr(i)).c_str());
+    std::printf(")\n");
+    if (hdr) {
+        std::printf("  PU21-PSNR   %s (1.0 = 100 cd/m2)\n", decibel_text(e.psnr_pu21()).c_str());
+        std::printf("  log2-PSNR   %s (floor 1e-4, peak 29.3 stops)\n",
+                    decibel_text(e.psnr_log2()).c_str());
+        if (e.non_finite(0) + e.non_finite(1) > 0)
+            std::printf("  not finite  %llu and %llu samples\n",
+                        static_cast<unsigned long long>(e.non_finite(0)),
+                        static_cast<unsigned long long>(e.non_finite(1)));
+    } else {
+        std::printf("  luma PSNR   %s\n", decibel_text(e.psnr_luma()).c_str());
+    }
+    if (c.tiles > 0)
+        std::printf("  sample      %llu of %llu tiles, %llu texels\n",
+                    static_cast<unsigned long long>(c.compared_tiles),
+                    static_cast<unsigned long long>(c.tiles),
+                    static_cast<unsigned long long>(e.texels()));
+    if (!a.mask.path.empty())
+        std::printf("  mask        %llu texels matter, and only they count; no SSIM\n",
+                    static_cast<unsigned long long>(e.texels()));
+    const SamplePlace& p = e.max_error_place();
+    std::printf("  max error   %u %s", e.max_error(), hdr ? "ulps" : "steps");
+    if (e.max_error() > 0)
+        std::printf(" at u %u, v %u, s %u, t %u, channel %s", p.u, p.v, p.s, p.t,
+                    channel_name(desc.channels, p.channel));
+    std::printf("\n");
+    if (c.has_ssim)
+        std::printf("  SSIM        %.5f over %llu views, worst %.5f at s %u, t %u\n", c.ssim_mean,
+                    static_cast<unsigned long long>(c.views), c.ssim_worst, c.worst_s, c.worst_t);
+    std::printf("  time        %.2f s\n", seconds);
+}
+
+// Of a slab both sources and, for SSIM, two planes of floats may be held. Opens `mask`, which has to
+// outlive the options. Errors: bad_argument (--memory), those of open_mask.
+Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& desc,
+                                       Progress& progress, std::unique_ptr<TexelSource>& mask) {
+    auto memory = slab_budget(a.memory, a.texture.threads);
+    if (!memory.ok())
+        return memory.status();
+    auto opened = open_mask(a.mask, desc.size, a.texture.threads, *memory);
+    if (!opened.ok())
+        return with_memory_hint(opened.status());
+    mask = std::move(*opened);
+    CompareOptions options;
+    options.mask = mask.get();
+    options.with_ssim = !a.no_ssim && !a.beginnings;
+    options.threads = a.texture.threads;
+    options.progress = progress.function();
+    const std::uint64_t held = 2 + 8 / desc.texel_bytes() + 1;
+    options.slab_bytes = std::min(options.slab_bytes, *memory / held);
+    return options;
+}
+
+// The reference of --beginnings. A raw one takes its size from the file that is measured.
+Result<std::unique_ptr<TexelSource>> open_reference(const Arguments& a, ByteSource& measured) {
+    const auto reader = ContainerReader::open(measured);
+    if (!reader.ok())
+        return reader.status();
+    auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    if (!hints->size && kind_of_input(a.a) == TextureKind::raw)
+        hints->size = reader->desc().size;
+    auto opened = open_texture(a.a, *hints);
+    if (!opened.ok())
+        return opened.status();
+    return interruptible(std::move(opened->source));
+}
+
+void print_points(const std::vector<PrefixPoint>& points) {
+    std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
+    for (const PrefixPoint& p : points)
+        std::printf("%12llu %7.2f %% %9s %7llu of %llu\n", static_cast<unsigned long long>(p.bytes),
+                    100.0 * static_cast<double>(p.bytes) / static_cast<double>(points.back().bytes),
+                    std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
+                    static_cast<unsigned long long>(p.missing_tiles),
+                    static_cast<unsigned long long>(p.tiles));
+}
+
+// How the second texture looks as its file arrives.
+Status run_beginnings(const Arguments& a) {
+    if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
+        return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
+    const auto file = open_bytes(a.b);
+    if (!file.ok())
+        return file.status();
+    const auto reference = open_reference(a, **file);
+    if (!reference.ok())
+        return reference.status();
+    Result<std::vector<PrefixPoint>> points = Status();
+    {
+        Progress progress("tessera compare", a.texture.quiet || a.json);
+        std::unique_ptr<TexelSource> mask;
+        const auto options = compare_options(a, (*reference)->desc(), progress, mask);
+        if (!options.ok())
+            return options.status();
+        points = prefix_curve(**reference, **file, *a.beginnings, *options);
+    }
+    if (!points.ok())
+        return points.status();
+    if (a.json) {
+        Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
+        for (const PrefixPoint& p : *points)
+            json["beginnings"].push_back({{"bytes", p.bytes},
+                                          {"psnr", decibels(p.psnr)},
+                                          {"missing_tiles", p.missing_tiles},
+                                          {"tiles", p.tiles}});
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_points(*points);
+    }
+    return {};
+}
+
+Status run(const Arguments& a) {
+    if (a.beginnings)
+        return run_beginnings(a);
+    const auto start = std::chrono::steady_clock::now();
+    if (a.scene.empty() == a.b.empty())
+        return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
+    const auto inputs = a.scene.empty() ? open_both(a) : open_baked(a);
+    if (!inputs.ok())
+        return inputs.status();
+    Result<Comparison> comparison = Status();
+    {
+        Progress progress("tessera compare", a.texture.quiet);
+        std::unique_ptr<TexelSource> mask;
+        const auto options = compare_options(a, inputs->a->desc(), progress, mask);
+        if (!options.ok())
+            return options.status();
+        comparison =
+            a.sample ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed, *options)
+                     : compare_textures(*inputs->a, *inputs->b, *options);
+    }
+    if (!comparison.ok())
+        return comparison.status();
+    if (a.min_ssim && !comparison->has_ssim)
+        return {ErrorCode::unsupported,
+                a.sample ? "a sample has no SSIM" : "the views are too large for SSIM"};
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const TextureDesc& desc = inputs->a->desc();
+    const auto missed = missed_thresholds(a, *comparison);
+    if (a.json) {
+        Json json = to_json(a, desc, *comparison, missed, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            if (a.texture.decode.allow_partial || a.texture.decode.allow_damaged)
+                json["filled"].push_back(fill_json(*decoder));
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_text(a, desc, *comparison, seconds.count());
+        for (const Decoder* decoder : inputs->decoders)
+            std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
+    }
+    if (missed.empty())
+        return {};
+    std::string text = second_name(a) + ": ";
+    for (std::size_t i = 0; i < missed.size(); ++i)
+        text += (i > 0 ? "; " : "") + missed[i];
+    return {ErrorCode::difference, text};
+}
+
+} // namespace
+
+void add_compare_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/, PNG, -")
+            ->required();
+        c.add_option("b", a.b, "What is measured against it");
+        c.add_option("--bake", a.scene,
+                     "Bake this scene as the reference, as it is read; then there is one file only")
+            ->type_name("SCENE");
+        c.add_option("--spp", a.samples, "Rays per texel of --bake (default: as the file says)")
+            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
+        c.add_option("--seed", a.seed, "Sample pattern of --bake (default: as the file says)");
+        auto* sample = c.add_option("--sample", a.sample,
+                                    "Compare this part of all tiles only, chosen at random (0.01: "
+                                    "1 %); no SSIM")
+                           ->check(CLI::Range(0.0, 1.0));
+        c.add_option("--sample-seed", a.sample_seed, "Which tiles --sample chooses")
+            ->needs(sample)
+            ->capture_default_str();
+        c.add_option("--min-psnr", a.min_psnr, "Exit 7 when PSNR over all samples (dB) is lower");
+        c.add_option("--max-error", a.max_error,
+                     "Exit 7 when a sample is off by more: 8-bit steps, or ulps of half");
+        auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
+        c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
+        c.add_flag("--json", a.json, "Print JSON");
+        c.add_option("--beginnings", a.beginnings,
+                     "PSNR of this many beginnings of the second texture, a .tess: how it looks as "
+                     "it arrives")
+            ->check(CLI::Range(2u, 1000u))
+            ->excludes(ssim)
+            ->excludes(sample);
+        add_mask_options(c, a.mask, "only those that do count, and SSIM is left out");
+        c.get_option("--mask")->excludes(ssim);
+        add_fill_options(c, a.texture.decode);
+        add_memory_option(c, a.memory);
+        add_texture_options(c, a.texture);
+    };
+    add_verb<Arguments>(
+        app, chosen, "compare", "Measure how far two textures are apart",
+        "PSNR and SSIM of 8-bit samples are of their values, of half floats over 16-bit codes. A "
+        "raw\n"
+        "texture takes its size from the other one. Without a threshold any difference is "
+        "success.\n"
+        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
+        "Examples:\n"
+        "  tessera compare scene.exr scene.tess --min-psnr 40\n"
+        "  tessera compare scene.rgb scene.tess --json\n"
+        "  tessera compare scene.rgb layered.tess --beginnings 12\n"
+        "  tessera compare atlas.exr atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
+        "  tessera compare composed.tess --bake composed --sample 0.01",
+        declare, run);
+}
+
+} // namespace tessera

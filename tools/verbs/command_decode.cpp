@@ -1,0 +1,158 @@
+#include "codec/decoder.h"
+#include "tools/verbs/command.h"
+#include "tools/support/fill_text.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/memory_budget.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/progress.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/support/standard_streams.h"
+
+#include <chrono>
+#include <cstdio>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string input, output, box, memory;
+    TextureArguments texture; // threads and quiet
+    bool json = false;
+};
+
+// Moves boxes of the whole texture to where they lie in the part that is written.
+class PartSink : public TexelSink {
+public:
+    PartSink(std::unique_ptr<TexelSink> inner, const Extent4& origin)
+        : inner_(std::move(inner)), origin_(origin) {}
+    Locality locality() const override { return inner_->locality(); }
+    Status begin_slab(const Box4& box) override { return inner_->begin_slab(moved(box)); }
+    Status write(const Box4& box, std::span<const std::byte> texels) override {
+        return inner_->write(moved(box), texels);
+    }
+    Status end_slab() override { return inner_->end_slab(); }
+    Status finish() override { return inner_->finish(); }
+
+private:
+    Box4 moved(Box4 box) const {
+        for (std::size_t axis = 0; axis < 4; ++axis) {
+            box.begin[axis] -= origin_[axis];
+            box.end[axis] -= origin_[axis];
+        }
+        return box;
+    }
+    std::unique_ptr<TexelSink> inner_;
+    Extent4 origin_;
+};
+
+Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, TextureDesc desc) {
+    const auto slab_bytes = slab_budget(a.memory, a.texture.threads);
+    if (!slab_bytes.ok())
+        return slab_bytes.status();
+    desc.size = box.extent();
+    auto sink =
+        create_texture(a.output, desc, decoder.container().description(), a.texture.threads);
+    if (!sink.ok())
+        return sink.status();
+    PartSink part(interruptible(std::move(*sink)), box.begin);
+    Progress progress("tessera decode", a.texture.quiet);
+    const Status status = with_memory_hint(
+        decoder.decode(box, part, a.texture.threads, progress.function(), *slab_bytes));
+    const bool named = status.message().find(a.output) != std::string::npos ||
+                       status.message().find(a.input) != std::string::npos;
+    return named ? status : status.with_context(a.output);
+}
+
+// What was written, and what of it had to be filled.
+Json to_json(const Arguments& a, const Decoder& decoder, const ByteSource& file, const Box4& box,
+             double seconds) {
+    const TextureDesc& desc = decoder.desc();
+    Json json = {{"input", a.input},
+                 {"output", a.output},
+                 {"box", to_string(box)},
+                 {"size", to_string(box.extent())},
+                 {"type", name_of(desc.type)},
+                 {"channels", desc.channels},
+                 {"raw_bytes", desc.box_bytes(box)},
+                 {"seconds", seconds},
+                 {"filled", fill_json(decoder)}};
+    if (const auto traffic = network_traffic(file))
+        json["network"] = {{"requests", traffic->requests}, {"bytes", traffic->bytes}};
+    return json;
+}
+
+void print_summary(const Arguments& a, const Decoder& decoder, const ByteSource& file,
+                   const Box4& box, double seconds) {
+    std::FILE* to = summary_stream(a.output);
+    const TextureDesc& desc = decoder.desc();
+    const std::uint64_t bytes = desc.box_bytes(box);
+    std::fprintf(to, "%s: %s, %d x %s, %s in %.2f s, %.1f MB/s%s\n", a.output.c_str(),
+                 to_string(box.extent()).c_str(), desc.channels, name_of(desc.type),
+                 human_bytes(bytes).c_str(), seconds,
+                 static_cast<double>(bytes) / 1e6 / std::max(seconds, 1e-9),
+                 transfer_text(file).c_str());
+    std::fputs(fill_text(decoder, "  ").c_str(), to);
+}
+
+Status run(const Arguments& a) {
+    TESSERA_TRY(check_json_output(a.json, a.output));
+    TESSERA_TRY(slab_budget(a.memory, a.texture.threads).status());
+    const auto start = std::chrono::steady_clock::now();
+    const auto file = open_tess_bytes(a.input, "decode");
+    if (!file.ok())
+        return file.status();
+    const auto decoder = Decoder::open(**file, a.texture.decode);
+    if (!decoder.ok())
+        return with_partial_hint(decoder.status(), **file, a.texture.decode);
+    const TextureDesc desc = decoder->desc();
+    Box4 box = Box4::whole(desc.size);
+    if (!a.box.empty()) {
+        const auto parsed = parse_box(a.box, desc.size);
+        if (!parsed.ok())
+            return parsed.status().with_context("--box");
+        box = *parsed;
+    }
+    TESSERA_TRY(decode_into(a, *decoder, box, desc));
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    if (a.json)
+        print_json(to_json(a, *decoder, **file, box, seconds.count()));
+    else if (!a.texture.quiet)
+        print_summary(a, *decoder, **file, box, seconds.count());
+    return {};
+}
+
+} // namespace
+
+void add_decode_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("input", a.input,
+                     "The .tess file, the URL of one (http, https), or - for standard input")
+            ->required();
+        c.add_option(
+             "-o,--output", a.output,
+             "What to write: .exr, raw (.rgb ...), folder/ of PNG views; - is raw samples on "
+             "standard output")
+            ->required();
+        c.add_option("--box", a.box,
+                     "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
+        add_fill_options(c, a.texture.decode);
+        add_memory_option(c, a.memory);
+        c.add_flag("--json", a.json, "Print what was written as JSON");
+        add_threads_options(c, a.texture);
+    };
+    add_verb<Arguments>(
+        app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
+        "Only the tiles that the box touches are read; the default is all of it.\n\n"
+        "Examples:\n"
+        "  tessera decode scene.tess -o scene.exr\n"
+        "  tessera decode scene.tess -o - | sha256sum\n"
+        "  tessera decode scene.tess -o views/\n"
+        "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
+        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
+        "  tessera decode https://example.org/scene.tess -o part.exr --box "
+        "0:64,0:64,:,:",
+        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,230 @@
+#include "format/container_reader.h"
+#include "tools/verbs/command.h"
+#include "tools/support/description_text.h"
+#include "tools/support/json_text.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string input;
+    TextureArguments texture;
+    bool json = false;
+};
+
+Json texture_json(const std::string& path, const TextureDesc& desc,
+                  const Description& description) {
+    return {{"file", path},
+            {"size", to_string(desc.size)},
+            {"type", name_of(desc.type)},
+            {"channels", desc.channels},
+            {"raw_bytes", desc.box_bytes(Box4::whole(desc.size))},
+            {"description", description_to_text(description)}};
+}
+
+Json tess_json(const std::string& path, const ContainerReader& file, const TileSummary& tiles) {
+    const FileFacts facts = file.facts();
+    const TextureDesc& desc = file.desc();
+    Json json = texture_json(path, desc, file.description());
+    json["kind"] = "tess";
+    json["version"] = std::to_string(facts.version_major) + "." + std::to_string(facts.version_minor);
+    json["file_bytes"] = file.file_bytes();
+    json["bits_per_texel"] =
+        static_cast<double>(file.file_bytes()) * 8 / static_cast<double>(texel_count(desc.size));
+    json["required_features"] = facts.required_features;
+    json["optional_features"] = facts.optional_features;
+    json["colour"] = facts.colour;
+    json["tile_extent"] = to_string(file.grid().tile_extent());
+    json["tiles"] = {{"count", tiles.tiles},
+                     {"empty", tiles.empty},
+                     {"bytes", tiles.bytes},
+                     {"largest", tiles.largest}};
+    json["page_bytes"] = facts.page_bytes;
+    json["background"] = Json::array();
+    for (std::size_t c = 0; c < desc.channels; ++c)
+        json["background"].push_back(facts.background[c]);
+    json["levels"] = Json::array();
+    for (const Level& level : file.levels())
+        json["levels"].push_back({{"size", to_string(level.size)},
+                                  {"spatial_lod", level.spatial_lod},
+                                  {"angular_lod", level.angular_lod},
+                                  {"step_shift", level.step_shift},
+                                  {"first_tile", level.first_tile},
+                                  {"tiles", level.grid.tiles()}});
+    json["sections"] = Json::array();
+    for (const SectionInfo& s : file.sections())
+        json["sections"].push_back({{"type", s.type},
+                                    {"offset", s.offset},
+                                    {"length", s.length},
+                                    {"required", s.required},
+                                    {"known", s.known}});
+    json["metadata"] = Json::object();
+    for (const auto& [key, value] : file.metadata())
+        json["metadata"][key] = value;
+    return json;
+}
+
+// Rounded where more digits say nothing: to four that count.
+std::string text_of(const Json& value) {
+    if (value.is_number_float()) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.4g", value.get<double>());
+        return text;
+    }
+    return value.is_string() ? value.get<std::string>()
+                             : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// "psnr 40.123456789012345" -> "psnr 40.12": the number at the end, if there is one.
+std::string rounded(const std::string& text) {
+    const std::size_t blank = text.rfind(' ');
+    double number = 0;
+    if (blank == std::string::npos || !parse_number(text.substr(blank + 1), number))
+        return text;
+    std::uint64_t whole = 0;
+    if (parse_number(text.substr(blank + 1), whole))
+        return text;
+    return text.substr(0, blank + 1) + text_of(number);
+}
+
+// Control characters of a file's strings must not reach the terminal.
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 32 || c == 127)
+            c = ' ';
+    return text;
+}
+
+// How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 5"; "" where it does not say.
+std::string made_text(const Metadata& metadata) {
+    std::string text;
+    const auto add = [&](const char* key, const char* before) {
+        if (const auto found = metadata.find(key); found != metadata.end())
+            text += (text.empty() ? "" : ", ") + std::string(before) + rounded(found->second);
+    };
+    add(software_key, "");
+    add(made_rate_key, "");
+    add(made_effort_key, "effort ");
+    add(made_tools_key, "tools ");
+    return text;
+}
+
+// The JSON of a .tess as people want it: sizes in words, too, and how it was made in one line instead of
+// four keys among the metadata.
+Json for_people(Json json, const Metadata& metadata) {
+    Json out;
+    for (auto& [key, value] : json.items()) {
+        if (key == "raw_bytes" || key == "file_bytes")
+            value = std::to_string(value.get<std::uint64_t>()) + " (" +
+                    human_bytes(value.get<std::uint64_t>()) + ")";
+        if (key == "metadata") {
+            if (const std::string made = made_text(metadata); !made.empty())
+                out["made"] = made;
+            for (const char* shown : {software_key, made_rate_key, made_effort_key, made_tools_key})
+                value.erase(shown);
+        }
+        out[key] = value;
+    }
+    return out;
+}
+
+// One line a value, tables for lists of objects.
+void print_for_people(const Json& json, const std::string& indent) {
+    for (const auto& [key, value] : json.items()) {
+        const bool nested =
+            value.is_object() || (value.is_array() && !value.empty() && value[0].is_object());
+        if (value.is_structured() && value.empty())
+            continue;
+        if (!nested) {
+            std::printf("%s%-18s %s\n", indent.c_str(), printable(key).c_str(),
+                        printable(text_of(value)).c_str());
+            continue;
+        }
+        std::printf("%s%s\n", indent.c_str(), printable(key).c_str());
+        if (value.is_object()) {
+            print_for_people(value, indent + "  ");
+        } else {
+            for (const Json& row : value) {
+                std::printf("%s ", indent.c_str());
+                for (const auto& [name, cell] : row.items())
+                    std::printf(" %s %s ", name.c_str(), printable(text_of(cell)).c_str());
+                std::printf("\n");
+            }
+        }
+    }
+}
+
+Metadata metadata_of(const Json& json) {
+    Metadata metadata;
+    if (json.contains("metadata"))
+        for (const auto& [key, value] : json["metadata"].items())
+            metadata[key] = value.get<std::string>();
+    return metadata;
+}
+
+Result<Json> describe_tess(const std::string& path) {
+    const auto bytes = open_bytes(path);
+    if (!bytes.ok())
+        return bytes.status();
+    const auto file = ContainerReader::open(**bytes);
+    if (!file.ok())
+        return file.status();
+    const auto tiles = file->summarise_tiles();
+    if (!tiles.ok())
+        return tiles.status();
+    return tess_json(path, *file, *tiles);
+}
+
+Result<Json> describe_other(const Arguments& a) {
+    const auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    const auto opened = open_texture(a.input, *hints);
+    if (!opened.ok())
+        return opened.status();
+    Json json = texture_json(a.input, opened->source->desc(), opened->description);
+    json["kind"] = opened->kind == TextureKind::exr           ? "exr"
+                   : opened->kind == TextureKind::raw         ? "raw"
+                   : opened->kind == TextureKind::png_picture ? "png picture"
+                                                              : "png views";
+    return json;
+}
+
+Status run(const Arguments& a) {
+    const auto json =
+        kind_of_input(a.input) == TextureKind::tess ? describe_tess(a.input) : describe_other(a);
+    if (!json.ok())
+        return json.status();
+    if (a.json)
+        print_json(*json);
+    else
+        print_for_people(for_people(*json, metadata_of(*json)), "");
+    return {};
+}
+
+} // namespace
+
+void add_info_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("file", a.input, "Any texture; a .tess file, the URL of one, or -, says most")
+            ->required();
+        c.add_flag("--json", a.json, "Print JSON");
+        add_texture_options(c, a.texture);
+    };
+    add_verb<Arguments>(
+        app, chosen, "info", "Say everything about a file but its texels",
+        "Of a .tess: size, samples, how it was made, tiles, coarse levels, sections, metadata.\n"
+        "Figures are rounded; --json has all digits.\n\n"
+        "Examples:\n"
+        "  tessera info scene.tess\n"
+        "  tessera info scene.exr --json\n"
+        "  tessera info https://example.org/scene.tess",
+        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,104 @@
+#include "corpus/bake.h"
+#include "tools/verbs/command.h"
+#include "tools/support/progress.h"
+#include "tools/support/option_checks.h"
+#include "tools/rd/rd_run.h"
+#include "tools/support/texture_arguments.h"
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    RdOptions options;
+    TextureArguments texture;
+    bool json = false;
+};
+
+Status run(const Arguments& a) {
+    RdOptions options = a.options;
+    const auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    options.hints = *hints;
+    options.quiet = a.texture.quiet;
+    options.print_lines = !a.texture.quiet && !a.json;
+    const auto report = run_rd(options);
+    if (!report.ok())
+        return report.status();
+    if (a.json)
+        print_json(to_json(*report));
+    else if (!a.texture.quiet)
+        std::printf("\n%s%s\n", to_text(*report).c_str(),
+                    ("Look at " + options.output + "/index.html").c_str());
+    return {};
+}
+
+void declare_rates(CLI::App& c, RdOptions& o) {
+    c.add_option("--psnr", o.psnr, "PSNRs in dB that tessera is measured at (35,38,41,44)")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 200.0));
+    c.add_option("--quality", o.quality,
+                 "Qualities 1..100 that it is measured at; with --psnr both")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 100.0));
+    c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5, and a point each at 1 and 9)")
+        ->delimiter(',')
+        ->check(CLI::Range(0, 9));
+    c.add_option("--tools", o.tools,
+                 "Coding tools off or on, -copies,+grids (tests/regression/ablation.md lists them)")
+        ->type_name("LIST");
+    c.add_option("--rivals", o.rivals,
+                 "all, none, or ids with commas: x265, x265:8, x265:medium, aom, avif, "
+                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw (all)");
+    c.add_option("--anchor", o.anchor,
+                 "The codec that BD-rates are against (x265 if it ran, else tessera)");
+}
+
+void declare_sweep(CLI::App& c, RdOptions& o) {
+    c.add_flag(
+        "--quick", o.quick,
+        "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
+    c.add_option("--texture-size", o.texture_size, "UxVxSxT of a scene (its own)");
+    c.add_option("--samples", o.samples, "Rays per texel of a scene")
+        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
+        ->capture_default_str();
+    c.add_flag("--sphere", o.on_sphere,
+               "The texture lies on the scenes' sphere though its file does not say so: measure "
+               "rendered views");
+    c.add_option("--cache", o.cache, "Folder of measurements, to go on from (OUTPUT/cache)");
+    c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
+    c.add_option("--timeout", o.timeout, "Seconds that a run of a rival's tool may take")
+        ->check(number_between(1, 1e6))
+        ->capture_default_str();
+}
+
+} // namespace
+
+void add_rd_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("textures", a.options.textures,
+                     "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes")
+            ->required();
+        c.add_option("-o,--output", a.options.output,
+                     "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json")
+            ->required();
+        declare_rates(c, a.options);
+        declare_sweep(c, a.options);
+        c.add_flag("--json", a.json, "Print JSON");
+        add_texture_options(c, a.texture);
+    };
+    add_verb<Arguments>(
+        app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
+        "Rivals run through their own command-line tools; tools/scripts/install-rivals.sh installs them\n"
+        "from Debian, and what is missing is named. Results are kept: after Ctrl-C the same\n"
+        "command goes on where it stopped.\n\n"
+        "Examples:\n"
+        "  tessera rd scene.tess -o report --quick\n"
+        "  tessera rd composed --texture-size 128x64x32x32 -o report\n"
+        "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
+        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 1,5,9\n"
+        "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera",
+        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,408 @@
+#include "corpus/bake.h"
+#include "tools/verbs/command.h"
+#include "tools/support/fill_text.h"
+#include "tools/support/interrupt.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/parse.h"
+#include "tools/support/progress.h"
+#include "tools/view/render_stage.h"
+#include "tools/view/render_views.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/view/view_file.h"
+#include "tools/view/view_report.h"
+#include "tools/support/option_checks.h"
+#include "tools/support/output_folders.h"
+
+#include <chrono>
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    StageRequest stage;
+    ViewRequest views;
+    TextureArguments texture; // threads and quiet
+    std::string sheet;
+    bool json = false, write_all = false, log = false, frames = false;
+
+    // Over a network one wants to know what is going on.
+    bool logs() const {
+        return !json && (log || (is_url(stage.file) && !texture.quiet));
+    }
+};
+
+// "v-2.png" -> "v-2-truth.png".
+std::string beside(const std::string& output, const std::string& what) {
+    std::filesystem::path path(output);
+    path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
+    return path.string();
+}
+
+Status check_outputs(const Arguments& a, const std::vector<PlannedView>& plan) {
+    for (const PlannedView& view : plan) {
+        TESSERA_TRY(check_view_path(view.output));
+        for (const char* what : {"truth", "uncompressed"})
+            if (a.write_all)
+                TESSERA_TRY(check_view_path(beside(view.output, what)));
+        if (a.frames)
+            TESSERA_TRY(check_view_path(beside(view.output, "frame-1")));
+    }
+    if (a.sheet.empty())
+        return {};
+    if (std::filesystem::path(a.sheet).extension() != ".png")
+        return {ErrorCode::bad_argument, a.sheet + ": a sheet is a .png"};
+    std::uint64_t pixels = 0;
+    for (const PlannedView& view : plan) {
+        pixels += 4ull * view.camera.width * view.camera.height;
+        if (view.output == a.sheet)
+            return {ErrorCode::bad_argument, a.sheet + ": is a view's name, too"};
+    }
+    if (pixels > max_sheet_pixels)
+        return {ErrorCode::unsupported, a.sheet + ": the sheet would be too large"};
+    return check_output_path(a.sheet);
+}
+
+// One bar for all views and all renderers; each renderer reports the rows of its view.
+class Steps {
+public:
+    Steps(ProgressFunction show, std::size_t count) : show_(std::move(show)), count_(count) {}
+    ProgressFunction function() {
+        if (!show_)
+            return {};
+        return [this](const char* stage, double done, double total) {
+            show_(stage, static_cast<double>(begun_) - 1 + done / total,
+                  static_cast<double>(count_));
+        };
+    }
+    void set_count(std::size_t count) { count_ = count; }
+    void begin() { ++begun_; }
+
+private:
+    ProgressFunction show_;
+    std::size_t count_, begun_ = 0;
+};
+
+struct DrawnView {
+    ViewPictures pictures; // kept for the sheet only
+    ViewFigures figures;
+    double seconds = 0; // of drawing what is written
+    std::string remark;
+    std::vector<DrawnFrame> frames; // on feedback
+    Traffic traffic;                // of what is written
+};
+
+std::string to_text(const Traffic& traffic, bool remote) {
+    const char* unit = remote ? "request" : "read";
+    return std::to_string(traffic.requests) + " " + unit + (traffic.requests == 1 ? "" : "s") +
+           ", " + human_bytes(traffic.bytes);
+}
+
+// Keeps, writes and says what each frame of a view was; at once, as the next may take a while.
+class FrameLog {
+public:
+    FrameLog(const Arguments& a, SampleType type)
+        : log_(a.logs()), write_(a.frames), remote_(is_url(a.stage.file)), type_(type) {}
+
+    void begin(std::size_t view, const std::string& output) {
+        view_ = view;
+        output_ = output;
+        frames_.clear();
+    }
+    std::vector<DrawnFrame> end(const Traffic& traffic) {
+        if (log_ && frames_.empty())
+            say("view " + std::to_string(view_) + ": " + to_text(traffic, remote_));
+        return std::move(frames_);
+    }
+    Status add(unsigned number, const DrawnFrame& frame,
+               const std::function<Result<View>()>& picture) {
+        frames_.push_back(frame);
+        if (log_) {
+            if (!frame.trouble.empty())
+                say("view " + std::to_string(view_) + ": asks again: " + frame.trouble);
+            say("view " + std::to_string(view_) + " frame " + std::to_string(number) + ": " +
+                std::to_string(frame.touched) + " tiles touched, " + std::to_string(frame.decoded) +
+                " decoded, " + std::to_string(frame.coarse) + " coarse, " +
+                to_text(frame.traffic, remote_));
+        }
+        if (!write_)
+            return {};
+        const Result<View> view = picture();
+        TESSERA_TRY(view.status());
+        return write_view(beside(output_, "frame-" + std::to_string(number)), *view, type_);
+    }
+
+private:
+    static void say(const std::string& line) {
+        std::printf("%s\n", line.c_str());
+        std::fflush(stdout);
+    }
+
+    const bool log_, write_, remote_;
+    const SampleType type_;
+    std::size_t view_ = 0; // from 1
+    std::string output_;
+    std::vector<DrawnFrame> frames_; // of the view
+};
+
+// A view of each renderer that there is; the stage's subject is written, and the others on request.
+Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, bool write_all,
+                       Steps& steps) {
+    DrawnView drawn;
+    drawn.pictures.name = planned.name;
+    const SampleType type = stage.desc.type;
+    const auto add = [&](ViewRenderer* renderer, std::optional<Picture>& picture,
+                         const char* what) -> Status {
+        if (!renderer)
+            return {};
+        steps.begin();
+        const auto start = std::chrono::steady_clock::now();
+        const auto view = renderer->render(planned.camera);
+        if (!view.ok())
+            return view.status();
+        picture = to_picture(*view, type);
+        if (renderer != &stage.subject())
+            return write_all ? write_view(beside(planned.output, what), *view, type) : Status();
+        drawn.seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        drawn.remark = view->remark;
+        return write_view(planned.output, *view, type);
+    };
+    TESSERA_TRY(add(stage.compressed.get(), drawn.pictures.compressed, "compressed"));
+    TESSERA_TRY(add(stage.uncompressed.get(), drawn.pictures.uncompressed, "uncompressed"));
+    TESSERA_TRY(add(stage.truth.get(), drawn.pictures.truth, "truth"));
+    drawn.figures = measure(drawn.pictures);
+    return drawn;
+}
+
+Status write_sheet(const std::string& path, const std::vector<DrawnView>& views) {
+    std::vector<PanelRow> rows;
+    for (const DrawnView& view : views)
+        rows.push_back(to_panels(view.pictures));
+    const auto sheet = lay_out(rows);
+    if (!sheet.ok())
+        return sheet.status().with_context(path);
+    return write_png(path, *sheet);
+}
+
+Json to_json(const glm::dvec3& point) {
+    return {point.x, point.y, point.z};
+}
+
+Json to_json(const Traffic& traffic) {
+    return {{"requests", traffic.requests}, {"bytes", traffic.bytes}};
+}
+
+Json to_json(const DrawnFrame& frame) {
+    Json json = {{"touched", frame.touched}, {"decoded", frame.decoded}, {"coarse", frame.coarse}};
+    json.update(to_json(frame.traffic));
+    if (!frame.trouble.empty())
+        json["trouble"] = frame.trouble;
+    return json;
+}
+
+void report_json(const Arguments& a, const Stage& stage, const std::vector<PlannedView>& plan,
+                 const std::vector<DrawnView>& views) {
+    Json json = {{"size", to_string(stage.desc.size)}, {"via", a.stage.via}};
+    if (a.stage.file.empty())
+        json["scene"] = a.stage.scene;
+    else
+        json["file"] = a.stage.file;
+    if (!a.stage.truth.empty())
+        json["truth"] = a.stage.truth;
+    if (const auto use = stage.subject().device_use())
+        json["device"] = {{"name", use->name}, {"bytes", use->bytes}};
+    if (stage.decoder && (a.stage.decode.allow_partial || a.stage.decode.allow_damaged))
+        json["filled"] = fill_json(*stage.decoder);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        Json view = {{"name", plan[i].name},
+                     {"output", plan[i].output},
+                     {"eye", to_json(plan[i].camera.eye)},
+                     {"forward", to_json(plan[i].camera.forward)},
+                     {"width", plan[i].camera.width},
+                     {"height", plan[i].camera.height},
+                     {"seconds", views[i].seconds}};
+        if (!views[i].remark.empty())
+            view["remark"] = views[i].remark;
+        if (!a.stage.file.empty())
+            view.update(to_json(views[i].traffic));
+        for (const DrawnFrame& frame : views[i].frames)
+            view["frames"].push_back(to_json(frame));
+        view.update(to_json(views[i].figures));
+        json["views"].push_back(view);
+    }
+    print_json(json);
+}
+
+void report_text(const Stage& stage, const std::vector<PlannedView>& plan,
+                 const std::vector<DrawnView>& views) {
+    std::vector<ViewFigures> figures;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        std::printf("%s: %u x %u pixels in %.2f s\n", plan[i].output.c_str(), plan[i].camera.width,
+                    plan[i].camera.height, views[i].seconds);
+        figures.push_back(views[i].figures);
+    }
+    if (!figures.front().empty())
+        std::printf("\n%s", to_table(figures).c_str());
+    if (stage.decoder)
+        std::fputs(fill_text(*stage.decoder, "").c_str(), stdout);
+    if (const auto use = stage.subject().device_use())
+        std::printf("%s: %.1f MiB held\n", use->name.c_str(),
+                    static_cast<double>(use->bytes) / (1 << 20));
+}
+
+// Pictures that lack something are pictures all the same, so this is not an error.
+void report_remarks(const std::vector<PlannedView>& plan, const std::vector<DrawnView>& views) {
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (!views[i].remark.empty())
+            std::fprintf(stderr, "tessera render: note: %s: %s\n", plan[i].output.c_str(),
+                         views[i].remark.c_str());
+}
+
+Status run(const Arguments& a) {
+    const auto plan = plan_views(a.views);
+    if (!plan.ok())
+        return plan.status();
+    TESSERA_TRY(check_outputs(a, *plan));
+    if (a.frames && a.stage.via != "feedback")
+        return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
+    Stage stage;
+    std::vector<DrawnView> views;
+    {
+        Progress progress("tessera render", a.texture.quiet);
+        Steps steps(progress.function(), 1);
+        const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
+                                    steps.function()};
+        auto made = set_up_stage(a.stage, options);
+        if (!made.ok())
+            return made.status();
+        stage = std::move(*made);
+        steps.set_count(plan->size() * stage.renderers());
+        for (const PlannedView& view : *plan)
+            TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
+        FrameLog log(a, stage.desc.type);
+        stage.subject().watch([&log](unsigned number, const DrawnFrame& frame,
+                                     const auto& picture) { return log.add(number, frame, picture); });
+        Traffic told; // so that the first view's includes opening
+        for (const PlannedView& view : *plan) {
+            if (interrupted_by())
+                return {ErrorCode::runtime, "interrupted"};
+            log.begin(views.size() + 1, view.output);
+            auto drawn = draw(view, stage, a.write_all, steps);
+            if (!drawn.ok())
+                return drawn.status();
+            drawn->traffic = stage.traffic() - told;
+            told = stage.traffic();
+            drawn->frames = log.end(drawn->traffic);
+            if (a.sheet.empty())
+                drawn->pictures = {};
+            views.push_back(std::move(*drawn));
+        }
+    }
+    report_remarks(*plan, views);
+    if (!a.sheet.empty())
+        TESSERA_TRY(write_sheet(a.sheet, views));
+    if (a.json)
+        report_json(a, stage, *plan, views);
+    else if (!a.texture.quiet)
+        report_text(stage, *plan, views);
+    return {};
+}
+
+void declare_camera(CLI::App& c, ViewRequest& r) {
+    auto* eye = c.add_option("--eye", r.eye, "Where the observer stands, x,y,z (10,0,0)");
+    auto* look = c.add_option("--look", r.look, "A point straight ahead, x,y,z (0,0,0)");
+    c.add_option("--fov", r.fov, "Vertical field of view in degrees")->capture_default_str();
+    c.add_option("--size", r.size, "Pixels of the picture, WxH (640x480)");
+    auto* views =
+        c.add_option("--views", r.views,
+                     "paper: the paper's five views, numbered name-1.png and so on; 1..5: one of "
+                     "them")
+            ->excludes(eye)
+            ->excludes(look);
+    c.add_option("--orbit", r.orbit,
+                 "So many frames once around the vertical line through the look point, numbered")
+        ->check(CLI::Range(1u, 100000u))
+        ->excludes(views);
+}
+
+} // namespace
+
+void add_render_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        StageRequest& r = a.stage;
+        c.add_option("file", r.file,
+                     "A .tess with a texture on a sphere, or the URL of one (http, https)");
+        c.add_option(
+            "--scene", r.scene,
+            "In place of a file: the uncompressed texture of a built-in scene, baked where "
+            "it is looked at, so that no size is too large");
+        c.add_option("--texture-size", r.texture_size,
+                     "UxVxSxT of that texture (default: the scene's own, see bake --list)");
+        c.add_option("-o,--output", a.views.output,
+                     "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
+            ->required();
+        declare_camera(c, a.views);
+        c.add_option(
+             "--via", r.via,
+             "cpu, or on the GPU: load (decoded at once), feedback (a cache of the tiles in "
+             "view), or gpu: load where the budget has room for it, else feedback")
+            ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback"}))
+            ->capture_default_str();
+        c.add_option("--budget", r.budget_mib,
+                     "Most decoded texels in memory; on the GPU, all that it holds for the file: "
+                     "512M, 2G, or a number of MiB")
+            ->transform(mebibytes())
+            ->type_name("SIZE")
+            ->default_str("512M");
+        auto* truth = c.add_option("--truth", r.truth,
+                                   "A built-in scene to ray trace and measure against, together "
+                                   "with the uncompressed texture");
+        c.add_option("--truth-spp", r.truth_samples, "Rays per pixel of the truth")
+            ->check(CLI::Range(1u, 65536u))
+            ->capture_default_str()
+            ->needs(truth);
+        c.add_option("--original", r.original,
+                     "The uncompressed texture (raw or .tess); without it, it is baked where it is "
+                     "looked at");
+        c.add_option("--spp", r.samples,
+                     "Samples per texel of what is baked (default: what the file says, or 16)")
+            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
+        add_fill_options(c, r.decode);
+        c.add_flag("--write-all", a.write_all,
+                   "Write what it is measured against as well: name-truth.png and "
+                   "name-uncompressed.png beside each view");
+        c.add_option("--sheet", a.sheet, "One .png with all views, and the differences");
+        c.add_option("--tiles-per-frame", r.tiles_per_frame,
+                     "With --via feedback: most tiles that are fetched and decoded from one frame "
+                     "to the next, so that a view sharpens in steps (0: all that it misses)")
+            ->check(CLI::Range(0u, 1u << 24))
+            ->capture_default_str();
+        c.add_flag("--frames", a.frames,
+                   "With --via feedback: write every frame of a view while it sharpens, as "
+                   "name-frame-1.png (coarse) and so on beside it");
+        c.add_flag("--log", a.log,
+                   "Print what each frame of a view touched, decoded, still lacked and read; usual "
+                   "for URLs, unless --quiet");
+        c.add_flag("--json", a.json, "Print JSON");
+        add_threads_options(c, a.texture);
+    };
+    add_verb<Arguments>(
+        app, chosen, "render", "Draw what an observer sees of the sphere",
+        "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
+        "written only, with reading and decoding.\n"
+        "With --via feedback a view's first frame shows coarse data at once (of files that were made\n"
+        "with --layers at the cost of their first few kilobytes), and later ones sharpen it.\n\n"
+        "Examples:\n"
+        "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
+        "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
+        "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720 --via feedback\n"
+        "  tessera render http://host/scene.tess -o v.png --via feedback --orbit 16\n"
+        "  tessera render http://host/scene.tess -o v.png --via feedback --frames "
+        "--tiles-per-frame 16\n"
+        "  tessera render --scene composed --texture-size 1024x512x128x128 -o v.png --views 1",
+        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,81 @@
+#include "tools/verbs/command.h"
+#include "tools/support/interrupt.h"
+#ifdef TESSERA_HTTP
+#include "tools/http/file_server.h"
+#endif
+
+#include <chrono>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string folder, host = "127.0.0.1";
+    int port = 8000;
+    bool quiet = false;
+};
+
+#ifdef TESSERA_HTTP
+
+// Lines are flushed one by one: they are read while the server runs.
+void print_request(const ServedRequest& r) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    std::printf("%s %s %s%s%s %d, %llu bytes\n", r.client.c_str(), r.method.c_str(), r.path.c_str(),
+                r.range.empty() ? "" : " ", r.range.c_str(), r.status,
+                static_cast<unsigned long long>(r.bytes));
+    std::fflush(stdout);
+}
+
+Status run(const Arguments& a) {
+    FileServerOptions options;
+    options.folder = a.folder;
+    options.host = a.host;
+    options.port = a.port;
+    if (!a.quiet)
+        options.log = print_request;
+    const auto server = FileServer::start(options);
+    if (!server.ok())
+        return server.status();
+    std::printf("%s\n", (*server)->url().c_str());
+    std::fflush(stdout);
+    while (interrupted_by() == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return {};
+}
+
+#else
+
+Status run(const Arguments&) {
+    return {ErrorCode::unsupported, "this program was built without HTTP"};
+}
+
+#endif
+
+} // namespace
+
+void add_serve_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("folder", a.folder, "The folder with .tess files")->required();
+        c.add_option("--port", a.port, "Port; 0: one that is free")
+            ->check(CLI::Range(0, 65535))
+            ->capture_default_str();
+        c.add_option("--host", a.host, "Address to listen at; 0.0.0.0: all of this machine's")
+            ->capture_default_str();
+        c.add_flag("--quiet,-q", a.quiet, "Print the URL, but no requests");
+    };
+    add_verb<Arguments>(
+        app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C",
+        "Prints its URL, then a line for each request: client, method, path, range, status, bytes\n"
+        "of the body. Plain HTTP without passwords: for one's own machine or a trusted network.\n\n"
+        "Examples:\n"
+        "  tessera serve textures/\n"
+        "  tessera serve textures/ --port 0 --quiet\n"
+        "  tessera info http://127.0.0.1:8000/scene.tess",
+        declare, run);
+}
+
+} // namespace tessera

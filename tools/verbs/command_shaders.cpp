@@ -1,0 +1,100 @@
+#include "decoder_glsl/shader_source.h"
+#include "format/output_file.h"
+#include "tools/verbs/command.h"
+
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string output, dialect = "gl450";
+    std::vector<std::string> defines;
+};
+
+const std::pair<const char*, ShaderDialect> dialects[] = {{"gl450", ShaderDialect::gl450},
+                                                          {"es310", ShaderDialect::es310},
+                                                          {"vulkan", ShaderDialect::vulkan}};
+
+Result<std::vector<ShaderDefine>> parse_defines(const std::vector<std::string>& words) {
+    std::vector<ShaderDefine> defines;
+    for (const std::string& word : words) {
+        const std::size_t equals = word.find('=');
+        if (equals == 0)
+            return Status(ErrorCode::bad_argument, "--define " + word + ": a name is missing");
+        defines.emplace_back(word.substr(0, equals),
+                             equals == std::string::npos ? "1" : word.substr(equals + 1));
+    }
+    return defines;
+}
+
+Status write_text(const std::filesystem::path& path, const std::string& text) {
+    auto file = OutputFile::create(path.string());
+    if (!file.ok())
+        return file.status();
+    TESSERA_TRY(file->append(std::as_bytes(std::span(text))));
+    return file->commit();
+}
+
+// Programs whole; sample.glsl without a head, to be pasted into a program of the reader's own.
+Status write_shader(const ShaderFile& file, const Arguments& a, ShaderDialect dialect,
+                    std::span<const ShaderDefine> defines) {
+    auto source = shader_source(file.name, dialect, defines);
+    if (!source.ok())
+        return source.status();
+    std::string text = *source;
+    if (file.name == "sample.glsl")
+        text.erase(0, text.find('\n') + 1); // the #version line
+    return write_text(std::filesystem::path(a.output) / file.name, text);
+}
+
+Status run(const Arguments& a) {
+    const auto defines = parse_defines(a.defines);
+    if (!defines.ok())
+        return defines.status();
+    ShaderDialect dialect = ShaderDialect::gl450;
+    for (const auto& [name, value] : dialects)
+        if (a.dialect == name)
+            dialect = value;
+    std::error_code error;
+    std::filesystem::create_directories(a.output, error);
+    if (error)
+        return {ErrorCode::io, a.output + ": " + error.message()};
+    std::size_t count = 0;
+    for (const ShaderFile& file : shader_files()) {
+        const std::string_view name = file.name;
+        const bool program = name.ends_with(".comp.glsl") || name.ends_with(".frag.glsl") ||
+                             name.ends_with(".vert.glsl");
+        if (!program && name != "sample.glsl")
+            continue;
+        TESSERA_TRY(write_shader(file, a, dialect, *defines));
+        ++count;
+    }
+    std::printf("%s: %zu shaders for %s\n", a.output.c_str(), count, a.dialect.c_str());
+    return {};
+}
+
+} // namespace
+
+void add_shaders_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("-o,--output", a.output, "Folder to write to")->required();
+        c.add_option("--dialect", a.dialect,
+                     "gl450 (OpenGL 4.5), es310 (OpenGL ES 3.1) or vulkan (GLSL for SPIR-V)")
+            ->check(CLI::IsMember({"gl450", "es310", "vulkan"}))
+            ->capture_default_str();
+        c.add_option("-D,--define", a.defines,
+                     "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, "
+                     "TSR_OUTPUT_HALF, ...");
+    };
+    add_verb<Arguments>(app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
+                        "sample.glsl holds tessera_sample(), for pasting into a shader of your "
+                        "own; its first lines\n"
+                        "say how. decoder_glsl/README.md lists passes, buffers and bindings.\n"
+                        "Examples:\n"
+                        "  tessera shaders -o shaders/\n"
+                        "  tessera shaders -o spirv/ --dialect vulkan -D TESSERA_RESIDENT_CACHE",
+                        declare, run);
+}
+
+} // namespace tessera

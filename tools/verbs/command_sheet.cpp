@@ -1,0 +1,112 @@
+#include "tools/verbs/command.h"
+#include "tools/picture/contact_sheet.h"
+#include "tools/support/interrupt.h"
+#include "tools/picture/picture_grid.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/texture_io.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <tuple>
+
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::vector<std::string> inputs;
+    std::string output;
+    TextureArguments texture;
+    SheetOptions sheet;
+    GridOptions grid;
+};
+
+bool is_png_file(const std::string& path) {
+    return std::filesystem::path(path).extension() == ".png" &&
+           !std::filesystem::is_directory(path);
+}
+
+Result<Picture> sheet_of_textures(const Arguments& a) {
+    if (a.inputs.size() > 2)
+        return Status(ErrorCode::bad_argument,
+                      "a sheet shows two textures at most, or any number of .png files");
+    const auto hints = make_hints(a.texture);
+    if (!hints.ok())
+        return hints.status();
+    SheetOptions options = a.sheet;
+    options.name_a = std::filesystem::path(a.inputs[0]).filename().string();
+    OpenedTexture first, second;
+    if (a.inputs.size() == 1) {
+        auto opened = open_texture(a.inputs[0], *hints);
+        if (!opened.ok())
+            return opened.status();
+        first = std::move(*opened);
+    } else {
+        options.name_b = std::filesystem::path(a.inputs[1]).filename().string();
+        auto opened = open_two_textures(a.inputs[0], a.inputs[1], *hints);
+        if (!opened.ok())
+            return opened.status();
+        std::tie(first, second) = std::move(*opened);
+    }
+    const auto source = interruptible(std::move(first.source));
+    return make_contact_sheet(*source, second.source.get(), options);
+}
+
+Status run(const Arguments& a) {
+    if (std::filesystem::path(a.output).extension() != ".png")
+        return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
+    TESSERA_TRY(check_output_path(a.output));
+    const bool pictures = std::all_of(a.inputs.begin(), a.inputs.end(), is_png_file);
+    const auto picture = pictures ? make_picture_grid(a.inputs, a.grid) : sheet_of_textures(a);
+    if (!picture.ok())
+        return picture.status();
+    TESSERA_TRY(write_png(a.output, *picture));
+    if (!a.texture.quiet)
+        std::printf("%s: %u x %u pixels\n", a.output.c_str(), picture->width, picture->height);
+    return {};
+}
+
+} // namespace
+
+void add_sheet_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("inputs", a.inputs,
+                     "A texture (.tess also as a URL); a second one to show beside it, with the "
+                     "difference. Or 8-bit RGB .png files, to set side by side")
+            ->required();
+        c.add_option("-o,--output", a.output, "The .png to write")->required();
+        c.add_option("--views", a.sheet.views, "How many views")
+            ->check(CLI::Range(1u, 16u))
+            ->capture_default_str();
+        c.add_option("--angular", a.sheet.angular_images, "How many angular images")
+            ->check(CLI::Range(0u, 32u))
+            ->capture_default_str();
+        c.add_option("--amplify", a.sheet.amplify, "Factor of the difference")
+            ->check(CLI::Range(1.0, 255.0))
+            ->capture_default_str();
+        c.add_option("--columns", a.grid.columns, "Of .png files: pictures in a row")
+            ->check(CLI::Range(1u, 100u))
+            ->capture_default_str();
+        c.add_option("--label", a.grid.labels,
+                     "Of .png files: text above a picture; once for each, in their order (their "
+                     "names)")
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        c.add_option("--middle", a.grid.middle,
+                     "Of .png files: only the middle of each, so many pixels wide and high; 0: all")
+            ->check(CLI::Range(0u, 16384u))
+            ->capture_default_str();
+        add_texture_options(c, a.texture);
+    };
+    add_verb<Arguments>(app, chosen, "sheet",
+                        "A PNG of some views and angular images, or of pictures side by side",
+                        "Views are spread over s and t, angular images over u and v; half floats are shown as\n"
+                        "sRGB of x / (1 + x).\n\n"
+                        "Examples:\n"
+                        "  tessera sheet scene.exr scene.tess -o sheet.png\n"
+                        "  tessera sheet scene.tess -o sheet.png --views 5\n"
+                        "  tessera sheet v-1.png v-2.png --label front --label side --columns 2 "
+                        "-o both.png",
+                        declare, run);
+}
+
+} // namespace tessera

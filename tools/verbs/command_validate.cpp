@@ -1,0 +1,142 @@
+#include "codec/decoder.h"
+#include "tools/verbs/command.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/json_text.h"
+#include "tools/http/open_bytes.h"
+#include "format/work.h"
+#include "tools/support/progress.h"
+#include "format/byte_source.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/support/fill_text.h"
+
+namespace tessera {
+namespace {
+
+constexpr int rule_tile = 50; // a tile's bytes decode to texels
+constexpr std::size_t max_listed = 1000;
+
+struct Arguments {
+    std::string input;
+    TextureArguments texture; // threads and quiet
+    bool json = false;
+};
+
+bool is_covered(const std::vector<Finding>& findings, std::uint64_t tile) {
+    for (const Finding& f : findings)
+        if (tile >= f.first_tile && tile - f.first_tile < f.tile_count)
+            return true;
+    return false;
+}
+
+// Decodes every tile that the container's findings have not already condemned.
+Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned threads,
+                   const ProgressFunction& progress, std::vector<Finding>& findings) {
+    const auto decoder = Decoder::open(bytes, options);
+    if (!decoder.ok()) {
+        findings.push_back({rule_tile, true, decoder.status().message(), 0, 0});
+        return {};
+    }
+    const std::vector<Finding> known = findings;
+    const std::uint64_t tiles = decoder->container().tile_count();
+    std::mutex mutex;
+    std::uint64_t done = 0;
+    return parallel_for(tiles, threads, [&](std::uint64_t tile) -> Status {
+        if (interrupted_by())
+            return {ErrorCode::runtime, "interrupted"};
+        Status status;
+        if (!is_covered(known, tile)) {
+            const auto received = decoder->container().is_received(tile);
+            status = received.ok() && *received ? decoder->check_tile(tile) : received.status();
+        }
+        if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
+            return status; // says nothing about the file
+        const std::lock_guard lock(mutex);
+        ++done;
+        if (progress)
+            progress("decoding tiles", static_cast<double>(done),
+                     static_cast<double>(tiles));
+        if (!status.ok() && findings.size() < max_listed)
+            findings.push_back({rule_tile, true, status.message(), tile, 1});
+        return {};
+    });
+}
+
+void print_findings(const Arguments& a, const std::vector<Finding>& findings, bool valid) {
+    if (a.json) {
+        Json json = {{"file", a.input}, {"valid", valid}, {"findings", Json::array()}};
+        for (const Finding& f : findings)
+            json["findings"].push_back({{"number", f.number},
+                                        {"fatal", f.fatal},
+                                        {"text", f.text},
+                                        {"first_tile", f.first_tile},
+                                        {"tile_count", f.tile_count}});
+        print_json(json);
+        return;
+    }
+    if (a.texture.quiet)
+        return;
+    for (const Finding& f : findings)
+        std::printf("%s %02d: %s\n", f.fatal ? "error" : "note", f.number, f.text.c_str());
+    if (valid)
+        std::printf("%s: valid\n", a.input.c_str());
+}
+
+Status run(const Arguments& a) {
+    const auto opened = open_bytes(a.input);
+    if (!opened.ok())
+        return opened.status();
+    // Every byte will be wanted, twice.
+    const std::unique_ptr<ByteSource> ahead =
+        (*opened)->wants_prefetch() ? read_ahead(**opened) : nullptr;
+    ByteSource& bytes = ahead ? *ahead : **opened;
+    const OpenOptions open{a.texture.decode.allow_partial};
+    std::vector<Finding> findings;
+    {
+        Progress progress("tessera validate", a.texture.quiet || a.json);
+        const ProgressFunction show = progress.function();
+        findings = validate_container(bytes, [&](double done, double total) {
+            if (show)
+                show("checking pages", done, total);
+        }, open);
+        // A file that does not open has no tiles to look at; its finding says why.
+        if (ContainerReader::open(bytes, open).ok())
+            TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, show, findings));
+    }
+    std::stable_sort(findings.begin(), findings.end(), [](const Finding& x, const Finding& y) {
+        return std::pair(x.number, x.first_tile) < std::pair(y.number, y.first_tile);
+    });
+    const auto fatal =
+        std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.fatal; });
+    print_findings(a, findings, fatal == 0);
+    if (fatal == 0)
+        return {};
+    for (const Finding& f : findings)
+        if (f.number == static_cast<int>(ContainerRule::readable))
+            return {interrupted_by() != 0 ? ErrorCode::runtime : ErrorCode::io, f.text};
+    const Status invalid(ErrorCode::invalid_file, a.input + ": not valid, " +
+                                                      std::to_string(fatal) +
+                                                      (fatal == 1 ? " error" : " errors"));
+    return with_partial_hint(invalid, bytes, a.texture.decode);
+}
+
+} // namespace
+
+void add_validate_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, Arguments& a) {
+        c.add_option("file", a.input, "The .tess file, the URL of one (http, https), or -")
+            ->required();
+        c.add_flag("--allow-partial", a.texture.decode.allow_partial,
+                   "Check what is there of a file whose end is missing");
+        c.add_flag("--json", a.json, "Print JSON");
+        add_threads_options(c, a.texture);
+    };
+    add_verb<Arguments>(app, chosen, "validate", "Check everything a reader relies on",
+                        "Findings are numbered as in FORMAT.md, part 6. Exit code 3 when one is an "
+                        "error, 2 when the bytes cannot be read.\n\n"
+                        "Examples:\n"
+                        "  tessera validate scene.tess\n"
+                        "  tessera validate scene.tess --json",
+                        declare, run);
+}
+
+} // namespace tessera

@@ -1,0 +1,81 @@
+#include "tools/view/camera.h"
+
+#include "tools/support/parse.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+namespace tessera {
+namespace {
+
+constexpr double max_coordinate = 1e6;
+constexpr double radians = std::numbers::pi / 180;
+
+bool is_within(const glm::dvec3& p) {
+    for (int i = 0; i < 3; ++i)
+        if (!(std::abs(p[i]) <= max_coordinate)) // also not a number
+            return false;
+    return true;
+}
+
+} // namespace
+
+glm::dvec3 Camera::direction(double x, double y) const {
+    return glm::normalize(forward + (2 * x / width - 1) * right + (1 - 2 * y / height) * up);
+}
+
+Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
+    if (!is_within(pose.eye) || !is_within(pose.look))
+        return Status(ErrorCode::bad_argument, "eye and look must be numbers up to 1000000");
+    if (!(lens.fov > 0 && lens.fov < 180))
+        return Status(ErrorCode::bad_argument, "a field of view of " + format_number(lens.fov, 3) +
+                                                   " degrees is not between 0 and 180");
+    if (lens.width < 1 || lens.height < 1 || lens.width > max_picture_side ||
+        lens.height > max_picture_side)
+        return Status(ErrorCode::bad_argument, "a picture of " + std::to_string(lens.width) + "x" +
+                                                   std::to_string(lens.height) +
+                                                   " pixels; a side has 1 to " +
+                                                   std::to_string(max_picture_side));
+    const double distance = glm::length(pose.look - pose.eye);
+    if (distance < 1e-9)
+        return Status(ErrorCode::bad_argument, "eye and look are the same point");
+    Camera camera;
+    camera.eye = pose.eye;
+    camera.forward = (pose.look - pose.eye) / distance;
+    camera.width = lens.width;
+    camera.height = lens.height;
+    const bool vertical = std::hypot(camera.forward.x, camera.forward.z) < 1e-9;
+    const glm::dvec3 upwards = vertical ? glm::dvec3{0.0, 0.0, camera.forward.y > 0 ? 1.0 : -1.0}
+                                        : glm::dvec3{0.0, 1.0, 0.0};
+    const glm::dvec3 right = glm::normalize(glm::cross(camera.forward, upwards));
+    const double half_height = std::tan(lens.fov * radians / 2);
+    camera.right = right * (half_height * lens.width / lens.height);
+    camera.up = glm::cross(right, camera.forward) * half_height;
+    return camera;
+}
+
+std::vector<NamedPose> paper_views() {
+    return {{"10,0,0", {{10, 0, 0}, {0, 0, 0}}},
+            {"10,0,-3", {{10, 0, -3}, {0, 0, -3}}},
+            {"10,0,3", {{10, 0, 3}, {0, 0, 3}}},
+            {"0,0,10", {{0, 0, 10}, {0, 0, 0}}},
+            {"0,10,0", {{0, 10, 0}, {0, 0, 0}}}};
+}
+
+Result<std::vector<CameraPose>> orbit(const CameraPose& start, unsigned count) {
+    const glm::dvec3 arm = start.eye - start.look;
+    if (!(std::hypot(arm.x, arm.z) > 1e-9))
+        return Status(ErrorCode::bad_argument,
+                      "an orbit needs an eye beside the vertical line through the look point");
+    std::vector<CameraPose> poses;
+    for (unsigned i = 0; i < count; ++i) {
+        const double angle = 2 * std::numbers::pi * i / count;
+        const double c = std::cos(angle), s = std::sin(angle);
+        const glm::dvec3 turned{arm.x * c + arm.z * s, arm.y, arm.z * c - arm.x * s};
+        poses.push_back({start.look + turned, start.look});
+    }
+    return poses;
+}
+
+} // namespace tessera

@@ -1,0 +1,202 @@
+#include "tools/view/gpu_renderer.h"
+
+#ifdef TESSERA_GPU
+#include "decoder_glsl/gl_context.h"
+#include "tools/view/gpu_camera.h"
+#include "tools/support/interrupt.h"
+
+#include <optional>
+#include <utility>
+#endif
+
+namespace tessera {
+namespace {
+
+// A GPU is never the only way.
+Status or_by_cpu(const Status& status, const std::string& via) {
+    if (status.code() != ErrorCode::unsupported)
+        return status;
+    return Status(ErrorCode::unsupported, status.message() + " (--via cpu always works)")
+        .with_context("--via " + via);
+}
+
+} // namespace
+
+#ifdef TESSERA_GPU
+namespace {
+
+// A view that stands still needs two frames, one that marks its tiles and one that has them, and as
+// many more as decoding is spread over.
+constexpr unsigned most_frames = 8;
+
+// Frames in a row that could not read something; the source has tried several times for each.
+constexpr unsigned most_troubled = 3;
+
+class GpuRenderer final : public ViewRenderer {
+public:
+    GpuRenderer(HeadlessContext context, const ContainerReader& reader, const SphereWindow& window,
+                const glm::dvec3& background, const GpuRenderOptions& options)
+        : context_(std::move(context)), reader_(reader), window_(window), background_(background),
+          options_(options) {}
+    GpuRenderer(const GpuRenderer&) = delete;
+    GpuRenderer& operator=(const GpuRenderer&) = delete;
+    ~GpuRenderer() override {
+        // What lives in the context dies first, in it.
+        if (context_.make_current()) {
+            view_.reset();
+            texture_.reset();
+        }
+    }
+
+    Status open() {
+        SampledTextureOptions options;
+        options.residency = options_.via == "gpu"    ? choose_residency(reader_, budget())
+                            : options_.via == "load" ? Residency::on_load
+                                                     : Residency::on_feedback;
+        options.budget = budget();
+        options.jobs_per_update = options_.tiles_per_frame;
+        options.coarse_from = {options_.coarse_level, options_.coarse_texels};
+        // Means of all tiles, where no level is at hand, need all tiles.
+        options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
+        auto texture = SampledTexture::create(reader_, options);
+        if (!texture.ok())
+            return texture.status();
+        texture_.emplace(std::move(*texture));
+        by_frames_ = options.residency == Residency::on_feedback;
+        auto view = GlViewRenderer::create(*texture_);
+        if (!view.ok())
+            return view.status();
+        view_.emplace(std::move(*view));
+        return {};
+    }
+
+    Result<View> render(const Camera& camera) override {
+        TESSERA_TRY(check_outside(window_, camera));
+        TESSERA_TRY(context_.make_current());
+        const auto report = draw(gpu_camera(camera, window_, background_));
+        if (!report.ok())
+            return report.status();
+        if (texture_->damaged_tiles() > 0)
+            return Status(ErrorCode::invalid_file,
+                          reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
+                              " tiles are damaged; tessera validate says which");
+        auto view = read_view(camera.width, camera.height);
+        if (view.ok())
+            view->remark = remark_on(*report);
+        return view;
+    }
+
+    void watch(FrameHook hook) override { hook_ = std::move(hook); }
+
+    std::optional<DeviceUse> device_use() const override {
+        return DeviceUse{context_.device(), texture_->bytes() + view_->bytes()};
+    }
+
+private:
+    std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
+
+    Result<View> read_view(std::uint32_t width, std::uint32_t height) const {
+        const auto pixels = view_->read();
+        if (!pixels.ok())
+            return pixels.status();
+        View view{width, height, {}};
+        view.rgb.reserve(pixels->size() / 4 * 3);
+        for (std::size_t i = 0; i < pixels->size(); i += 4)
+            view.rgb.insert(view.rgb.end(), {(*pixels)[i], (*pixels)[i + 1], (*pixels)[i + 2]});
+        return view;
+    }
+
+    // Until a frame has all that it can have.
+    Result<UpdateReport> draw(const ViewCamera& camera) {
+        UpdateReport report;
+        unsigned troubled = 0;
+        for (unsigned frame = 1;; ++frame) {
+            if (interrupted_by())
+                return Status(ErrorCode::runtime, "interrupted");
+            TESSERA_TRY(view_->draw(camera));
+            const Traffic before = traffic(); // update() reads for the next frame
+            const UpdateReport last = std::exchange(report, {});
+            const auto updated = texture_->update(true);
+            if (!updated.ok())
+                return updated.status();
+            report = *updated;
+            TESSERA_TRY(tell(camera, frame, report, last, before));
+            if (!report.trouble.ok()) {
+                if (report.trouble.code() != ErrorCode::io || ++troubled == most_troubled)
+                    return report.trouble;
+                continue;
+            }
+            troubled = 0;
+            if (report.decoded == 0 || frame >= most_frames + spread_over(report))
+                return report;
+        }
+    }
+
+    unsigned spread_over(const UpdateReport& report) const {
+        return options_.tiles_per_frame == 0 ? 0 : report.touched / options_.tiles_per_frame;
+    }
+
+    Traffic traffic() const { return options_.traffic ? options_.traffic() : Traffic{}; }
+
+    // `seen` came with the frame's marks, `last` before it was drawn, when `now` had been read.
+    Status tell(const ViewCamera& camera, unsigned number, const UpdateReport& seen,
+                const UpdateReport& last, const Traffic& now) {
+        if (!hook_ || !by_frames_)
+            return {};
+        const DrawnFrame frame{seen.touched, last.decoded, seen.missing, now - told_,
+                               last.trouble.ok() ? "" : last.trouble.message()};
+        told_ = now;
+        return hook_(number, frame, [&] { return read_view(camera.width, camera.height); });
+    }
+
+    std::string remark_on(const UpdateReport& report) const {
+        const std::uint32_t missing = report.waiting + report.decoded;
+        if (missing == 0 && report.missing > 0)
+            return std::to_string(report.missing) + " of the " + std::to_string(report.touched) +
+                   " tiles that it touches have not been received and are drawn coarsely";
+        if (missing == 0)
+            return {};
+        return std::to_string(missing) + " of the " + std::to_string(report.touched) +
+               " tiles that it touches found no place within --budget " +
+               std::to_string(options_.budget_mib) + " and are drawn coarsely; --budget " +
+               std::to_string((texture_->budget_for(report.touched) >> 20) + 1) + " holds them all";
+    }
+
+    HeadlessContext context_;
+    const ContainerReader& reader_;
+    SphereWindow window_;
+    glm::dvec3 background_;
+    GpuRenderOptions options_;
+    std::optional<SampledTexture> texture_;
+    std::optional<GlViewRenderer> view_;
+    bool by_frames_ = false;
+    FrameHook hook_;
+    Traffic told_; // by the last frame
+};
+
+} // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SphereWindow& window,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options) {
+    auto context = HeadlessContext::create();
+    if (!context.ok())
+        return or_by_cpu(context.status(), options.via);
+    auto renderer =
+        std::make_unique<GpuRenderer>(std::move(*context), reader, window, background, options);
+    const Status opened = renderer->open();
+    if (!opened.ok())
+        return or_by_cpu(opened, options.via);
+    return std::unique_ptr<ViewRenderer>(std::move(renderer));
+}
+#else
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader&, const SphereWindow&,
+                                                        const glm::dvec3&,
+                                                        const GpuRenderOptions& options) {
+    return or_by_cpu({ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)"},
+                     options.via);
+}
+#endif
+
+} // namespace tessera

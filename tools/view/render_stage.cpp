@@ -1,0 +1,192 @@
+#include "tools/view/render_stage.h"
+
+#include "corpus/bake.h"
+#include "format/samples.h"
+#include "format/sampler.h"
+#include "tools/texture_io/baked_original.h"
+#include "tools/view/gpu_renderer.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/parse.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/support/fill_text.h"
+
+namespace tessera {
+namespace {
+
+// Small along s and t: an observer sees each place from one direction.
+constexpr Extent4 lazy_block{8, 8, 4, 4};
+
+glm::dvec3 background_of(const ContainerReader& container) {
+    const TextureDesc& desc = container.desc();
+    const FileFacts facts = container.facts();
+    std::byte texel[8];
+    for (std::size_t c = 0; c < 4; ++c)
+        store_sample(texel + c * sample_bytes(desc.type), facts.background[c], desc.type);
+    const glm::dvec4 value = texel_value(desc, texel);
+    return desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
+}
+
+Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
+    const TextureKind kind = kind_of_input(r.original);
+    if (kind != TextureKind::raw && kind != TextureKind::tess)
+        return Status(ErrorCode::bad_argument,
+                      r.original + ": --original takes a raw file or a .tess, whose texels can be "
+                                   "read in any order");
+    TextureHints hints;
+    hints.size = stage.desc.size;
+    hints.type = stage.desc.type;
+    hints.channels = stage.desc.channels;
+    auto opened = open_texture(r.original, hints);
+    if (!opened.ok())
+        return opened.status();
+    return std::move(opened->source);
+}
+
+Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
+                 const RenderOptions& options, Stage& stage) {
+    auto scene = corpus::make_scene(r.truth);
+    if (!scene.ok())
+        return scene.status().with_context("--truth");
+    if (!of_scene.empty() && of_scene != r.truth)
+        return {ErrorCode::bad_argument,
+                subject + ": is of the scene " + of_scene + ", not " + r.truth};
+    if (scene->type != stage.desc.type)
+        return {ErrorCode::bad_argument, subject + ": is " + name_of(stage.desc.type) +
+                                             ", and the scene " + r.truth + " is " +
+                                             name_of(scene->type)};
+    stage.truth = make_truth_renderer(std::move(*scene), stage.window, r.truth_samples, options);
+    return {};
+}
+
+// The network counts its requests itself, by a finer measure than reads.
+Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
+    return network_traffic(bytes).value_or(metered.traffic());
+}
+
+// A compressed file, and the texture that it was made from where there is something to compare.
+Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+    auto bytes = open_tess_bytes(r.file, "render");
+    if (!bytes.ok())
+        return bytes.status();
+    stage.bytes = std::move(*bytes);
+    stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
+    const bool remote = network_traffic(*stage.bytes).has_value();
+    auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
+    if (!decoder.ok())
+        return with_partial_hint(decoder.status(), *stage.bytes, r.decode);
+    stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
+    stage.desc = stage.decoder->desc();
+    const ContainerReader& container = stage.decoder->container();
+    const auto window = sphere_window(container.description());
+    if (!window.ok())
+        return window.status().with_context(r.file);
+    stage.window = *window;
+    const glm::dvec3 background = background_of(container);
+    if (!r.truth.empty()) {
+        const auto said = container.metadata().find("Scene");
+        TESSERA_TRY(add_truth(r, r.file, said == container.metadata().end() ? "" : said->second,
+                              options, stage));
+    }
+    if (r.via == "cpu") {
+        stage.texels = decoded_source(*stage.decoder);
+        RenderOptions tile_by_tile = options; // blocks of the file's own grid
+        if (container.wants_prefetch())
+            tile_by_tile.foretell = [&container](std::span<const std::uint64_t> tiles) {
+                return container.prefetch(tiles).status();
+            };
+        stage.compressed = make_texture_renderer(*stage.texels, container.grid().tile_extent(),
+                                                 stage.window, background, tile_by_tile);
+    } else {
+        // The coarsest level is the cheapest and as fine as the device's coarse texels.
+        std::unique_ptr<TexelSource> coarse;
+        GpuRenderOptions on_gpu{r.via, r.budget_mib, r.tiles_per_frame, {}, nullptr, {}};
+        on_gpu.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
+            return traffic_of(*bytes, *metered); // the stage may move
+        };
+        if (const std::size_t levels = container.levels().size(); levels > 1) {
+            coarse = decoded_level(*stage.decoder, levels - 1);
+            on_gpu.coarse_level = container.levels().back();
+            on_gpu.coarse_texels = coarse.get();
+        }
+        auto gpu = make_gpu_renderer(container, stage.window, background, on_gpu);
+        if (!gpu.ok())
+            return gpu.status();
+        stage.compressed = std::move(*gpu);
+    }
+    if (r.truth.empty() && r.original.empty())
+        return {};
+    auto original = !r.original.empty() ? open_original(r, stage)
+                                        : bake_again({r.truth, r.samples, std::nullopt}, r.file,
+                                                     stage.desc.size, container.metadata());
+    if (!original.ok())
+        return original.status();
+    if ((*original)->desc() != stage.desc)
+        return {ErrorCode::bad_argument,
+                r.file + ": its samples are not of the type or number of those of " +
+                    (r.original.empty() ? "the scene " + r.truth : r.original)};
+    stage.original = std::move(*original);
+    stage.uncompressed =
+        make_texture_renderer(*stage.original, lazy_block, stage.window, background, options);
+    return {};
+}
+
+// A texture that no file holds: of any size, as only what is looked at is ever made.
+Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+    const auto info = corpus::find_scene(r.scene);
+    if (!info.ok())
+        return info.status().with_context("--scene");
+    const auto size = parse_extent_or(r.texture_size, "--texture-size", info->default_size);
+    if (!size.ok())
+        return size.status();
+    auto baked = corpus::make_baked_source(r.scene, *size, r.samples.value_or(usual_samples), 1);
+    if (!baked.ok())
+        return baked.status().with_context("--scene " + r.scene);
+    stage.original = std::move(*baked);
+    stage.desc = stage.original->desc();
+    stage.window = {glm::dvec3{0.0}, corpus::window_radius};
+    if (!r.truth.empty())
+        TESSERA_TRY(add_truth(r, "--scene", r.scene, options, stage));
+    const auto scene = corpus::make_scene(r.scene);
+    if (!scene.ok())
+        return scene.status();
+    stage.uncompressed = make_texture_renderer(*stage.original, lazy_block, stage.window,
+                                               scene->background, options);
+    return {};
+}
+
+Status check_request(const StageRequest& r) {
+    if (r.file.empty() == r.scene.empty())
+        return {ErrorCode::bad_argument, "a .tess file or --scene is needed, and not both"};
+    if (r.file.empty() && (r.via != "cpu" || !r.original.empty()))
+        return {ErrorCode::bad_argument,
+                "--via and --original belong to a .tess file; --scene is drawn on the CPU"};
+    if (r.decode.allow_damaged && r.via != "cpu")
+        return {ErrorCode::bad_argument, "--allow-damaged needs --via cpu"};
+    if (r.decode.allow_partial && r.via != "cpu" && r.via != "feedback")
+        return {ErrorCode::bad_argument, "--allow-partial needs --via cpu or feedback"};
+    if (!r.file.empty() && !r.texture_size.empty())
+        return {ErrorCode::bad_argument, "--texture-size belongs to --scene"};
+    if (r.samples && !r.original.empty())
+        return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
+    if (r.samples && r.truth.empty() && r.scene.empty())
+        return {ErrorCode::bad_argument, "--spp belongs to --truth or --scene: nothing is baked"};
+    if (r.tiles_per_frame > 0 && r.via != "feedback")
+        return {ErrorCode::bad_argument, "--tiles-per-frame belongs to --via feedback"};
+    return {};
+}
+
+} // namespace
+
+Traffic Stage::traffic() const {
+    return !bytes ? Traffic{} : traffic_of(*bytes, *metered);
+}
+
+Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options) {
+    TESSERA_TRY(check_request(request));
+    Stage stage;
+    TESSERA_TRY(request.file.empty() ? add_scene(request, options, stage)
+                                     : add_file(request, options, stage));
+    return stage;
+}
+
+} // namespace tessera

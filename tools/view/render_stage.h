@@ -1,0 +1,51 @@
+// What `tessera render` draws: a compressed file or a scene's texture, and what is set beside it.
+#pragma once
+
+#include "codec/decoder.h"
+#include "tools/support/traffic.h"
+#include "tools/view/view_renderer.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace tessera {
+
+struct StageRequest {
+    std::string file;         // a .tess; or empty, and then:
+    std::string scene;        // the texture of a built-in scene, baked where it is looked at,
+    std::string texture_size; // of "UxVxSxT" texels; empty: the scene's own
+    DecodeOptions decode;     // of the file
+    std::string via = "cpu";  // cpu, gpu, load or feedback
+    unsigned budget_mib = 512;
+    unsigned tiles_per_frame = 0;    // with feedback, see gpu_renderer.h
+    std::string truth;               // a scene to ray trace directly, or empty
+    unsigned truth_samples = 16;     // rays per pixel
+    std::string original;            // the uncompressed texture as a file, or empty
+    std::optional<unsigned> samples; // per texel, of what is baked
+};
+
+// Members are destroyed last to first: renderers before what they read. Any of the renderers may be
+// absent, but not both of the first two.
+struct Stage {
+    std::unique_ptr<ByteSource> bytes;
+    std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
+    std::unique_ptr<Decoder> decoder; // null without a file
+    TextureDesc desc;
+    SphereWindow window;
+    std::unique_ptr<TexelSource> texels, original;
+    std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
+
+    // What reading the file has cost so far.
+    Traffic traffic() const;
+    // The one whose views are written.
+    ViewRenderer& subject() const { return compressed ? *compressed : *uncompressed; }
+    unsigned renderers() const {
+        return (compressed ? 1u : 0u) + (uncompressed ? 1u : 0u) + (truth ? 1u : 0u);
+    }
+};
+
+// Errors: bad_argument, where parts do not belong together; unsupported; those of the files.
+Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options);
+
+} // namespace tessera

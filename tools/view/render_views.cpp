@@ -1,0 +1,99 @@
+#include "tools/view/render_views.h"
+
+#include "tools/support/parse.h"
+
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+Status parse_point(const std::string& text, const char* option, glm::dvec3& out) {
+    std::string_view rest = text;
+    for (int i = 0; i < 3; ++i) {
+        const std::size_t comma = rest.find(',');
+        if ((comma == std::string_view::npos) != (i == 2) ||
+            !parse_number(rest.substr(0, comma), out[i]))
+            return {ErrorCode::bad_argument,
+                    std::string(option) + " '" + text + "' is not a point such as 10,0,-2.5"};
+        rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    }
+    return {};
+}
+
+Status parse_picture_size(const std::string& text, Lens& lens) {
+    const std::size_t cross = text.find('x');
+    std::uint64_t width = 0, height = 0;
+    if (cross == std::string::npos ||
+        !parse_number(std::string_view(text).substr(0, cross), width) ||
+        !parse_number(std::string_view(text).substr(cross + 1), height))
+        return {ErrorCode::bad_argument, "--size '" + text + "' is not WxH such as 640x480"};
+    if (width < 1 || height < 1 || width > max_picture_side || height > max_picture_side)
+        return {ErrorCode::bad_argument, "--size '" + text + "': a side has 1 to " +
+                                             std::to_string(max_picture_side) + " pixels"};
+    lens.width = static_cast<std::uint32_t>(width);
+    lens.height = static_cast<std::uint32_t>(height);
+    return {};
+}
+
+// "out.png" -> "out-07.png".
+std::string numbered(const std::string& path, std::size_t number, std::size_t digits) {
+    const std::filesystem::path p(path);
+    std::string text = std::to_string(number);
+    text.insert(0, digits - std::min(digits, text.size()), '0');
+    std::filesystem::path out = p;
+    out.replace_filename(p.stem().string() + "-" + text + p.extension().string());
+    return out.string();
+}
+
+Result<std::vector<NamedPose>> poses_of(const ViewRequest& request, const CameraPose& pose) {
+    if (request.orbit > 0) {
+        const auto poses = orbit(pose, request.orbit);
+        if (!poses.ok())
+            return poses.status();
+        std::vector<NamedPose> named;
+        for (const CameraPose& p : *poses)
+            named.push_back({"frame " + std::to_string(named.size() + 1), p});
+        return named;
+    }
+    if (request.views.empty())
+        return std::vector<NamedPose>{{"view", pose}};
+    const std::vector<NamedPose> paper = paper_views();
+    if (request.views == "paper")
+        return paper;
+    std::uint64_t number = 0;
+    if (!parse_number(request.views, number) || number < 1 || number > paper.size())
+        return Status(ErrorCode::bad_argument, "--views '" + request.views +
+                                                   "' is neither paper nor a number from 1 to " +
+                                                   std::to_string(paper.size()));
+    return std::vector<NamedPose>{paper[number - 1]};
+}
+
+} // namespace
+
+Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
+    CameraPose pose;
+    Lens lens;
+    lens.fov = request.fov;
+    if (!request.eye.empty())
+        TESSERA_TRY(parse_point(request.eye, "--eye", pose.eye));
+    if (!request.look.empty())
+        TESSERA_TRY(parse_point(request.look, "--look", pose.look));
+    if (!request.size.empty())
+        TESSERA_TRY(parse_picture_size(request.size, lens));
+    const auto poses = poses_of(request, pose);
+    if (!poses.ok())
+        return poses.status();
+    const std::size_t digits = std::to_string(poses->size()).size();
+    const bool many = request.orbit > 0 || poses->size() > 1;
+    std::vector<PlannedView> plan;
+    for (const NamedPose& p : *poses) {
+        const auto camera = make_camera(p.pose, lens);
+        if (!camera.ok())
+            return camera.status();
+        plan.push_back({p.name, *camera,
+                        many ? numbered(request.output, plan.size() + 1, digits) : request.output});
+    }
+    return plan;
+}
+
+} // namespace tessera

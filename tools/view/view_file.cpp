@@ -1,0 +1,75 @@
+#include "tools/view/view_file.h"
+
+#include "tools/texture_io/exr_stream.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/support/output_folders.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <algorithm>
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+std::string ending_of(const std::string& path) {
+    return std::filesystem::path(path).extension().string();
+}
+
+Status write_exr(const std::string& path, const View& view) {
+    TESSERA_TRY(make_parent_folders(path));
+    auto file = OutputFile::create(path);
+    if (!file.ok())
+        return file.status();
+    ExrOutput stream(*file);
+    TESSERA_TRY(guard_exr(path, [&]() -> Status {
+        const int width = static_cast<int>(view.width), height = static_cast<int>(view.height);
+        Imf::Header header(width, height);
+        header.compression() = Imf::ZIP_COMPRESSION;
+        Imf::FrameBuffer frame;
+        const std::size_t texel = 3 * sizeof(float);
+        const char* const names[] = {"R", "G", "B"};
+        for (std::size_t c = 0; c < 3; ++c) {
+            header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+            frame.insert(names[c],
+                         Imf::Slice::Make(Imf::FLOAT, view.rgb.data() + c, Imath::V2i(0, 0), width,
+                                          height, texel, texel * view.width));
+        }
+        Imf::OutputFile picture(stream, header);
+        picture.setFrameBuffer(frame);
+        picture.writePixels(height);
+        return {};
+    }));
+    TESSERA_TRY(stream.status()); // the table of offsets is written last, by a destructor
+    return file->commit();
+}
+
+} // namespace
+
+Picture to_picture(const View& view, SampleType type) {
+    Picture out = blank_picture(view.width, view.height, 0);
+    for (std::size_t i = 0; i < view.rgb.size(); ++i) {
+        const double x = view.rgb[i];
+        if (type == SampleType::half16)
+            out.rgb[i] = tone_mapped(x);
+        else // not a number: black
+            out.rgb[i] = std::byte(x > 0 ? static_cast<int>(255 * std::min(x, 1.0) + 0.5) : 0);
+    }
+    return out;
+}
+
+Status check_view_path(const std::string& path) {
+    if (ending_of(path) != ".png" && ending_of(path) != ".exr")
+        return {ErrorCode::bad_argument, path + ": a view is a .png or an .exr"};
+    return check_output_path(path);
+}
+
+Status write_view(const std::string& path, const View& view, SampleType type) {
+    TESSERA_TRY(check_view_path(path));
+    return ending_of(path) == ".exr" ? write_exr(path, view)
+                                     : write_png(path, to_picture(view, type));
+}
+
+} // namespace tessera
