@@ -1,11 +1,11 @@
 // tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
 
 #include "format/version.h"
-#include "tools/verbs/command.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
 #include "tools/support/suggestions.h"
 #include "tools/support/usage_error.h"
+#include "tools/verbs/command.h"
 
 #include <csignal>
 #include <cstdio>

@@ -5,8 +5,8 @@
 #include "corpus/bake.h"
 #include "tests/support/test_folder.h"
 #include "tools/support/memory_budget.h"
-#include "tools/texture_io/texture_io.h"
 #include "tools/support/option_checks.h"
+#include "tools/texture_io/texture_io.h"
 
 #include <fstream>
 #include <map>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "format/byte_source.h"
-#include "tools/support/url.h"
 #include "tools/support/traffic.h"
+#include "tools/support/url.h"
 
 #include <memory>
 #include <string>

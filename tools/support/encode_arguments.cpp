@@ -3,9 +3,9 @@
 #include "tools/support/description_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
-#include "tools/support/parse.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/output_folders.h"
+#include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
 
 #include <cmath>

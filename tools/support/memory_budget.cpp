@@ -3,9 +3,9 @@
 #include "format/work.h"
 #include "tools/support/parse.h"
 
+#include "tools/support/option_checks.h"
 #include <algorithm>
 #include <cctype>
-#include "tools/support/option_checks.h"
 
 namespace tessera {
 namespace {

@@ -92,7 +92,7 @@ CLI::Validator mebibytes() {
                 const std::uint64_t whole = size.ok() ? (*size + (1u << 20) - 1) >> 20 : 0;
                 if (whole < 1 || whole > most_mebibytes)
                     return in_quotes(text) + " is not a size from 1M to 1T such as 512M or 2G; "
-                                          "without a unit it is in MiB";
+                                             "without a unit it is in MiB";
                 text = std::to_string(whole);
                 return std::string();
             },

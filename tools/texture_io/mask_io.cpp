@@ -1,13 +1,13 @@
 #include "tools/texture_io/mask_io.h"
 
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "format/samples.h"
+#include "format/texture.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
-#include "tools/texture_io/texture_io.h"
 #include "tools/support/standard_streams.h"
+#include "tools/texture_io/texture_io.h"
 
 #include <utility>
 #include <vector>

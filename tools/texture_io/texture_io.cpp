@@ -1,15 +1,15 @@
 #include "tools/texture_io/texture_io.h"
 
 #include "codec/decoder.h"
-#include "tools/texture_io/exr_io.h"
 #include "tools/http/open_bytes.h"
-#include "tools/support/parse.h"
-#include "tools/texture_io/png_views_io.h"
-#include "tools/texture_io/raw_io.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/output_folders.h"
-#include "tools/texture_io/png_picture_io.h"
+#include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
+#include "tools/texture_io/exr_io.h"
+#include "tools/texture_io/png_picture_io.h"
+#include "tools/texture_io/png_views_io.h"
+#include "tools/texture_io/raw_io.h"
 
 #include <algorithm>
 #include <array>

@@ -15,8 +15,8 @@
 #include "codec/decoder.h"
 #include "format/metadata.h"
 #include "format/texture.h"
-#include "tools/support/texture_hints.h"
 #include "tools/support/output_folders.h" // its users write files, too
+#include "tools/support/texture_hints.h"
 
 #include <memory>
 #include <string>

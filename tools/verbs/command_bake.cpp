@@ -1,15 +1,15 @@
 #include "corpus/bake.h"
-#include "tools/verbs/command.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/encode_arguments.h"
+#include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/progress.h"
+#include "tools/support/standard_streams.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/support/encode_report.h"
-#include "tools/support/output_folders.h"
-#include "tools/support/standard_streams.h"
+#include "tools/verbs/command.h"
 
 #include <chrono>
 #include <cstdio>

@@ -1,13 +1,13 @@
 #include "codec/decoder.h"
-#include "tools/verbs/command.h"
+#include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
-#include "tools/http/open_bytes.h"
 #include "tools/support/progress.h"
+#include "tools/support/standard_streams.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/support/standard_streams.h"
+#include "tools/verbs/command.h"
 
 #include <chrono>
 #include <cstdio>

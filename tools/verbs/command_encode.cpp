@@ -1,14 +1,14 @@
-#include "tools/verbs/command.h"
 #include "tools/support/encode_arguments.h"
+#include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
-#include "tools/texture_io/mask_io.h"
 #include "tools/support/memory_budget.h"
 #include "tools/support/progress.h"
 #include "tools/support/source_facts.h"
-#include "tools/support/texture_arguments.h"
-#include "tools/texture_io/texture_io.h"
-#include "tools/support/encode_report.h"
 #include "tools/support/standard_streams.h"
+#include "tools/support/texture_arguments.h"
+#include "tools/texture_io/mask_io.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {

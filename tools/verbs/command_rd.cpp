@@ -1,9 +1,9 @@
 #include "corpus/bake.h"
-#include "tools/verbs/command.h"
-#include "tools/support/progress.h"
-#include "tools/support/option_checks.h"
 #include "tools/rd/rd_run.h"
+#include "tools/support/option_checks.h"
+#include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {

@@ -1,13 +1,13 @@
 #include "codec/decoder.h"
-#include "tools/verbs/command.h"
+#include "format/byte_source.h"
+#include "format/work.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
-#include "tools/http/open_bytes.h"
-#include "format/work.h"
 #include "tools/support/progress.h"
-#include "format/byte_source.h"
 #include "tools/support/texture_arguments.h"
-#include "tools/support/fill_text.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {

@@ -1,14 +1,14 @@
 #include "tools/view/render_stage.h"
 
 #include "corpus/bake.h"
-#include "format/samples.h"
 #include "format/sampler.h"
-#include "tools/texture_io/baked_original.h"
-#include "tools/view/gpu_renderer.h"
+#include "format/samples.h"
 #include "tools/http/open_bytes.h"
-#include "tools/support/parse.h"
-#include "tools/texture_io/texture_io.h"
 #include "tools/support/fill_text.h"
+#include "tools/support/parse.h"
+#include "tools/texture_io/baked_original.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/view/gpu_renderer.h"
 
 namespace tessera {
 namespace {

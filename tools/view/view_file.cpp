@@ -1,8 +1,8 @@
 #include "tools/view/view_file.h"
 
+#include "tools/support/output_folders.h"
 #include "tools/texture_io/exr_stream.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/support/output_folders.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
