@@ -225,17 +225,16 @@ private:
 Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, const Extent4& size,
                                                        unsigned samples_per_texel,
                                                        std::uint64_t seed) {
-    Result<Scene> scene = make_scene(name);
-    TESSERA_TRY(scene.status());
+    TESSERA_TRY_ASSIGN(Scene scene, make_scene(name));
     if (samples_per_texel == 0 || samples_per_texel > max_samples_per_texel)
         return Status{ErrorCode::bad_argument, std::to_string(samples_per_texel) +
                                                    " samples per texel, outside 1.." +
                                                    std::to_string(max_samples_per_texel)};
-    const TextureDesc desc{size, scene->type, 3};
+    const TextureDesc desc{size, scene.type, 3};
     TESSERA_TRY(check_desc(desc));
     try {
         return std::unique_ptr<TexelSource>(
-            std::make_unique<BakedTexture>(std::move(*scene), desc, samples_per_texel, seed));
+            std::make_unique<BakedTexture>(std::move(scene), desc, samples_per_texel, seed));
     } catch (const std::bad_alloc&) {
         return Status{ErrorCode::runtime, "out of memory for the baker"};
     }

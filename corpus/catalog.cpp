@@ -282,15 +282,13 @@ std::vector<SceneInfo> scenes() {
 }
 
 Result<SceneInfo> find_scene(const std::string& name) {
-    const Result<const Entry*> entry = find_entry(name);
-    TESSERA_TRY(entry.status());
-    return info_of(**entry);
+    TESSERA_TRY_ASSIGN(const Entry* entry, find_entry(name));
+    return info_of(*entry);
 }
 
 Result<Scene> make_scene(const std::string& name) {
-    const Result<const Entry*> entry = find_entry(name);
-    TESSERA_TRY(entry.status());
-    return (*entry)->make();
+    TESSERA_TRY_ASSIGN(const Entry* entry, find_entry(name));
+    return entry->make();
 }
 
 } // namespace tessera::corpus

@@ -22,6 +22,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace TESSERA_PUBLIC tessera {
 
@@ -44,7 +45,10 @@ constexpr int max_include_depth = 16;
 Result<std::string> shader_source(std::string_view name, ShaderDialect dialect,
                                   std::span<const ShaderDefine> defines = {});
 
-// The same from other files than the embedded ones.
+// The embedded files that stand for themselves: the programs, and sample.glsl for programs of others.
+std::vector<std::string_view> shader_names();
+
+// shader_source() of other files than the embedded ones.
 Result<std::string> shader_source(std::span<const ShaderFile> files, std::string_view name,
                                   ShaderDialect dialect,
                                   std::span<const ShaderDefine> defines = {});

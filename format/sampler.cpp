@@ -70,10 +70,8 @@ Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, co
     for (const WeightedTexel& w : sample_footprint(lookup.desc().size, from_centre, d)) {
         if (w.weight == 0)
             continue;
-        const Result<glm::dvec4> texel = lookup.texel(w.u, w.v, w.s, w.t);
-        if (!texel.ok())
-            return texel.status();
-        sum += *texel * w.weight;
+        TESSERA_TRY_ASSIGN(const glm::dvec4 texel, lookup.texel(w.u, w.v, w.s, w.t));
+        sum += texel * w.weight;
     }
     return sum;
 }

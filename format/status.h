@@ -60,6 +60,11 @@ public:
     bool ok() const { return value_.has_value(); }
     explicit operator bool() const { return ok(); }
     const Status& status() const { return status_; }
+    // The same value, or the same error with "context: " before its message.
+    Result with_context(const std::string& context) && {
+        status_ = status_.with_context(context);
+        return std::move(*this);
+    }
     // Precondition for these: ok().
     T& value() { return *value_; }
     const T& value() const { return *value_; }

@@ -22,7 +22,9 @@ set(folders_corpus)
 set(folders_tools support http picture texture_io view bench rd verbs)
 set(built_on_insides codec decoder_glsl) # of format
 set(public_modules format codec decoder_glsl)
-set(most_public_headers 20)
+if(NOT DEFINED most_public_headers)
+    set(most_public_headers 20)
+endif()
 
 # Where `file`, a path such as codec/encode/encoder.cpp, stands: its folder's number in its module's
 # order; -1 directly in the module.

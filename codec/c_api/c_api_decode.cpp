@@ -411,7 +411,7 @@ int tessera_get_file_state(const tessera_decoder* decoder, tessera_file_state* s
         const ContainerReader& container = decoder->decoder.container();
         const FillReport fill = decoder->decoder.fill_report();
         tessera_file_state found = {};
-        found.file_bytes = container.header().file_size;
+        found.file_bytes = container.file_bytes();
         found.received_bytes = container.source_bytes();
         found.tiles = container.tile_count();
         found.missing_tiles = fill.missing_tiles;

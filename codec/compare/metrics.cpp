@@ -257,15 +257,14 @@ private:
     Status add_errors(const Box4& slab) {
         const TileGrid boxes(slab.extent(), work_extent);
         std::vector<ErrorSums> sums(boxes.tiles(), ErrorSums(desc_));
-        const Status status = for_each_index(boxes.tiles(), threads_, [&](std::uint64_t i) {
+        TESSERA_TRY(for_each_index(boxes.tiles(), threads_, [&](std::uint64_t i) {
             Box4 box = boxes.box(i);
             for (std::size_t axis = 0; axis < 4; ++axis) {
                 box.begin[axis] += slab.begin[axis];
                 box.end[axis] += slab.begin[axis];
             }
             return add_box(slab, box, sums[i]);
-        });
-        TESSERA_TRY(status);
+        }));
         for (const ErrorSums& part : sums) // in order, whoever computed them
             result_.errors.merge(part);
         return {};

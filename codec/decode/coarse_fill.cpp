@@ -16,17 +16,16 @@ constexpr std::uint64_t most_bytes = 32u << 20; // of decoded tiles that are kep
 } // namespace
 
 Result<std::vector<std::unique_ptr<TileCoding>>> level_codings(const ContainerReader& container) {
-    const Result<CodingParameters> parameters =
-        read_coding_parameters(container.codec_parameters());
-    TESSERA_TRY(parameters.status());
+    TESSERA_TRY_ASSIGN(const CodingParameters parameters,
+                       read_coding_parameters(container.codec_parameters()));
     const FileHeader& header = container.header();
-    TESSERA_TRY(check_features(*parameters, header.required_features));
+    TESSERA_TRY(check_features(parameters, header.required_features));
     std::vector<std::unique_ptr<TileCoding>> codings;
     for (const Level& level : container.levels()) {
-        const Result<CodingParameters> coarser = with_coarser_steps(*parameters, level.step_shift);
-        TESSERA_TRY(coarser.status());
+        TESSERA_TRY_ASSIGN(const CodingParameters coarser,
+                           with_coarser_steps(parameters, level.step_shift));
         codings.push_back(
-            std::make_unique<TileCoding>(*coarser, header.desc.type, header.desc.channels));
+            std::make_unique<TileCoding>(coarser, header.desc.type, header.desc.channels));
     }
     return codings;
 }
@@ -68,12 +67,11 @@ Status CoarseFill::texels_of(std::size_t level, const Box4& box, std::span<std::
     std::size_t loaded = 0;
     for (const std::uint64_t number : numbers) {
         if (loaded < to_load.size() && to_load[loaded] == first_tile + number)
-            TESSERA_TRY(ahead.ready(loaded++).status());
+            TESSERA_TRY(ahead.ready(loaded++));
         const Box4 tile_box = grid.box(number), part = intersect(tile_box, box);
-        const Result<Texels> texels = tile_texels(level, number);
-        TESSERA_TRY(texels.status());
-        if (*texels != nullptr) {
-            copy_box(part, tile_box, **texels, box, out, desc.texel_bytes());
+        TESSERA_TRY_ASSIGN(const Texels texels, tile_texels(level, number));
+        if (texels != nullptr) {
+            copy_box(part, tile_box, *texels, box, out, desc.texel_bytes());
             continue;
         }
         std::vector<std::byte> coarser(static_cast<std::size_t>(desc.box_bytes(part)));

@@ -32,10 +32,9 @@ public:
         std::size_t begin = in_order ? ready_end_ : first;
         const std::size_t last = std::min(tiles_.size(), std::max(end, begin + ahead_));
         while (begin < end) {
-            const auto brought =
-                container_.prefetch(std::span(tiles_).subspan(begin, last - begin));
-            TESSERA_TRY(brought.status());
-            begin += *brought;
+            TESSERA_TRY_ASSIGN(const auto brought,
+                               container_.prefetch(std::span(tiles_).subspan(begin, last - begin)));
+            begin += brought;
         }
         ready_end_ = begin;
         return {};

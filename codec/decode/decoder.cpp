@@ -43,17 +43,14 @@ Decoder::Decoder(Decoder&&) noexcept = default;
 Decoder::~Decoder() = default;
 
 Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) {
-    Result<ContainerReader> container = ContainerReader::open(source, {options.allow_partial});
-    if (!container)
-        return container.status();
-    auto codings = level_codings(*container);
-    if (!codings)
-        return codings.status().with_context(source.name());
-    const FileHeader& header = container->header();
+    TESSERA_TRY_ASSIGN(ContainerReader container,
+                       ContainerReader::open(source, {options.allow_partial}));
+    TESSERA_TRY_ASSIGN(auto codings, level_codings(container).with_context(source.name()));
+    const FileHeader& header = container.header();
     const ColourCoding colour{header.desc, header.colour, header.background,
                               (header.required_features & feature_corrections) != 0};
     std::unique_ptr<State> state(
-        new State{nullptr, std::move(*container), colour, std::move(*codings), nullptr});
+        new State{nullptr, std::move(container), colour, std::move(codings), nullptr});
     state->fill =
         std::make_unique<CoarseFill>(state->container, state->colour, state->codings, options);
     return Decoder(std::move(state));
@@ -88,9 +85,8 @@ Status decode_payload(const ContainerReader& container, std::uint64_t tile, cons
         TESSERA_TRY(container.read_tile(tile, worker.payload));
         return worker.decoder.decode(worker.payload, tile_shape(box), worker.texels);
     }
-    const Result<TileBytes> bytes = container.load_tile(tile);
-    TESSERA_TRY(bytes.status());
-    return worker.decoder.decode(bytes->bytes, tile_shape(box), worker.texels);
+    TESSERA_TRY_ASSIGN(const TileBytes bytes, container.load_tile(tile));
+    return worker.decoder.decode(bytes.bytes, tile_shape(box), worker.texels);
 }
 
 // Decodes one tile into worker.texels, or fills it where that is allowed.
@@ -139,19 +135,19 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
             options.progress("decode", static_cast<double>(done),
                              static_cast<double>(tiles.size()));
     };
-    if (options.integrity == Integrity::tile) // reads past the pages, so none are brought
-        return parallel_for(
-            workers, tiles.size(),
-            [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[i]); }, tell);
-    TilesAhead ahead(container, tiles);
+    // Tiles that are read past their pages have no use for pages that are brought ahead.
+    const bool by_pages = options.integrity == Integrity::page;
+    TilesAhead ahead(container, by_pages ? tiles : std::vector<std::uint64_t>());
     for (std::size_t done = 0; done < tiles.size();) {
-        const Result<std::size_t> window = ahead.ready(done);
-        TESSERA_TRY(window.status());
+        std::size_t window = tiles.size();
+        if (by_pages) {
+            TESSERA_TRY_ASSIGN(window, ahead.ready(done));
+        }
         TESSERA_TRY(parallel_for(
-            workers, *window,
+            workers, window,
             [&](Worker& worker, std::size_t i) { return decode_one(worker, tiles[done + i]); },
             [&](std::size_t i) { tell(done + i); }));
-        done += *window;
+        done += window;
     }
     tell(tiles.size());
     return {};
@@ -166,22 +162,19 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     const TileGrid& grid = container.grid();
     std::vector<Worker> workers =
         make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
-    const auto slabs =
-        make_slabs(grid, box, sink.locality(), {slab_bytes / desc().texel_bytes(), false});
-    if (!slabs)
-        return slabs.status();
+    TESSERA_TRY_ASSIGN(const auto slabs, make_slabs(grid, box, sink.locality(),
+                                                    {slab_bytes / desc().texel_bytes(), false}));
     std::vector<std::uint64_t> order;
-    for (const Slab& slab : *slabs)
+    for (const Slab& slab : slabs)
         order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
     const std::size_t total = order.size();
     TilesAhead ahead(container, std::move(order));
     std::size_t done = 0;
-    for (const Slab& slab : *slabs) {
+    for (const Slab& slab : slabs) {
         TESSERA_TRY(sink.begin_slab(slab.box));
         for (std::span<const std::uint64_t> left = slab.tiles; !left.empty();) {
-            const Result<std::size_t> window = ahead.ready(done);
-            TESSERA_TRY(window.status());
-            const auto tiles = left.first(std::min(*window, left.size()));
+            TESSERA_TRY_ASSIGN(const std::size_t window, ahead.ready(done));
+            const auto tiles = left.first(std::min(window, left.size()));
             TESSERA_TRY(parallel_for(
                 workers, tiles.size(),
                 [&](Worker& worker, std::size_t i) -> Status {

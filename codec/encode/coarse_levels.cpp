@@ -38,6 +38,7 @@ struct LevelCoder {
                                        whole.effort} { // means of decoded texels all matter
         plan.colour.desc.size = level.size;
         plan.colour.corrections = false; // nobody asked for exact means
+        plan.tools = whole.tools;
     }
     LevelCoder(const LevelCoder&) = delete;
     LevelCoder& operator=(const LevelCoder&) = delete;

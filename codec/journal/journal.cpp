@@ -63,11 +63,9 @@ std::vector<std::byte> read_sealed(const std::string& path) {
 Status write_sealed(const std::string& path, const std::string& temporary,
                     std::vector<std::byte> bytes) {
     append_le(bytes, crc32c(bytes));
-    Result<OutputFile> file = OutputFile::create(path, temporary);
-    if (!file)
-        return file.status();
-    TESSERA_TRY(file->append(bytes));
-    return file->commit();
+    TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(path, temporary));
+    TESSERA_TRY(file.append(bytes));
+    return file.commit();
 }
 
 void append_text(std::vector<std::byte>& out, const std::string& text) {

@@ -30,7 +30,7 @@ struct EncodePlan {
     Journal* journal = nullptr; // nullptr: payloads stay in memory
     TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
     std::uint64_t texels_that_matter = 0;
-    ToolSwitches tools; // options.tools, parsed
+    ToolSwitches tools = {}; // options.tools, parsed
 };
 
 struct PassResult {

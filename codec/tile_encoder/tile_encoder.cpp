@@ -15,7 +15,7 @@ constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
 constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
 constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
 
-constexpr int projections = 1; // of texels that do not matter (tests/regression/ablation.md)
+constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
 
 // Levels in the order of the blocks, as a decoder reads them.
 void sort_levels(TileLevels& tile) {

@@ -6,7 +6,7 @@
 namespace tessera {
 
 // Small parallax and blur fit many views of a small place, large parallax and smooth pictures few
-// views of a large one. Shapes other than these were never the best (tests/regression/ablation.md).
+// views of a large one. Shapes other than these were never the best (codec/DECISIONS.md).
 inline constexpr Extent4 usual_tile{32, 32, 8, 8};
 inline constexpr Extent4 wide_tile{64, 64, 4, 4};
 // Instead of the wide one in files with layers. What those are for is fetched view by view, and an

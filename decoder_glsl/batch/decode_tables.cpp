@@ -186,17 +186,16 @@ void DecodeTables::add_shapes(const TileGrid& grid) {
 }
 
 Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
-    const auto coding = read_coding_parameters(reader.codec_parameters());
-    if (!coding.ok())
-        return coding.status().with_context(reader.name());
+    TESSERA_TRY_ASSIGN(
+        const auto coding,
+        read_coding_parameters(reader.codec_parameters()).with_context(reader.name()));
     const FileHeader& header = reader.header();
-    if (const Status agree = check_features(*coding, header.required_features); !agree.ok())
-        return agree.with_context(reader.name());
+    TESSERA_TRY(check_features(coding, header.required_features).with_context(reader.name()));
     DecodeTables tables;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
-    tables.predicts_ = coding->prediction;
-    tables.filters_ = coding->filter.is_on();
+    tables.predicts_ = coding.prediction;
+    tables.filters_ = coding.filter.is_on();
     tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());
     if (tables.ids_.size() > tsr_max_shapes)
@@ -205,13 +204,13 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
                                                   " shapes, more than the GPU decoder numbers"};
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
-    put_header(header, *coding, words);
-    tables.code_tables_ = std::make_unique<const CodeTables>(coding->parameters);
+    put_header(header, coding, words);
+    tables.code_tables_ = std::make_unique<const CodeTables>(coding.parameters);
     put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
     words[tsr_t_shapes] = tsr_t_end;
     for (const auto& [shape, id] : tables.ids_) {
-        const ScanOrder order = make_scan_order(shape, coding->scan_weights);
+        const ScanOrder order = make_scan_order(shape, coding.scan_weights);
         const std::size_t scan_at = words.size();
         append_scan(order, words);
         if (words.size() > (std::size_t{128} << 20) / 4)
@@ -224,7 +223,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
         record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
         record[tsr_s_coded] = static_cast<std::uint32_t>(order.length());
         record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
-        put_scales(shape, *coding, header.desc.type, record);
+        put_scales(shape, coding, header.desc.type, record);
         for (int split = 0; split < 2; ++split) {
             std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
             if (can_split(shape, static_cast<Split>(split + 1))) {

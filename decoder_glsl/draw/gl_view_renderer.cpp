@@ -38,21 +38,17 @@ GlViewRenderer& GlViewRenderer::operator=(GlViewRenderer&&) noexcept = default;
 GlViewRenderer::~GlViewRenderer() = default;
 
 Result<GlViewRenderer> GlViewRenderer::create(const SampledTexture& texture) {
-    auto program = compute_program("render.comp.glsl", texture.defines());
-    TESSERA_TRY(program.status());
-    auto view = GlBuffer::create(sizeof(ViewBlock), BufferUse::upload, "view");
-    TESSERA_TRY(view.status());
-    return GlViewRenderer(std::unique_ptr<State>(
-        new State{texture, std::move(*program), std::move(*view), {}}));
+    TESSERA_TRY_ASSIGN(auto program, compute_program("render.comp.glsl", texture.defines()));
+    TESSERA_TRY_ASSIGN(auto view, GlBuffer::create(sizeof(ViewBlock), BufferUse::upload, "view"));
+    return GlViewRenderer(
+        std::unique_ptr<State>(new State{texture, std::move(program), std::move(view), {}}));
 }
 
 Status GlViewRenderer::draw(const ViewCamera& camera) {
     GlTexture& picture = state_->picture;
     if (picture.shape().width != camera.width || picture.shape().height != camera.height) {
-        auto made =
-            GlTexture::create(TexelFormat::rgba32f, {camera.width, camera.height, 1}, "picture");
-        TESSERA_TRY(made.status());
-        picture = std::move(*made);
+        TESSERA_TRY_ASSIGN(picture, GlTexture::create(TexelFormat::rgba32f,
+                                                      {camera.width, camera.height, 1}, "picture"));
     }
     ViewBlock block{};
     put(camera.eye, camera.radius, block.eye);

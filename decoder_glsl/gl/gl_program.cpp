@@ -54,22 +54,16 @@ Result<Shader> compile(GLenum stage, const std::string& source, const std::strin
 } // namespace
 
 Result<GlProgram> GlProgram::compute(const std::string& source, const std::string& name) {
-    Result<Shader> shader = compile(GL_COMPUTE_SHADER, source, name);
-    if (!shader)
-        return shader.status();
-    const GLuint shaders[] = {shader->get()};
+    TESSERA_TRY_ASSIGN(Shader shader, compile(GL_COMPUTE_SHADER, source, name));
+    const GLuint shaders[] = {shader.get()};
     return link(shaders, name);
 }
 
 Result<GlProgram> GlProgram::graphics(const std::string& vertex_source,
                                       const std::string& fragment_source, const std::string& name) {
-    Result<Shader> vertex = compile(GL_VERTEX_SHADER, vertex_source, name);
-    if (!vertex)
-        return vertex.status();
-    Result<Shader> fragment = compile(GL_FRAGMENT_SHADER, fragment_source, name);
-    if (!fragment)
-        return fragment.status();
-    const GLuint shaders[] = {vertex->get(), fragment->get()};
+    TESSERA_TRY_ASSIGN(Shader vertex, compile(GL_VERTEX_SHADER, vertex_source, name));
+    TESSERA_TRY_ASSIGN(Shader fragment, compile(GL_FRAGMENT_SHADER, fragment_source, name));
+    const GLuint shaders[] = {vertex.get(), fragment.get()};
     return link(shaders, name);
 }
 

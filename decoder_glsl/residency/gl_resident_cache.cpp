@@ -68,10 +68,8 @@ public:
     }
 
     Status drop_cache() override {
-        auto cache = TileCache::create(slots_, grid_.tiles());
-        if (!cache.ok())
-            return cache.status();
-        cache_.emplace(std::move(*cache));
+        TESSERA_TRY_ASSIGN(auto cache, TileCache::create(slots_, grid_.tiles()));
+        cache_.emplace(std::move(cache));
         std::copy(empty_pages_.begin(), empty_pages_.end(),
                   words_.begin() + static_cast<std::ptrdiff_t>(pages_at_));
         TESSERA_TRY(parameters_.upload(pages_at_ * 4, std::as_bytes(std::span(empty_pages_))));
@@ -90,11 +88,10 @@ public:
         report.missing = static_cast<std::uint32_t>(std::ranges::count_if(
             touched_, [&](std::uint32_t tile) { return cache_->slot_of(tile) == no_slot; }));
         cache_->begin_frame();
-        const auto jobs =
-            cache_->touch(touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_);
-        if (!jobs.ok())
-            return jobs.status();
-        std::vector<DecodeJob> list(jobs->begin(), jobs->end());
+        TESSERA_TRY_ASSIGN(
+            const auto jobs,
+            cache_->touch(touched_, jobs_per_update_ == 0 ? UINT32_MAX : jobs_per_update_));
+        std::vector<DecodeJob> list(jobs.begin(), jobs.end());
         Unread unread;
         const Status decoded = decode_readable(list, wait, unread);
         if (!decoded.ok()) // a slot that was not filled must not be shown
@@ -117,15 +114,13 @@ private:
     Status find_background() {
         empty_pages_.assign(grid_.tiles(), tsr_page_missing);
         // Index records come together, those of coarse levels too, whose tiles are wanted next.
-        Result<std::uint32_t> brought = 0u; // groups
+        std::uint32_t brought = 0; // groups
         for (std::uint64_t tile = 0; tile < grid_.tiles(); ++tile) {
-            if (file_.reader.level_table().group_of(tile) >= *brought)
-                brought = file_.reader.prefetch_groups(*brought);
-            TESSERA_TRY(brought.status());
-            const auto location = file_.reader.locate(tile);
-            if (!location.ok())
-                return location.status();
-            if (location->length == 0)
+            if (file_.reader.level_table().group_of(tile) >= brought) {
+                TESSERA_TRY_ASSIGN(brought, file_.reader.prefetch_groups(brought));
+            }
+            TESSERA_TRY_ASSIGN(const auto location, file_.reader.locate(tile));
+            if (location.length == 0)
                 empty_pages_[tile] = tsr_page_background;
             else
                 ++full_tiles_;
@@ -176,10 +171,7 @@ private:
     std::uint64_t slots_across() const { return std::clamp(most_slot_pixels / slot_.width, 1u, 1024u); }
 
     Status create_objects() {
-        auto texels = GlTexture::create(file_.format(), shape_, "tile cache");
-        if (!texels.ok())
-            return texels.status();
-        texels_ = std::move(*texels);
+        TESSERA_TRY_ASSIGN(texels_, GlTexture::create(file_.format(), shape_, "tile cache"));
         // What a filter may touch beside a tile's texels must be numbers.
         texels_.clear();
         TESSERA_TRY(texels_.interpolate(borders_));
@@ -205,10 +197,7 @@ private:
             TESSERA_TRY(grow_buffer(m.copy, grid_.tiles() * 4, BufferUse::device, "marks copy"));
         if (borders_) {
             const auto defines = file_.output_defines();
-            auto program = compute_program("border.comp.glsl", defines);
-            if (!program.ok())
-                return program.status();
-            border_program_ = std::move(*program);
+            TESSERA_TRY_ASSIGN(border_program_, compute_program("border.comp.glsl", defines));
         }
         return {};
     }
@@ -238,11 +227,9 @@ private:
                              TESSERA_TRY(file_.decoder.decode(batch, texels_));
                              if (!look)
                                  return {};
-                             const auto counts = file_.decoder.counts(batch);
-                             if (!counts.ok())
-                                 return counts.status();
-                             for (std::size_t i = 0; i < counts->size(); ++i)
-                                 if ((*counts)[i].damaged != 0)
+                             TESSERA_TRY_ASSIGN(const auto counts, file_.decoder.counts(batch));
+                             for (std::size_t i = 0; i < counts.size(); ++i)
+                                 if (counts[i].damaged != 0)
                                      batch.damaged.push_back(batch.tiles[i]);
                              for (const std::uint64_t tile : batch.damaged)
                                  note_damage(static_cast<std::uint32_t>(tile));
@@ -254,7 +241,7 @@ private:
         BatchFeed feed = make_feed(look);
         TilesAhead ahead(file_.reader, tiles_of(jobs));
         for (std::size_t i = 0; i < jobs.size(); ++i) {
-            TESSERA_TRY(ahead.ready(i).status());
+            TESSERA_TRY(ahead.ready(i));
             TESSERA_TRY(feed.add(jobs[i].tile, place_of(jobs[i].slot)));
         }
         return feed.finish();
@@ -342,15 +329,13 @@ private:
     // Every tile once through the cache, a cache full at a time.
     Status make_coarse() {
         const auto defines = file_.output_defines();
-        const auto program = compute_program("coarse.comp.glsl", defines);
-        if (!program.ok())
-            return program.status();
+        TESSERA_TRY_ASSIGN(const auto program, compute_program("coarse.comp.glsl", defines));
         std::vector<DecodeJob> jobs;
         const auto flush = [&]() -> Status {
             if (jobs.empty())
                 return {};
             TESSERA_TRY(decode(jobs, true));
-            TESSERA_TRY(average(jobs, *program));
+            TESSERA_TRY(average(jobs, program));
             jobs.clear();
             return {};
         };
@@ -402,10 +387,8 @@ private:
         glCopyNamedBufferSubData(marks_.id(), next.copy.id(), 0, 0,
                                  static_cast<GLsizeiptr>(marks_.bytes()));
         TESSERA_TRY(marks_.clear(0));
-        auto fence = GlFence::insert();
-        if (!fence.ok())
-            return fence.status();
-        next.fence.emplace(std::move(*fence));
+        TESSERA_TRY_ASSIGN(auto fence, GlFence::insert());
+        next.fence.emplace(std::move(fence));
         send_ = (send_ + 1) % std::size(in_flight_);
         return {};
     }

@@ -40,11 +40,9 @@ public:
         const TileGrid& grid = file.reader.grid();
         TilesAhead ahead = all_tiles_ahead(file.reader);
         for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
-            TESSERA_TRY(ahead.ready(tile).status());
-            const auto location = file.reader.locate(tile);
-            if (!location.ok())
-                return location.status();
-            if (location->length == 0)
+            TESSERA_TRY(ahead.ready(tile));
+            TESSERA_TRY_ASSIGN(const auto location, file.reader.locate(tile));
+            if (location.length == 0)
                 continue;
             const Box4 box = grid.box(tile);
             TESSERA_TRY(
@@ -72,10 +70,7 @@ public:
 
 private:
     Status create_objects(const TextureFile& file, const PlainLayout& plain, bool hardware_filter) {
-        auto texels = GlTexture::create(file.format(), plain.shape, "texels");
-        if (!texels.ok())
-            return texels.status();
-        texels_ = std::move(*texels);
+        TESSERA_TRY_ASSIGN(texels_, GlTexture::create(file.format(), plain.shape, "texels"));
         TESSERA_TRY(texels_.interpolate(hardware_filter));
         return put_parameters(file, plain);
     }
@@ -88,11 +83,9 @@ private:
 
     Status decode(TextureFile& file, const DecodeBatch& batch) {
         TESSERA_TRY(file.decoder.decode(batch, texels_));
-        const auto counts = file.decoder.counts(batch);
-        if (!counts.ok())
-            return counts.status();
+        TESSERA_TRY_ASSIGN(const auto counts, file.decoder.counts(batch));
         damaged_ += batch.damaged.size();
-        for (const TileCounts& tile : *counts)
+        for (const TileCounts& tile : counts)
             damaged_ += tile.damaged != 0;
         return {};
     }
@@ -109,10 +102,8 @@ private:
         words[tsr_p_folds_u] = plain.plan.folds_u;
         words[tsr_p_width] = plain.shape.width;
         words[tsr_p_height] = plain.shape.height;
-        auto made = GlBuffer::create(std::as_bytes(std::span(words)), "sampler parameters");
-        if (!made.ok())
-            return made.status();
-        parameters_ = std::move(*made);
+        TESSERA_TRY_ASSIGN(parameters_,
+                           GlBuffer::create(std::as_bytes(std::span(words)), "sampler parameters"));
         return {};
     }
 

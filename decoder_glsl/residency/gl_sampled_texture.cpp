@@ -97,13 +97,11 @@ BatchFeed::BatchFeed(const TextureFile& file, const TexelPlan& plan, const Batch
       flush_(std::move(flush)) {}
 
 Status BatchFeed::add(std::uint64_t tile, const TexelPlace& place) {
-    const auto bytes = file_.reader.load_tile(tile);
-    if (!bytes.ok())
-        return bytes.status();
-    if (builder_.add(tile, bytes->bytes, place))
+    TESSERA_TRY_ASSIGN(const auto bytes, file_.reader.load_tile(tile));
+    if (builder_.add(tile, bytes.bytes, place))
         return {};
     TESSERA_TRY(finish());
-    builder_.add(tile, bytes->bytes, place);
+    builder_.add(tile, bytes.bytes, place);
     return {};
 }
 
@@ -154,15 +152,11 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
         return Status{ErrorCode::unsupported,
                       reader.name() +
                           ": larger than 65,536 along an axis, or more than 16 million tiles"};
-    auto tables = DecodeTables::make(reader);
-    if (!tables.ok())
-        return tables.status();
+    TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     const bool half = reader.desc().type == SampleType::half16;
-    auto decoder = GlTileDecoder::create(*tables, half);
-    if (!decoder.ok())
-        return decoder.status();
+    TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
     return std::unique_ptr<State>(new State{
-        options, {reader, std::move(*tables), half, options.budget, std::move(*decoder)}, nullptr});
+        options, {reader, std::move(tables), half, options.budget, std::move(decoder)}, nullptr});
 }
 
 Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
@@ -170,16 +164,11 @@ Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
     SampledTextureOptions options = asked;
     if (options.residency == Residency::on_feedback && !cache_slot(reader.grid(), true).fits())
         options.hardware_filter = false; // it needs the borders
-    auto prepared = prepare(reader, options);
-    if (!prepared.ok())
-        return prepared.status();
-    std::unique_ptr<State> state = std::move(*prepared);
-    auto resident = options.residency == Residency::on_load
-                        ? make_plain_texture(state->file, options.hardware_filter)
-                        : make_cached_texture(state->file, options);
-    if (!resident.ok())
-        return resident.status();
-    state->resident = std::move(*resident);
+    TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options));
+    TESSERA_TRY_ASSIGN(state->resident,
+                       options.residency == Residency::on_load
+                           ? make_plain_texture(state->file, options.hardware_filter)
+                           : make_cached_texture(state->file, options));
     return SampledTexture(std::move(state));
 }
 
@@ -191,14 +180,9 @@ Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader
     SampledTextureOptions options;
     options.residency = Residency::on_load;
     options.hardware_filter = hardware_filter;
-    auto prepared = prepare(reader, options);
-    if (!prepared.ok())
-        return prepared.status();
-    std::unique_ptr<State> state = std::move(*prepared);
-    auto resident = make_uploaded_texture(state->file, source, hardware_filter);
-    if (!resident.ok())
-        return resident.status();
-    state->resident = std::move(*resident);
+    TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options));
+    TESSERA_TRY_ASSIGN(state->resident,
+                       make_uploaded_texture(state->file, source, hardware_filter));
     return SampledTexture(std::move(state));
 }
 

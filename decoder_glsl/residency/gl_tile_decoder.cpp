@@ -30,40 +30,30 @@ std::span<const std::byte> bytes_of(const std::vector<std::uint32_t>& words) {
 
 Status make_program(GlProgram& program, const char* file,
                     std::span<const ShaderDefine> defines = {}) {
-    auto made = compute_program(file, defines);
-    if (!made.ok())
-        return made.status();
-    program = std::move(*made);
+    TESSERA_TRY_ASSIGN(program, compute_program(file, defines));
     return {};
 }
 
 } // namespace
 
 Result<GlProgram> compute_program(const std::string& file, std::span<const ShaderDefine> defines) {
-    const auto source = shader_source(file, ShaderDialect::gl450, defines);
-    if (!source.ok())
-        return source.status();
-    return GlProgram::compute(*source, file);
+    TESSERA_TRY_ASSIGN(const auto source, shader_source(file, ShaderDialect::gl450, defines));
+    return GlProgram::compute(source, file);
 }
 
 Status grow_buffer(GlBuffer& buffer, std::uint64_t bytes, BufferUse use, const std::string& name) {
     if (buffer.bytes() >= bytes)
         return {};
     buffer = GlBuffer(); // before the larger one is made, not after
-    auto made = GlBuffer::create(bytes, use, name);
-    if (!made.ok())
-        return made.status();
-    buffer = std::move(*made);
+    TESSERA_TRY_ASSIGN(buffer, GlBuffer::create(bytes, use, name));
     return {};
 }
 
 Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool half) {
     GlTileDecoder d;
     d.half_ = half;
-    auto buffer = GlBuffer::create(std::as_bytes(tables.words()), "decoder tables");
-    if (!buffer.ok())
-        return buffer.status();
-    d.tables_ = std::move(*buffer);
+    TESSERA_TRY_ASSIGN(d.tables_,
+                       GlBuffer::create(std::as_bytes(tables.words()), "decoder tables"));
     TESSERA_TRY(make_program(d.tree_, "tree.comp.glsl"));
     TESSERA_TRY(make_program(d.levels_, "levels.comp.glsl"));
     TESSERA_TRY(make_program(d.corrections_, "corrections.comp.glsl"));

@@ -25,12 +25,11 @@ Result<Target> make_target(const ContainerReader& reader, bool half) {
     const std::uint64_t tile_bytes = texel_count(most) * (half ? 8 : 4);
     const std::uint64_t layers = std::clamp<std::uint64_t>(
         target_bytes / tile_bytes, 1, std::min<std::uint64_t>(grid.tiles(), 2048));
-    auto texture = GlTexture::create(
-        half ? TexelFormat::rgba16f : TexelFormat::rgba8,
-        {most[0] * most[2], most[1] * most[3], static_cast<std::uint32_t>(layers)}, "tiles");
-    if (!texture.ok())
-        return texture.status();
-    target.texture = std::move(*texture);
+    TESSERA_TRY_ASSIGN(target.texture,
+                       GlTexture::create(half ? TexelFormat::rgba16f : TexelFormat::rgba8,
+                                         {most[0] * most[2], most[1] * most[3],
+                                          static_cast<std::uint32_t>(layers)},
+                                         "tiles"));
     return target;
 }
 
@@ -42,16 +41,14 @@ Result<std::vector<DecodeBatch>> make_batches(const ContainerReader& reader,
     std::uint64_t payload = 0;
     std::uint32_t layer = 0;
     for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
-        const auto bytes = reader.load_tile(tile);
-        if (!bytes.ok())
-            return bytes.status();
-        payload += bytes->bytes.size();
+        TESSERA_TRY_ASSIGN(const auto bytes, reader.load_tile(tile));
+        payload += bytes.bytes.size();
         if (payload > most_payload)
             return Status(ErrorCode::unsupported, "more than 1 GiB of compressed tiles");
-        if (!builder.add(tile, bytes->bytes, {0, 0, layer, 0, 0})) {
+        if (!builder.add(tile, bytes.bytes, {0, 0, layer, 0, 0})) {
             batches.push_back(builder.finish());
             layer = 0;
-            builder.add(tile, bytes->bytes, {0, 0, layer, 0, 0});
+            builder.add(tile, bytes.bytes, {0, 0, layer, 0, 0});
         }
         ++layer;
     }
@@ -77,22 +74,17 @@ WholeFileDecoder::~WholeFileDecoder() = default;
 
 Result<WholeFileDecoder> WholeFileDecoder::create(const ContainerReader& reader) {
     const bool half = reader.desc().type == SampleType::half16;
-    auto tables = DecodeTables::make(reader);
-    TESSERA_TRY(tables.status());
-    auto decoder = GlTileDecoder::create(*tables, half);
-    TESSERA_TRY(decoder.status());
-    auto target = make_target(reader, half);
-    TESSERA_TRY(target.status());
-    auto batches = make_batches(reader, *tables, *target);
-    TESSERA_TRY(batches.status());
-    auto state = std::unique_ptr<State>(new State{std::move(*tables), std::move(*decoder),
-                                                  std::move(*target), std::move(*batches)});
+    TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
+    TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
+    TESSERA_TRY_ASSIGN(auto target, make_target(reader, half));
+    TESSERA_TRY_ASSIGN(auto batches, make_batches(reader, tables, target));
+    auto state = std::unique_ptr<State>(
+        new State{std::move(tables), std::move(decoder), std::move(target), std::move(batches)});
     // This decode also makes the buffers large enough.
     for (const DecodeBatch& batch : state->batches) {
         TESSERA_TRY(state->decoder.decode(batch, state->target.texture));
-        const auto counts = state->decoder.counts(batch);
-        TESSERA_TRY(counts.status());
-        for (const TileCounts& tile : *counts) {
+        TESSERA_TRY_ASSIGN(const auto counts, state->decoder.counts(batch));
+        for (const TileCounts& tile : counts) {
             if (tile.damaged != 0 || !batch.damaged.empty())
                 return Status(ErrorCode::invalid_file, reader.name() + ": has damaged tiles");
             state->blocks += tile.blocks;

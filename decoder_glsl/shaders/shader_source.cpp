@@ -165,4 +165,13 @@ Result<std::string> shader_source(std::string_view name, ShaderDialect dialect,
     return shader_source(shader_files(), name, dialect, defines);
 }
 
+std::vector<std::string_view> shader_names() {
+    std::vector<std::string_view> names;
+    for (const ShaderFile& file : shader_files())
+        if (file.name.ends_with(".comp.glsl") || file.name.ends_with(".frag.glsl") ||
+            file.name.ends_with(".vert.glsl") || file.name == "sample.glsl")
+            names.push_back(file.name);
+    return names;
+}
+
 } // namespace tessera

@@ -69,9 +69,7 @@ Status OpenContainer::load(ByteSource& source, const OpenOptions& options, Conta
     TESSERA_TRY(load_sections(rule));
     rule = ContainerRule::metadata;
     if (std::ranges::find(sections_, "meta", &SectionInfo::type) != sections_.end()) {
-        Result<Metadata> metadata = unpack_metadata(section_bytes("meta"));
-        TESSERA_TRY(metadata.status().with_context(name()));
-        metadata_ = std::move(*metadata);
+        TESSERA_TRY_ASSIGN(metadata_, unpack_metadata(section_bytes("meta")).with_context(name()));
     }
     rule = ContainerRule::levels;
     TESSERA_TRY(load_levels());
@@ -179,13 +177,11 @@ Status OpenContainer::load_levels() {
     if (bytes.size() != header_.level_count * level_entry_bytes)
         return invalid("section LEVL has " + std::to_string(bytes.size()) + " bytes for " +
                        std::to_string(header_.level_count) + " level");
-    const Result<std::vector<LevelEntry>> entries = read_levels(bytes);
-    TESSERA_TRY(entries.status().with_context(name()));
-    if (entries->front().size != header_.desc.size)
+    TESSERA_TRY_ASSIGN(const std::vector<LevelEntry> entries,
+                       read_levels(bytes).with_context(name()));
+    if (entries.front().size != header_.desc.size)
         return invalid("section LEVL does not start with the texture itself");
-    Result<LevelTable> table = LevelTable::make(*entries, header_.tile_extent);
-    TESSERA_TRY(table.status().with_context(name()));
-    table_ = std::move(*table);
+    TESSERA_TRY_ASSIGN(table_, LevelTable::make(entries, header_.tile_extent).with_context(name()));
     return {};
 }
 

@@ -108,9 +108,8 @@ Result<TileBytes> ContainerReader::load_tile(std::uint64_t tile) const {
     return container_->load_tile(tile);
 }
 Status ContainerReader::read_tile_checked(std::uint64_t tile, std::vector<std::byte>& out) const {
-    const Result<TileBytes> loaded = load_tile(tile);
-    TESSERA_TRY(loaded.status());
-    out.assign(loaded->bytes.begin(), loaded->bytes.end());
+    TESSERA_TRY_ASSIGN(const TileBytes loaded, load_tile(tile));
+    out.assign(loaded.bytes.begin(), loaded.bytes.end());
     return {};
 }
 Result<std::size_t> ContainerReader::prefetch(std::span<const std::uint64_t> tiles) const {

@@ -55,10 +55,9 @@ Result<GroupIndex> OpenContainer::parse_group(std::uint32_t group,
     bool crc_error = false;
     Result<GroupIndex> index = read_index_record(bytes, group_key(group), &crc_error);
     rule = crc_error ? ContainerRule::index_crc : ContainerRule::index_record;
-    TESSERA_TRY(index.status().with_context(name() + ": index record of group " +
-                                            std::to_string(group) +
-                                            at_offset(index_range(group).offset)));
-    return index;
+    return std::move(index).with_context(name() + ": index record of group " +
+                                         std::to_string(group) +
+                                         at_offset(index_range(group).offset));
 }
 
 Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t group) const {
@@ -82,9 +81,7 @@ Result<OpenContainer::Place> OpenContainer::place_of(std::uint64_t tile) const {
         return no_such_tile(tile);
     Place place;
     place.group = table_.group_of(tile);
-    auto index = group(place.group);
-    TESSERA_TRY(index.status());
-    place.index = *index;
+    TESSERA_TRY_ASSIGN(place.index, group(place.group));
     const std::uint64_t at = tile - table_.tiles_of(place.group).first;
     place.begin = place.index->starts[at];
     place.end = place.index->starts[at + 1];
@@ -92,18 +89,16 @@ Result<OpenContainer::Place> OpenContainer::place_of(std::uint64_t tile) const {
 }
 
 Result<TileLocation> OpenContainer::locate(std::uint64_t tile) const {
-    const Result<Place> place = place_of(tile);
-    TESSERA_TRY(place.status());
-    return TileLocation{place->begin, static_cast<std::uint32_t>(place->end - place->begin)};
+    TESSERA_TRY_ASSIGN(const Place place, place_of(tile));
+    return TileLocation{place.begin, static_cast<std::uint32_t>(place.end - place.begin)};
 }
 
 Result<bool> OpenContainer::is_received(std::uint64_t tile) const {
-    const Result<Place> place = place_of(tile);
-    TESSERA_TRY(place.status());
-    const auto [begin, end] = place->index->pages_of(place->begin, place->end);
+    TESSERA_TRY_ASSIGN(const Place place, place_of(tile));
+    const auto [begin, end] = place.index->pages_of(place.begin, place.end);
     if (begin == end)
         return true;
-    const Page& last = place->index->pages[end - 1];
+    const Page& last = place.index->pages[end - 1];
     return last.offset + last.length <= source_->size();
 }
 
@@ -116,10 +111,9 @@ Status OpenContainer::read_bytes(std::uint64_t offset, std::span<std::byte> out)
 }
 
 Status OpenContainer::read_tile(std::uint64_t tile, std::vector<std::byte>& out) const {
-    const Result<TileLocation> location = locate(tile);
-    TESSERA_TRY(location.status());
-    out.resize(location->length);
-    return out.empty() ? Status() : read_bytes(location->offset, out);
+    TESSERA_TRY_ASSIGN(const TileLocation location, locate(tile));
+    out.resize(location.length);
+    return out.empty() ? Status() : read_bytes(location.offset, out);
 }
 
 Status OpenContainer::check_page(std::uint32_t group, std::size_t number, const Page& page,
@@ -140,20 +134,19 @@ Result<std::vector<std::byte>> OpenContainer::read_page(std::uint32_t group, std
 }
 
 Result<TileBytes> OpenContainer::load_tile(std::uint64_t tile) const {
-    const Result<Place> place = place_of(tile);
-    TESSERA_TRY(place.status());
-    const GroupIndex::PageRange range = place->index->pages_of(place->begin, place->end);
+    TESSERA_TRY_ASSIGN(const Place place, place_of(tile));
+    const GroupIndex::PageRange range = place.index->pages_of(place.begin, place.end);
     if (range.begin == range.end)
         return TileBytes{};
     if (range.end - range.begin > 1)
-        return load_large_tile(*place, range);
-    const Page& page = place->index->pages[range.begin];
-    auto bytes =
-        caches_->pages.get(page.offset, [&] { return read_page(place->group, range.begin, page); });
-    TESSERA_TRY(bytes.status());
-    const std::span<const std::byte> whole = **bytes;
-    return TileBytes{*bytes, whole.subspan(static_cast<std::size_t>(place->begin - page.offset),
-                                           static_cast<std::size_t>(place->end - place->begin))};
+        return load_large_tile(place, range);
+    const Page& page = place.index->pages[range.begin];
+    TESSERA_TRY_ASSIGN(auto bytes, caches_->pages.get(page.offset, [&] {
+        return read_page(place.group, range.begin, page);
+    }));
+    const std::span<const std::byte> whole = *bytes;
+    return TileBytes{bytes, whole.subspan(static_cast<std::size_t>(place.begin - page.offset),
+                                          static_cast<std::size_t>(place.end - place.begin))};
 }
 
 // The bytes of `pages`, which follow each other.
@@ -170,14 +163,14 @@ Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRang
 // A tile of several pages shares none of them: one read brings all, and they are kept as one.
 Result<TileBytes> OpenContainer::load_large_tile(const Place& place,
                                                    const GroupIndex::PageRange& pages) const {
-    auto bytes = caches_->pages.get(place.begin, [&]() -> Result<std::vector<std::byte>> {
-        std::vector<std::byte> read(static_cast<std::size_t>(place.end - place.begin));
-        TESSERA_TRY(source_->read(place.begin, read));
-        TESSERA_TRY(check_pages(place, pages, read));
-        return read;
-    });
-    TESSERA_TRY(bytes.status());
-    return TileBytes{*bytes, **bytes};
+    TESSERA_TRY_ASSIGN(
+        auto bytes, caches_->pages.get(place.begin, [&]() -> Result<std::vector<std::byte>> {
+            std::vector<std::byte> read(static_cast<std::size_t>(place.end - place.begin));
+            TESSERA_TRY(source_->read(place.begin, read));
+            TESSERA_TRY(check_pages(place, pages, read));
+            return read;
+        }));
+    return TileBytes{bytes, *bytes};
 }
 
 Result<TileSummary> OpenContainer::summarise_tiles() const {
@@ -185,13 +178,10 @@ Result<TileSummary> OpenContainer::summarise_tiles() const {
     std::uint32_t brought = 0; // groups
     for (std::uint32_t g = 0; g < group_count(); ++g) {
         if (g == brought) {
-            const Result<std::uint32_t> next = prefetch_groups(g);
-            TESSERA_TRY(next.status());
-            brought = *next;
+            TESSERA_TRY_ASSIGN(brought, prefetch_groups(g));
         }
-        const auto index = group(g);
-        TESSERA_TRY(index.status());
-        const auto& starts = (*index)->starts;
+        TESSERA_TRY_ASSIGN(const auto index, group(g));
+        const auto& starts = index->starts;
         for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
             const std::uint64_t length = starts[i + 1] - starts[i];
             ++sum.tiles;

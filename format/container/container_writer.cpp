@@ -113,19 +113,16 @@ Status Builder::check() {
         return bad(status.message());
     TESSERA_TRY(make_level_table());
     TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
-        const Result<std::uint64_t> length = tile_length(tile);
-        TESSERA_TRY(length.status());
-        if (*length > std::numeric_limits<std::uint32_t>::max())
+        TESSERA_TRY_ASSIGN(const std::uint64_t length, tile_length(tile));
+        if (length > std::numeric_limits<std::uint32_t>::max())
             return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
         return {};
     }));
     TESSERA_TRY(check_sections());
-    if (c.metadata.empty())
-        return {};
-    Result<std::vector<std::byte>> packed = pack_metadata(c.metadata);
-    if (packed)
-        metadata_ = std::move(*packed);
-    return packed.status();
+    if (!c.metadata.empty()) {
+        TESSERA_TRY_ASSIGN(metadata_, pack_metadata(c.metadata));
+    }
+    return {};
 }
 
 Status Builder::make_level_table() {
@@ -155,8 +152,8 @@ Status Builder::check_sections() const {
 Result<std::uint64_t> Builder::tile_length(std::uint64_t tile) const {
     if (contents_.tile_length)
         return contents_.tile_length(tile);
-    const Result<std::span<const std::byte>> data = contents_.tile(tile);
-    return data ? Result<std::uint64_t>(data->size()) : Result<std::uint64_t>(data.status());
+    TESSERA_TRY_ASSIGN(const std::span<const std::byte> data, contents_.tile(tile));
+    return data.size();
 }
 
 // Equal contents give equal files, different ones almost surely different identities.
@@ -164,12 +161,11 @@ Status Builder::choose_identity() {
     std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
     std::uint32_t bytes = 0;
     TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
-        const Result<std::span<const std::byte>> data = contents_.tile(tile);
-        TESSERA_TRY(data.status());
+        TESSERA_TRY_ASSIGN(const std::span<const std::byte> data, contents_.tile(tile));
         std::array<std::byte, 4> length;
-        store_le(length.data(), static_cast<std::uint32_t>(data->size()));
+        store_le(length.data(), static_cast<std::uint32_t>(data.size()));
         lengths = crc32c(length, lengths);
-        bytes = crc32c(*data, bytes);
+        bytes = crc32c(data, bytes);
         return {};
     }));
     header_.identity = std::uint64_t{bytes} << 32 | lengths;
@@ -183,10 +179,7 @@ Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages
         std::uint32_t crc = page_crc(header_.identity, group, static_cast<std::uint32_t>(page), {});
         for (std::size_t left = pages[page]; left > 0;) {
             if (data.empty()) {
-                const Result<std::span<const std::byte>> next = contents_.tile(tile++);
-                if (!next)
-                    return next.status();
-                data = *next;
+                TESSERA_TRY_ASSIGN(data, contents_.tile(tile++));
                 continue;
             }
             const std::size_t part = std::min(left, data.size());
@@ -205,9 +198,8 @@ Status Builder::build_index(bool with_checksums) {
         groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
         std::vector<std::uint32_t> lengths;
         for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
-            const Result<std::uint64_t> length = tile_length(t);
-            TESSERA_TRY(length.status());
-            lengths.push_back(static_cast<std::uint32_t>(*length));
+            TESSERA_TRY_ASSIGN(const std::uint64_t length, tile_length(t));
+            lengths.push_back(static_cast<std::uint32_t>(length));
             data_bytes_ += lengths.back();
         }
         std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
@@ -290,9 +282,8 @@ Status Builder::write(ByteSink& sink) const {
         TESSERA_TRY(out.append(section.bytes));
     TESSERA_TRY(out.append(index_));
     TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
-        const Result<std::span<const std::byte>> data = contents_.tile(tile);
-        TESSERA_TRY(data.status());
-        return out.append(*data);
+        TESSERA_TRY_ASSIGN(const std::span<const std::byte> data, contents_.tile(tile));
+        return out.append(data);
     }));
     return out.flush();
 }

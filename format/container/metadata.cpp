@@ -180,8 +180,8 @@ Result<Metadata> unpack_metadata(std::span<const std::byte> section) {
                                              " bytes and has " + std::to_string(body.size()));
     if (packing != packing_zstd)
         return invalid("metadata has unknown packing " + std::to_string(packing));
-    Result<std::vector<std::byte>> text = unpack_zstd(body, size);
-    return text ? parse_text(*text) : Result<Metadata>(text.status());
+    TESSERA_TRY_ASSIGN(const std::vector<std::byte> text, unpack_zstd(body, size));
+    return parse_text(text);
 }
 
 const char* name_of(Proxy value) {

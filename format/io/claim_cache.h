@@ -61,9 +61,8 @@ public:
         entries_.try_emplace(key);
         lock.unlock();
         Claim claim(*this, key);
-        Result<T> loaded = load();
-        TESSERA_TRY(loaded.status());
-        return claim.fulfil(std::move(*loaded));
+        TESSERA_TRY_ASSIGN(T loaded, load());
+        return claim.fulfil(std::move(loaded));
     }
 
     // Nothing where the value is there, which counts as a use, or is being loaded. Never waits, so a

@@ -22,11 +22,10 @@ public:
         TESSERA_TRY(check_range(*this, offset, out.size()));
         while (!out.empty()) {
             const std::uint64_t number = offset / piece_bytes;
-            const auto piece = pieces_.get(number, [&] { return load(number); });
-            TESSERA_TRY(piece.status());
+            TESSERA_TRY_ASSIGN(const auto piece, pieces_.get(number, [&] { return load(number); }));
             const auto from = static_cast<std::size_t>(offset % piece_bytes);
-            const std::size_t some = std::min(out.size(), (*piece)->size() - from);
-            std::ranges::copy(std::span(**piece).subspan(from, some), out.begin());
+            const std::size_t some = std::min(out.size(), piece->size() - from);
+            std::ranges::copy(std::span(*piece).subspan(from, some), out.begin());
             offset += some;
             out = out.subspan(some);
         }

@@ -910,7 +910,7 @@ static int test_null_pointers(void) {
     CHECK(tessera_decode_box(decoder, origin, NULL, texels, sizeof texels, NULL) == bad);
     REFUSED(tessera_decode_box(decoder, origin, small_end, NULL, sizeof texels, NULL), bad,
             "null pointer");
-    CHECK(tessera_open_memory(texels, sizeof texels, NULL, &other) == TESSERA_INVALID_FILE);
+    CHECK(tessera_open_memory(small_texels, small_bytes, NULL, &other) == TESSERA_INVALID_FILE);
     tessera_close(decoder);
     tessera_free(file);
     return 0;

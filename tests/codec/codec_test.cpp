@@ -1,12 +1,13 @@
 // The whole codec: encode, decode, what is promised about size, error, access and damage.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/encode/rate_control.h"
+#include "codec/pass/steps.h"
 #include "codec/texels/slabs.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/tile_encoder/tool_switches.h"
 #include "format/io/crc32c.h"
 #include "tests/support/codec_test_support.h"
+#include "tests/support/efforts.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ struct Encoded {
     EncodeReport report;
 };
 
-EncodeOptions options_for(RateTarget rate, int effort = 5) {
+EncodeOptions options_for(RateTarget rate, int effort = copies_effort) {
     EncodeOptions options;
     options.rate = rate;
     options.effort = effort;
@@ -326,13 +327,13 @@ TEST(Rate, PsnrIsReachedFromAbove) {
     for (const SampleType type : types) {
         MemoryTexture texture = named_texture(describe({33, 20, 9, 8}, type), "smooth");
         for (const double psnr : {34.0, 41.5}) {
-            const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}));
+            const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}, quick_effort));
             EXPECT_GE(encoded.report.psnr, psnr);
             EXPECT_LE(encoded.report.psnr, psnr + 0.15);
             EXPECT_EQ(encoded.report.note, "");
         }
     }
-    MemoryTexture noise = named_texture(describe({16, 16, 8, 8}), "noise");
+    MemoryTexture noise = named_texture(describe({8, 8, 4, 4}), "noise");
     const Encoded missed = encode(noise, options_for({Kind::psnr, 110}));
     EXPECT_NE(missed.report.note, "");
 }
@@ -439,15 +440,19 @@ TEST(SameBytes, WhateverTileCameBefore) {
 
 std::uint32_t digest() {
     Bytes all;
-    for (const SampleType type : types)
-        for (const int effort : {0, 5})
-            for (const char* name : {"smooth", "noise", "grazing_ramp"}) {
-                MemoryTexture texture = named_texture(describe({33, 17, 9, 5}, type), name);
-                const Encoded encoded = encode(texture, options_for({Kind::quality, 70}, effort));
-                all.insert(all.end(), encoded.file.begin(), encoded.file.end());
-                const Bytes texels = decode_all(encoded.file, texture.desc());
-                all.insert(all.end(), texels.begin(), texels.end());
-            }
+    const auto add = [&](const char* name, const Extent4& size, SampleType type, int effort) {
+        MemoryTexture texture = named_texture(describe(size, type), name);
+        const Encoded encoded = encode(texture, options_for({Kind::quality, 70}, effort));
+        all.insert(all.end(), encoded.file.begin(), encoded.file.end());
+        const Bytes texels = decode_all(encoded.file, texture.desc());
+        all.insert(all.end(), texels.begin(), texels.end());
+    };
+    for (const SampleType type : types) {
+        for (const int effort : {0, copies_effort})
+            for (const char* name : {"smooth", "noise", "grazing_ramp"})
+                add(name, {33, 17, 9, 5}, type, effort);
+        add("smooth", {17, 9, 5, 5}, type, EncodeOptions().effort);
+    }
     return crc32c(all);
 }
 
@@ -511,10 +516,10 @@ TEST(SpecialValues, NonFiniteSamplesAreCountedAndReplaced) {
 }
 
 TEST(SpecialValues, NonFiniteCountsDoNotGrowWithPasses) {
-    const TextureDesc desc = describe({17, 9, 9, 8}, SampleType::half16);
+    const TextureDesc desc = describe({17, 9, 5, 4}, SampleType::half16);
     MemoryTexture texture = named_texture(desc, "smooth");
     put_half(texture.texels, 1000, 0x7E00);
-    put_half(texture.texels, 2000, 0xFC00);
+    put_half(texture.texels, 1500, 0xFC00);
     for (const RateTarget rate : {RateTarget{Kind::psnr, 40}, RateTarget{Kind::bytes, 1500}}) {
         const Encoded encoded = encode(texture, options_for(rate, 8));
         EXPECT_EQ(encoded.report.nan_count, 1u);

@@ -4,6 +4,7 @@
 #include "codec/tile_encoder/dont_care.h"
 #include "format/texture.h"
 #include "codec/metrics.h"
+#include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
 
 #include <cmath>
@@ -102,7 +103,7 @@ MemoryTexture make_mask(const Extent4& size, const Matters& matters) {
     });
 }
 
-constexpr Extent4 size{48, 40, 8, 8};
+constexpr Extent4 size{40, 24, 8, 8};
 const TextureDesc colour{size, SampleType::unorm8, 3};
 
 bool in_chart(int u, int v, int, int) {
@@ -112,7 +113,7 @@ bool in_disk(int, int, int s, int t) {
     return (2 * s - 7) * (2 * s - 7) + (2 * t - 7) * (2 * t - 7) <= 64;
 }
 
-EncodeOptions options_for(RateTarget rate, TexelSource* mask, int effort = 5) {
+EncodeOptions options_for(RateTarget rate, TexelSource* mask, int effort = copies_effort) {
     EncodeOptions options;
     options.rate = rate;
     options.effort = effort;
@@ -160,7 +161,7 @@ Figures measure(const Bytes& a, const Bytes& b, const MemoryTexture& mask) {
 TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture all = make_mask(size, [](int, int, int, int) { return true; });
-    for (const int effort : {1, 5})
+    for (const int effort : {1, copies_effort})
         EXPECT_EQ(encode_file_of(texture, options_for({Kind::quality, 60}, &all, effort)).file,
                   encode_file_of(texture, options_for({Kind::quality, 60}, nullptr, effort)).file);
 }
@@ -168,8 +169,8 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
 TEST(Mask, SavesBytesAndReportsWhatMatters) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture mask = make_mask(size, in_chart);
-    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, 3));
-    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask, 3));
+    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, quick_effort));
+    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask, quick_effort));
     EXPECT_LT(masked.file.size(), plain.file.size() * 7 / 10);
     const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
     EXPECT_NEAR(masked.report.psnr, figures.psnr, 1e-9);
@@ -203,7 +204,7 @@ TEST(Mask, TargetsBindWhatMatters) {
     // With the noise the target would need many times the bytes.
     MemoryTexture mask = make_mask(size, in_disk);
     MemoryTexture texture = with_noise_behind(named_texture(colour, "smooth"), mask);
-    const EncodedFile coded = encode_file_of(texture, options_for({Kind::psnr, 42}, &mask, 3));
+    const EncodedFile coded = encode_file_of(texture, options_for({Kind::psnr, 42}, &mask, quick_effort));
     EXPECT_GE(coded.report.psnr, 42);
     EXPECT_LT(coded.report.psnr, 42.5);
     EXPECT_NEAR(measure(texture.texels, decode_all(coded.file), mask).psnr, coded.report.psnr, 1e-9);
@@ -212,7 +213,7 @@ TEST(Mask, TargetsBindWhatMatters) {
 TEST(Mask, NothingBehindItCosts) {
     const MemoryTexture smooth = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(size, in_chart);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, 4);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask);
     MemoryTexture gaps = with_gaps(smooth, mask), noisy = with_noise_behind(smooth, mask);
     EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
 }
@@ -223,7 +224,7 @@ TEST(Mask, WhatGoesOnBehindItHelps) {
         return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
     });
     MemoryTexture mask = make_mask(size, in_chart), gaps = with_gaps(waves, mask);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, 3);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, quick_effort);
     EXPECT_LT(encode_file_of(waves, options).file.size(),
               encode_file_of(gaps, options).file.size() * 8 / 10);
 }
@@ -233,8 +234,8 @@ TEST(Mask, GuaranteesHoldForWhatMatters) {
     MemoryTexture mask = make_mask(size, in_chart);
     for (const int bound : {0, 2}) {
         const RateTarget rate{Kind::max_error, static_cast<double>(bound)};
-        const EncodedFile masked = encode_file_of(noise, options_for(rate, &mask, 3));
-        const EncodedFile plain = encode_file_of(noise, options_for(rate, nullptr, 3));
+        const EncodedFile masked = encode_file_of(noise, options_for(rate, &mask, quick_effort));
+        const EncodedFile plain = encode_file_of(noise, options_for(rate, nullptr, quick_effort));
         const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
         EXPECT_LE(figures.max_error, bound);
         EXPECT_EQ(masked.report.max_error, figures.max_error);
@@ -246,11 +247,11 @@ TEST(Mask, SidesOfOneStandForAllAlongThem) {
     MemoryTexture texture = named_texture(colour, "smooth");
     const auto oddly = [](int u, int, int, int t) { return (u / 3 + t) % 3 != 0; };
     const std::vector<std::pair<Extent4, Matters>> cases{
-        {{48, 40, 1, 1}, in_chart}, {{1, 1, 8, 8}, in_disk}, {{48, 1, 1, 8}, oddly}};
+        {{40, 24, 1, 1}, in_chart}, {{1, 1, 8, 8}, in_disk}, {{40, 1, 1, 8}, oddly}};
     for (const auto& [mask_size, matters] : cases) {
         MemoryTexture narrow = make_mask(mask_size, matters), whole = make_mask(size, matters);
-        const EncodedFile a = encode_file_of(texture, options_for({Kind::quality, 60}, &narrow, 3));
-        const EncodedFile b = encode_file_of(texture, options_for({Kind::quality, 60}, &whole, 3));
+        const EncodedFile a = encode_file_of(texture, options_for({Kind::quality, 60}, &narrow, quick_effort));
+        const EncodedFile b = encode_file_of(texture, options_for({Kind::quality, 60}, &whole, quick_effort));
         EXPECT_EQ(a.file, b.file) << to_string(mask_size);
         EXPECT_EQ(a.report.texels_that_matter, b.report.texels_that_matter);
         EXPECT_LT(*a.report.texels_that_matter, texel_count(size));
@@ -261,7 +262,7 @@ TEST(Mask, ThreadsChangeNoByte) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(size, in_chart);
     for (const bool layers : {false, true}) {
-        EncodeOptions options = options_for({Kind::quality, 60}, &mask, 4);
+        EncodeOptions options = options_for({Kind::quality, 60}, &mask);
         options.layers = layers;
         options.threads = 1;
         const Bytes one = encode_file_of(texture, options).file;
@@ -276,7 +277,7 @@ TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
     MemoryTexture mask = make_mask(large.size, in_disk);
     MemoryTexture texture = with_gaps(named_texture(large, "smooth"), mask);
     MemoryTexture other = with_noise_behind(texture, mask);
-    EncodeOptions options = options_for({Kind::quality, 50}, &mask, 3);
+    EncodeOptions options = options_for({Kind::quality, 50}, &mask, quick_effort);
     options.tile_extent = tile_by_trial;
     EXPECT_EQ(encode_file_of(texture, options).file, encode_file_of(other, options).file);
 }
@@ -302,7 +303,7 @@ TEST(Mask, MayLeaveNothing) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture none = make_mask({1, 1, 1, 1}, [](int, int, int, int) { return false; });
     for (const RateTarget rate : {RateTarget{Kind::quality, 80}, RateTarget{Kind::psnr, 40}}) {
-        const EncodedFile coded = encode_file_of(noise, options_for(rate, &none, 3));
+        const EncodedFile coded = encode_file_of(noise, options_for(rate, &none, quick_effort));
         EXPECT_EQ(coded.report.texels_that_matter, 0u);
         EXPECT_EQ(coded.report.psnr, 999);
         EXPECT_LT(coded.file.size(), 1000u);
@@ -352,7 +353,7 @@ TEST(Mask, IsCheckedFirst) {
     };
     refused(MemoryTexture({size, SampleType::unorm8, 3}, zero), "one channel");
     refused(MemoryTexture({size, SampleType::half16, 1}, zero), "8 bits");
-    refused(MemoryTexture({{48, 40, 8, 4}, SampleType::unorm8, 1}, zero), "48x40x8x4");
+    refused(MemoryTexture({{40, 24, 8, 4}, SampleType::unorm8, 1}, zero), "40x24x8x4");
     refused(MemoryTexture({{2, 1, 1, 1}, SampleType::unorm8, 1}, zero), "2x1x1x1");
     refused(SlicedMask({size, SampleType::unorm8, 1}, zero), "any order");
 }

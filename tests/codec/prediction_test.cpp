@@ -1,6 +1,7 @@
 // Prediction from other views of a tile: coding, depths, reconstruction, and what the encoder gains.
 #include "codec/tile_encoder/tile_encoder.h"
 #include "tests/support/decode_cases.h"
+#include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
 #include "tests/support/random_predictions.h"
 #include "tests/reference/spec_decoder.h"
@@ -130,12 +131,13 @@ TEST(CopyDepths, SixteenIsRefused) {
 
 // A picture of fine detail that moves by `u`, `v` half texels a step along s and along t.
 test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
-                                   const std::array<int, 2>& along_t) {
+                                   const std::array<int, 2>& along_t,
+                                   const Extent4& size = {32, 32, 8, 8}) {
     const auto picture = [](double x, double y, int c) {
         return 0.5 + 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
                0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
     };
-    return {{{32, 32, 8, 8}, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
+    return {{size, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
                 return picture(u + 0.5 * (s * along_s[0] + t * along_t[0]),
                                v + 0.5 * (s * along_s[1] + t * along_t[1]), c);
             }};
@@ -156,6 +158,7 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::psnr, 29}; // above, it is noise that is coded
     options.tile_extent = {16, 16, 4, 4};
+    options.effort = test::copies_effort;
     options.threads = 1;
     const EncodedFile smooth = encode_file_of(source, options);
     EXPECT_TRUE(smooth.parameters.smooth_copies);
@@ -182,8 +185,9 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
+    options.effort = test::copies_effort;
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
-    options.effort = 3; // without copies there is nothing to smooth
+    options.effort = test::quick_effort; // without copies there is nothing to smooth
     options.tools = "+smooth";
     EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
 }
@@ -192,20 +196,20 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
     for (const auto& [along_s, along_t] : {std::pair{std::array{4, 0}, std::array{0, 4}},
                                            std::pair{std::array{-6, 2}, std::array{2, 5}}}) {
         std::array<EncodeReport, 2> report;
-        for (const int effort : {3, 5}) {
+        for (const bool copies : {false, true}) {
             test::MemoryTexture source = moving_picture(along_s, along_t);
             EncodeOptions options;
-            options.effort = effort;
+            options.effort = copies ? test::copies_effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
-            options.rate = {RateTarget::Kind::quality, effort == 5 ? 64.0 : 60.0};
+            options.rate = {RateTarget::Kind::quality, copies ? 64.0 : 60.0};
             Bytes file;
             const auto encoded = encode_memory(source, file, options);
             ASSERT_TRUE(encoded.ok()) << encoded.status().message();
-            report[effort == 5] = *encoded;
+            report[copies] = *encoded;
             const auto bytes = wrap_memory(file);
             const auto reader = ContainerReader::open(*bytes);
             ASSERT_TRUE(reader.ok());
-            EXPECT_EQ(reader->header().required_features, effort == 5 ? feature_prediction : 0u);
+            EXPECT_EQ(reader->header().required_features, copies ? feature_prediction : 0u);
         }
         const double more = report[1].psnr - report[0].psnr;
         EXPECT_GT(more, 0);
@@ -216,7 +220,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
 }
 
 TEST(EncodeCopies, ErrorBoundsGoWithoutThem) {
-    test::MemoryTexture source = moving_picture({4, 0}, {0, 4});
+    test::MemoryTexture source = moving_picture({4, 0}, {0, 4}, {16, 16, 8, 8});
     EncodeOptions options;
     options.effort = 9;
     options.rate = {RateTarget::Kind::max_error, 1};

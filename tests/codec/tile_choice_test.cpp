@@ -4,6 +4,7 @@
 #include "format/texture.h"
 #include "codec/trials/tile_choice.h"
 #include "tests/support/codec_test_support.h"
+#include "tests/support/efforts.h"
 
 #include <cmath>
 
@@ -15,9 +16,10 @@ namespace {
 constexpr Extent4 size{128, 64, 16, 16};
 constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
-Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = 3) {
+// What the encoder makes of the choice.
+Extent4 tile_of_file(MemoryTexture& texture, EncodeOptions options = {}) {
     options.rate = {RateTarget::Kind::quality, 60};
-    options.effort = effort;
+    options.effort = quick_effort;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();
@@ -25,6 +27,16 @@ Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effo
     const auto decoder = Decoder::open(*source);
     EXPECT_TRUE(decoder) << decoder.status().message();
     return decoder ? decoder->container().grid().tile_extent() : Extent4{};
+}
+
+// The choice alone: the rest of the encoder costs ten times as much.
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = quick_effort) {
+    options.rate = {RateTarget::Kind::quality, 60};
+    options.effort = effort;
+    EncodePlan plan{texture, options, {}, {texture.desc()}, EffortSettings::of(effort)};
+    const auto tile = choose_tile_extent(plan);
+    EXPECT_TRUE(tile) << tile.status().message();
+    return tile ? *tile : Extent4{};
 }
 
 // Waves as long as a tile of 64 texels, each view another picture.
@@ -59,6 +71,12 @@ TEST(TileChoice, BlurredViewsGetWideTiles) {
     EXPECT_EQ(chosen_tile(texture), wide);
 }
 
+TEST(TileChoice, TheEncoderFollowsIt) {
+    MemoryTexture texture = blurred_views({80, 64, 8, 4});
+    EXPECT_EQ(chosen_tile(texture), wide);
+    EXPECT_EQ(tile_of_file(texture), wide);
+}
+
 TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
     MemoryTexture texture = painted_surface(size);
     EXPECT_EQ(chosen_tile(texture), usual);
@@ -68,7 +86,7 @@ TEST(TileChoice, LayersKeepPlacesSmall) {
     EncodeOptions options;
     options.layers = true;
     MemoryTexture moving = moving_balls(size);
-    EXPECT_EQ(chosen_tile(moving, options, 4), few_views);
+    EXPECT_EQ(chosen_tile(moving, options, copies_effort), few_views);
     MemoryTexture still = painted_surface(size);
     EXPECT_EQ(chosen_tile(still, options), usual);
 }
@@ -91,7 +109,7 @@ TEST(TileChoice, LayersOfTheLargestTexturesKeepTheIndexSmall) {
     options.layers = true;
     const auto choose = [&](const Extent4& extent) {
         Unreadable source(extent);
-        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(2)};
+        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(quick_effort)};
         return choose_tile_extent(plan);
     };
     const auto largest = choose({1024, 512, 128, 128});
@@ -104,12 +122,13 @@ TEST(TileChoice, WhoeverAsksForATileGetsIt) {
     MemoryTexture texture = blurred_views({70, 66, 5, 4});
     EncodeOptions options;
     options.tile_extent = {16, 64, 5, 2};
-    EXPECT_EQ(chosen_tile(texture, options), options.tile_extent);
+    EXPECT_EQ(tile_of_file(texture, options), options.tile_extent);
 }
 
 TEST(TileChoice, SmallTexturesNeedNoTrial) {
     MemoryTexture texture = blurred_views({64, 32, 8, 8});
     EXPECT_EQ(chosen_tile(texture), usual);
+    EXPECT_EQ(tile_of_file(texture), usual);
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "codec/tile_encoder/tree_edits.h"
 #include "tests/support/codec_test_support.h"
 #include "tests/support/decode_cases.h"
+#include "tests/support/efforts.h"
 #include "tests/support/random_predictions.h"
 
 #include <algorithm>
@@ -122,6 +123,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const auto encode = [&](bool refined, test::Bytes& file) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 55};
+        options.effort = test::copies_effort;
         options.tools = refined ? "+refine" : "-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();

@@ -100,7 +100,7 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
             EncodeOptions options;
             options.rate = rate;
             options.threads = 2;
-            options.tools = "-dense-tables";
+            options.effort = copies_effort;
             DecodeCase test;
             test.name = scene.name;
             const auto report = encode_memory(**baked, test.file, options);

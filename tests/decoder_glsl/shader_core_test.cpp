@@ -439,7 +439,7 @@ TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
 
 // Every side cut until all blocks are single texels: 11 levels, the deepest that a tree can have.
 TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
-    for (const bool spatial_first : {}) {
+    for (const bool spatial_first : {true, false}) {
         ShaderOracle file = file_of_one_tile({1, 64, 1, 32}, 1);
         HandMadeTile tile(shape_of(1, 64, 1, 32));
         const Split first = spatial_first ? Split::spatial : Split::angular;

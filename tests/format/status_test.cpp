@@ -38,6 +38,16 @@ TEST(Result, MadeOfAnotherOnesSuccessIsAnError) {
     EXPECT_EQ(forgets_the_value().status().code(), ErrorCode::runtime);
 }
 
+TEST(Result, TakesAContextLikeAStatus) {
+    EXPECT_EQ(*half_of(6).with_context("six"), 3);
+    EXPECT_TRUE(half_of(6).with_context("six").status().message().empty());
+    const Result<int> bad = half_of(7).with_context("seven");
+    EXPECT_EQ(bad.status().message(), "seven: 7 is odd");
+    EXPECT_EQ(bad.status().code(), ErrorCode::bad_argument);
+    Result<std::unique_ptr<int>> owned = std::make_unique<int>(5);
+    EXPECT_EQ(**std::move(owned).with_context("five"), 5);
+}
+
 Status check_all(int a, int b, int& seen) {
     TESSERA_TRY(half_of(a));
     ++seen;

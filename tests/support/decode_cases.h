@@ -8,6 +8,7 @@
 #include "format/tile/coding_parameters.h"
 #include "format/container/container_writer.h"
 #include "tests/support/codec_test_support.h"
+#include "tests/support/efforts.h"
 #include "tests/support/random_predictions.h"
 
 #include <gtest/gtest.h>
@@ -24,14 +25,13 @@ struct DecodeCase {
 
 inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& desc, RateTarget rate,
                                const Extent4& tile = {32, 32, 8, 8},
-                               int effort = EncodeOptions().effort) {
+                               int effort = copies_effort) {
     MemoryTexture source = named_texture(desc, texture);
     EncodeOptions options;
     options.rate = rate;
     options.threads = 2;
     options.tile_extent = tile;
     options.effort = effort;
-    options.tools = "-dense-tables"; // a decoder cannot tell; half of the time
     DecodeCase made;
     made.name = texture + " " + to_string(desc.size) + " x" + std::to_string(desc.channels) +
                 (desc.type == SampleType::half16 ? " half" : "") + " rate " +
@@ -67,14 +67,14 @@ inline std::vector<DecodeCase> encoded_cases() {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
         const bool bytes = type == SampleType::unorm8;
         cases.push_back(encoded_case("smooth", {{64, 64, 4, 4}, type, 3}, {Kind::quality, 70},
-                                     {64, 64, 4, 4}, bytes ? 5 : 3));
+                                     {64, 64, 4, 4}, bytes ? copies_effort : quick_effort));
         cases.push_back(encoded_case("grazing_ramp", {{125, 45, 4, 2}, type, 3},
-                                     {Kind::quality, 60}, {63, 45, 5, 3}, bytes ? 3 : 5));
+                                     {Kind::quality, 60}, {63, 45, 5, 3}, bytes ? quick_effort : copies_effort));
     }
     cases.push_back(encoded_case("lambert", {{64, 1, 32, 32}, SampleType::unorm8, 3},
                                  {Kind::quality, 70}, {64, 1, 32, 32}));
     cases.push_back(encoded_case("noise", {{50, 33, 3, 2}, SampleType::unorm8, 3},
-                                 {Kind::max_error, 4}, {64, 64, 4, 4}, 3));
+                                 {Kind::max_error, 4}, {64, 64, 4, 4}, quick_effort));
     return cases;
 }
 

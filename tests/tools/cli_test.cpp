@@ -1,5 +1,6 @@
 // The tool as a person or a script meets it: the built binary, its exit codes, messages and JSON.
 #include "tests/support/cli_fixture.h"
+#include "tests/support/efforts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,7 @@ using namespace tessera::test;
 class Cli : public CliFixture {};
 
 const std::string small_scene = "bake composed --size 32x16x9x5 --spp 2 ";
+const std::string quick = "--effort " + std::to_string(quick_effort) + " ";
 
 TEST_F(Cli, ExplainsItself) {
     for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet",
@@ -65,7 +67,7 @@ TEST_F(Cli, ReportsWrongUsage) {
 }
 
 TEST_F(Cli, BakesEncodesDecodesCompares) {
-    succeed(small_scene + "-o a.tess --target-psnr 40 -q");
+    succeed(small_scene + "-o a.tess --target-psnr 40 -q " + quick);
     for (const char* name : {"a.rgb", "a.exr", "a_views/"})
         succeed(small_scene + "-q -o " + name);
     const Json same = json("compare a.exr a.rgb --json");
@@ -81,7 +83,7 @@ TEST_F(Cli, BakesEncodesDecodesCompares) {
         EXPECT_EQ(json(std::string("compare a.tess --json --size 32x16x9x5 ") + name)["identical"],
                   true);
     }
-    const Outcome encoded = run("encode a_views -o c.tess --quality 50");
+    const Outcome encoded = run("encode a_views -o c.tess --quality 50 " + quick);
     EXPECT_EQ(encoded.code, 0) << encoded.err;
     for (const char* word : {"bits per texel", "PSNR", "largest error", "ratio", " s, "})
         EXPECT_NE(encoded.out.find(word), std::string::npos) << encoded.out;
@@ -125,7 +127,7 @@ TEST_F(Cli, SwitchesCodingTools) {
 }
 
 TEST_F(Cli, DecodesParts) {
-    succeed(small_scene + "-q -o a.tess --quality 60");
+    succeed(small_scene + quick + "-q -o a.tess --quality 60");
     succeed("decode a.tess -q -o whole.rgb");
     succeed("decode a.tess -q -o part.rgb --box 3:31,5:6,:,2:4");
     const std::string whole = slurp(at("whole.rgb")), part = slurp(at("part.rgb"));
@@ -145,7 +147,7 @@ TEST_F(Cli, DecodesParts) {
 
 TEST_F(Cli, KeepsItsPromises) {
     succeed(small_scene + "-q -o a.rgb");
-    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess ";
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess " + quick;
     succeed(encode + "--max-error 0");
     EXPECT_EQ(json("compare a.rgb x.tess --json")["identical"], true);
     succeed(encode + "--max-error 3");
@@ -184,7 +186,7 @@ TEST_F(Cli, ComparesAgainstThresholds) {
 }
 
 TEST_F(Cli, ComparesASampleAndAgainstASceneBakedAgain) {
-    const std::string scene = "bake composed --size 96x64x16x16 --spp 2 --seed 5 -q ";
+    const std::string scene = "bake composed --size 64x32x16x16 --spp 2 --seed 5 -q ";
     succeed(scene + "-o a.tess --effort 1 --quality 40");
     succeed(scene + "-o a.rgb");
     const Json whole = json("compare a.rgb a.tess --no-ssim --json");
@@ -192,13 +194,13 @@ TEST_F(Cli, ComparesASampleAndAgainstASceneBakedAgain) {
     const Json baked = json("compare a.tess --bake composed --sample 1 --json");
     for (const char* figure : {"psnr", "max_error", "differing_samples"})
         EXPECT_EQ(baked[figure], whole[figure]) << figure;
-    EXPECT_EQ(baked["sample"]["tiles"], 24);
-    EXPECT_EQ(baked["sample"]["of_tiles"], 24);
+    EXPECT_EQ(baked["sample"]["tiles"], 8);
+    EXPECT_EQ(baked["sample"]["of_tiles"], 8);
     EXPECT_FALSE(whole.contains("sample"));
     const std::string part = "compare a.rgb a.tess --json --sample 0.21 --sample-seed ";
     const Json one = json(part + "1"), again = json(part + "1 --threads 1");
-    EXPECT_EQ(one["sample"]["tiles"], 6); // rounded up
-    EXPECT_EQ(one["sample"]["texels"], 6 * 32 * 32 * 8 * 8);
+    EXPECT_EQ(one["sample"]["tiles"], 2); // rounded up
+    EXPECT_EQ(one["sample"]["texels"], 2 * 32 * 32 * 8 * 8);
     EXPECT_EQ(one["psnr"], again["psnr"]);
     EXPECT_NE(one["psnr"], json(part + "2")["psnr"]);
     EXPECT_EQ(json("compare a.tess --bake composed --json --sample 0.21")["psnr"], one["psnr"]);
@@ -207,7 +209,7 @@ TEST_F(Cli, ComparesASampleAndAgainstASceneBakedAgain) {
     succeed(scene + "-o v/");
     EXPECT_EQ(json("compare v a.tess --json --sample 0.21")["psnr"], one["psnr"]);
     const Outcome text = run("compare a.tess --bake composed --sample 0.21");
-    EXPECT_NE(text.out.find("6 of 24 tiles"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("2 of 8 tiles"), std::string::npos) << text.out;
     fail(7, "compare a.tess --bake composed --sample 0.21 --min-psnr 90", {"a.tess", "PSNR"});
     fail(1, "compare a.tess", {"--bake"});
     fail(1, "compare a.tess a.rgb --bake composed", {"--bake"});
@@ -223,7 +225,7 @@ TEST_F(Cli, MasksSayWhichTexelsMatter) {
     for (std::size_t i = 0; i < places.size(); ++i)
         places[i] = i % 32 < 24 ? 'x' : '\0';
     spit(at("m.gray"), places);
-    const std::string encode = "encode a.rgb --size 32x16x9x5 ", sides = " --mask-size 32x16x1x1";
+    const std::string encode = "encode a.rgb --size 32x16x9x5 " + quick, sides = " --mask-size 32x16x1x1";
     const Outcome coded = run(encode + "-o x.tess --mask m.gray" + sides);
     EXPECT_EQ(coded.code, 0) << coded.err;
     EXPECT_NE(coded.out.find("75.00 % of the texels matter"), std::string::npos) << coded.out;
@@ -277,7 +279,7 @@ TEST_F(Cli, RefusesMasksThatDoNotFit) {
 }
 
 TEST_F(Cli, KeepsWithinItsMemoryOrSaysWhatItNeeds) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     for (const char* size : {"1G", "512MiB", "300000k", "999999999"})
         succeed(std::string("decode a.tess -q -o a.rgb --threads 1 --memory ") + size);
     for (const char* size : {"", "1.5G", "G", "-1", "1GX", "99999999999T"})
@@ -316,7 +318,7 @@ TEST_F(Cli, HandlesHdr) {
 }
 
 TEST_F(Cli, DescribesFiles) {
-    succeed(small_scene + "-q -o a.tess --seed 7 --meta Author=me --viewing-radius 4,20");
+    succeed(small_scene + quick + "-q -o a.tess --seed 7 --meta Author=me --viewing-radius 4,20");
     const Json info = json("info a.tess --json");
     EXPECT_EQ(info["size"], "32x16x9x5");
     EXPECT_EQ(info["metadata"]["Scene"], "composed");
@@ -380,7 +382,7 @@ TEST_F(Cli, RefusesBadInput) {
 }
 
 TEST_F(Cli, LeavesNoPartialFile) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     const auto before = names();
     fail(2, small_scene + "-o a.tess/x.tess", {"a.tess/x.tess", "not a folder"});
     fail(2, "decode a.tess -o a.tess/x.rgb", {"a.tess/x.rgb", "not a folder"});
@@ -405,7 +407,7 @@ TEST_F(Cli, LeavesNoPartialFile) {
 }
 
 TEST_F(Cli, ReportsFullStandardOutput) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     const std::string command = "cd '" + folder_.string() + "' && '" + TESSERA_TOOL +
                                 "' info a.tess >/dev/full 2>/dev/null";
     const int status = std::system(command.c_str());
@@ -494,7 +496,7 @@ TEST_F(Cli, GoesOnMeasuringAfterAnInterrupt) {
 }
 
 TEST_F(Cli, DrawsSheets) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     succeed(small_scene + "-q -o a.rgb");
     succeed("sheet a.rgb a.tess -o s.png -q"); // the size of a.rgb is that of a.tess
     EXPECT_EQ(slurp(at("s.png")).substr(1, 3), "PNG");
@@ -507,7 +509,7 @@ TEST_F(Cli, DrawsSheets) {
 }
 
 TEST_F(Cli, DrawsViews) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     succeed("render a.tess -o v.png --views paper --size 16x12 -q");
     succeed("render a.tess -o v.exr --eye 6,2,-8 --look 0,1,0 --fov 30 --size 16x12 -q");
     EXPECT_EQ(names(), (std::vector<std::string>{"a.tess", "v-1.png", "v-2.png", "v-3.png",
@@ -544,7 +546,7 @@ TEST_F(Cli, DrawsViews) {
 }
 
 TEST_F(Cli, SetsPicturesSideBySide) {
-    succeed(small_scene + "-q -o a.tess");
+    succeed(small_scene + quick + "-q -o a.tess");
     succeed("render a.tess -o v.png --views paper --size 16x12 -q");
     const Outcome o = run("sheet v-1.png v-2.png v-3.png --columns 2 --middle 10 -o m.png");
     EXPECT_EQ(o.out, "m.png: 44 x 76 pixels\n") << o.err; // gaps of 8, labels of 16

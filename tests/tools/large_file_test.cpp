@@ -8,6 +8,7 @@
 #include "tools/texture_io/raw_io.h"
 
 #include <algorithm>
+#include <cstring>
 #include <fcntl.h>
 #include <sys/stat.h>
 
@@ -28,7 +29,9 @@ public:
         constexpr std::size_t block = 1u << 16;
         for (; !bytes.empty(); bytes = bytes.subspan(std::min(block, bytes.size()))) {
             const auto part = bytes.first(std::min(block, bytes.size()));
-            if (std::ranges::any_of(part, [](std::byte b) { return b != std::byte{0}; }) &&
+            const bool zeros = part[0] == std::byte{0} &&
+                               std::memcmp(part.data(), part.data() + 1, part.size() - 1) == 0;
+            if (!zeros &&
                 ::pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(size_)) !=
                     static_cast<ssize_t>(part.size()))
                 return {ErrorCode::io, "cannot write the sparse file"};

@@ -3,6 +3,7 @@
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
 #include "corpus/shade.h"
+#include "tests/support/efforts.h"
 #include "tests/support/sample_probes.h"
 #ifdef TESSERA_GPU
 #include "tests/support/gpu_fixture.h"
@@ -228,6 +229,7 @@ TEST(TextureRenderer, ReadsACompressedFile) {
     const auto source = bake("composed", {32, 16, 8, 8}, 2);
     EncodeOptions options;
     options.rate = {RateTarget::Kind::max_error, 0};
+    options.effort = test::quick_effort;
     const std::vector<std::byte> bytes = encoded(*source, options);
     const auto file = wrap_memory(bytes);
     const auto decoder = Decoder::open(*file);
@@ -317,7 +319,7 @@ protected:
 
     std::string encode(const std::string& scene, const std::string& name, bool on_sphere = true) {
         EncodeOptions options;
-        options.effort = 3; // no copies: every way of sampling
+        options.effort = test::quick_effort;
         options.metadata = {{"Scene", scene}, {"Samples per texel", "2"}, {"Seed", "1"}};
         if (on_sphere) {
             options.description.proxy = Proxy::sphere;
@@ -444,12 +446,11 @@ protected:
     }
 
     // A file in small tiles, so that the borders of many cross the picture.
-    static std::vector<std::byte> small_tiles(const std::string& scene, int effort = 5) {
+    static std::vector<std::byte> small_tiles(const std::string& scene, int effort) {
         const auto source = bake(scene, {64, 32, 16, 12}, 1);
         EncodeOptions options;
         options.tile_extent = {16, 8, 8, 8};
         options.effort = effort;
-        options.tools = "-dense-tables"; // a decoder cannot tell
         return encoded(*source, options);
     }
 };
@@ -497,7 +498,7 @@ TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
     for (const char* scene : {"composed", "lamps"}) {
         // Without copies and with.
         const bool copies = std::string(scene) == "lamps";
-        const std::vector<std::byte> bytes = small_tiles(scene, copies ? 5 : 3);
+        const std::vector<std::byte> bytes = small_tiles(scene, copies ? test::copies_effort : test::quick_effort);
         const auto file = wrap_memory(bytes);
         const auto decoder = Decoder::open(*file);
         ASSERT_TRUE(decoder.ok());
@@ -525,7 +526,7 @@ TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
 }
 
 TEST_F(GpuRender, KeepsThePlaceOfTheSphere) {
-    const std::vector<std::byte> bytes = small_tiles("composed");
+    const std::vector<std::byte> bytes = small_tiles("composed", test::quick_effort);
     const auto file = wrap_memory(bytes);
     const auto decoder = Decoder::open(*file);
     ASSERT_TRUE(decoder.ok());
@@ -548,6 +549,7 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     EncodeOptions options;
     options.tile_extent = {32, 16, 8, 8};
     options.rate = {RateTarget::Kind::quality, 20};
+    options.effort = test::quick_effort;
     const std::vector<std::byte> bytes = encoded(*source, options);
     const auto file = wrap_memory(bytes);
     const auto decoder = Decoder::open(*file);
@@ -600,15 +602,14 @@ TEST_F(GpuRender, OrbitsByFeedback) {
 // With coarse levels, on a sphere, of many tiles.
 class Sharpening : public GpuRender {
 protected:
-    void SetUp() override {
-        GpuRender::SetUp();
-        if (IsSkipped())
+    static void SetUpTestSuite() {
+        if (test::no_gpu_asked())
             return;
         ::setenv("no_proxy", "127.0.0.1", 1);
         EncodeOptions options;
         options.layers = true;
         options.tile_extent = {16, 16, 8, 8};
-        options.effort = 2;
+        options.effort = test::quick_effort;
         options.rate = {RateTarget::Kind::quality, 60};
         options.description.proxy = Proxy::sphere;
         options.description.sphere_radius = 3.5f;
@@ -616,6 +617,12 @@ protected:
         options.description.angular_map = AngularMap::hemisphere_alpha_beta;
         const auto source = bake("gallery", {128, 64, 16, 16}, 1);
         bytes_ = encoded(*source, options);
+    }
+    static void TearDownTestSuite() { bytes_ = {}; }
+    void SetUp() override {
+        GpuRender::SetUp();
+        if (IsSkipped())
+            return;
         std::ofstream(at("g.tess"), std::ios::binary)
             .write(reinterpret_cast<const char*>(bytes_.data()),
                    static_cast<std::streamsize>(bytes_.size()));
@@ -645,7 +652,7 @@ protected:
         return status.ok() ? Json::parse(out_)["views"][0]["frames"] : Json::array();
     }
 
-    std::vector<std::byte> bytes_;
+    static inline std::vector<std::byte> bytes_; // the file, encoded once
 };
 
 TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {

@@ -18,7 +18,10 @@ function(tessera_module name)
     target_include_directories(tessera_${name} INTERFACE
         $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-    target_compile_features(tessera_${name} INTERFACE cxx_std_20)
+    # Public headers want C++20; a project that has no C++ could not be told so.
+    if(PROJECT_IS_TOP_LEVEL OR "CXX" IN_LIST tessera_parent_languages)
+        target_compile_features(tessera_${name} INTERFACE $<BUILD_INTERFACE:cxx_std_20>)
+    endif()
     # A program in C links our C++ with the C compiler.
     target_link_libraries(tessera_${name} PUBLIC ${ARG_USES}
                           INTERFACE $<$<LINK_LANGUAGE:C>:stdc++;m>

@@ -18,7 +18,7 @@ Argv decode_avif(const std::string& in, const std::string& out, const std::strin
 }
 
 Argv encode_jxl(const std::string& in, const std::string& out, const std::string& setting,
-                const Picture&, const std::string& threads) {
+                const std::string& threads) {
     return {"cjxl",
             in,
             out,

@@ -37,15 +37,15 @@ Status write_text(const std::filesystem::path& path, const std::string& text) {
 }
 
 // Programs whole; sample.glsl without a head, to be pasted into a program of the reader's own.
-Status write_shader(const ShaderFile& file, const Arguments& a, ShaderDialect dialect,
+Status write_shader(std::string_view name, const Arguments& a, ShaderDialect dialect,
                     std::span<const ShaderDefine> defines) {
-    auto source = shader_source(file.name, dialect, defines);
+    auto source = shader_source(name, dialect, defines);
     if (!source.ok())
         return source.status();
     std::string text = *source;
-    if (file.name == "sample.glsl")
+    if (name == "sample.glsl")
         text.erase(0, text.find('\n') + 1); // the #version line
-    return write_text(std::filesystem::path(a.output) / file.name, text);
+    return write_text(std::filesystem::path(a.output) / name, text);
 }
 
 Status run(const Arguments& a) {
@@ -60,17 +60,10 @@ Status run(const Arguments& a) {
     std::filesystem::create_directories(a.output, error);
     if (error)
         return {ErrorCode::io, a.output + ": " + error.message()};
-    std::size_t count = 0;
-    for (const ShaderFile& file : shader_files()) {
-        const std::string_view name = file.name;
-        const bool program = name.ends_with(".comp.glsl") || name.ends_with(".frag.glsl") ||
-                             name.ends_with(".vert.glsl");
-        if (!program && name != "sample.glsl")
-            continue;
-        TESSERA_TRY(write_shader(file, a, dialect, *defines));
-        ++count;
-    }
-    std::printf("%s: %zu shaders for %s\n", a.output.c_str(), count, a.dialect.c_str());
+    const std::vector<std::string_view> names = shader_names();
+    for (const std::string_view name : names)
+        TESSERA_TRY(write_shader(name, a, dialect, *defines));
+    std::printf("%s: %zu shaders for %s\n", a.output.c_str(), names.size(), a.dialect.c_str());
     return {};
 }
 

@@ -1,6 +1,6 @@
 /* A program in C that uses Tessera: encodes a gradient, opens it, reads a box, compares.
  *   consumer_c [FILE.tess]   with a path the gradient is written there, too */
-#include "codec/tessera.h"
+#include <tessera/codec/tessera.h>
 
 #include <stdio.h>
 #include <stdlib.h>

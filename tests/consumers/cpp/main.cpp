@@ -1,8 +1,8 @@
 // A program in C++ that uses Tessera: encodes a gradient into a file, opens it, reads a box, compares.
 //   consumer_cpp FILE.tess   the file to write; afterwards a file beside it that is not there is opened
-#include "codec/decoder.h"
-#include "codec/encoder.h"
-#include "format/texture.h"
+#include <tessera/codec/decoder.h>
+#include <tessera/codec/encoder.h>
+#include <tessera/format/texture.h>
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,0 +1,12 @@
+# Fails unless the suites of the gtest program PROGRAM are SUITES, those that ctest runs.
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE failed)
+if(failed)
+    message(FATAL_ERROR "${PROGRAM} cannot list its tests: ${failed}")
+endif()
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.\n" suites "${listed}")
+list(TRANSFORM suites REPLACE "[.\n]" "")
+list(SORT suites)
+list(SORT SUITES)
+if(NOT suites STREQUAL SUITES)
+    message(FATAL_ERROR "${PROGRAM} has the suites\n${suites}\nand ctest runs\n${SUITES}")
+endif()

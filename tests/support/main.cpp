@@ -1,0 +1,43 @@
+// The programs' main: gtest's, which also says what tests take more than a second of CPU time. The
+// clock says little on a busy machine, and threads and child processes count, too.
+#include <cstdio>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace {
+
+double seconds_of(int who) {
+    rusage usage = {};
+    getrusage(who, &usage);
+    const auto in_seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
+    };
+    return in_seconds(usage.ru_utime);
+}
+
+class CpuTimes : public testing::EmptyTestEventListener {
+    void OnTestSuiteStart(const testing::TestSuite&) override { suite_began_ = now(); }
+    void OnTestStart(const testing::TestInfo&) override { began_ = now(); }
+    void OnTestEnd(const testing::TestInfo& test) override {
+        const double seconds = now() - began_;
+        if (seconds >= 1)
+            std::printf("[ CPU time ] %5.1f s: %s.%s\n", seconds, test.test_suite_name(),
+                        test.name());
+    }
+    void OnTestSuiteEnd(const testing::TestSuite& suite) override {
+        const double seconds = now() - suite_began_;
+        if (seconds >= 1)
+            std::printf("[ CPU time ] %5.1f s: %s, with its fixtures\n", seconds, suite.name());
+    }
+    static double now() { return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN); }
+
+    double suite_began_ = 0, began_ = 0;
+};
+
+} // namespace
+
+int main(int argc, char** argv) {
+    testing::InitGoogleTest(&argc, argv);
+    testing::UnitTest::GetInstance()->listeners().Append(new CpuTimes); // which owns it
+    return RUN_ALL_TESTS();
+}

@@ -1,0 +1,58 @@
+# tessera_tests(MODULE [SLOW file...] [WITHOUT file...] USES library...)
+#
+# All of MODULE/*_test.cpp as one program, MODULE_tests, and one ctest test a file, MODULE.file: one
+# process a file, so that its fixtures are made once. The tests of files in SLOW have the label
+# `slow`, which tools/test.sh --fast leaves out. Files in WITHOUT are left out of this build.
+function(tessera_tests module)
+    cmake_parse_arguments(ARG "" "" "SLOW;WITHOUT;USES" ${ARGN})
+    file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${module}/*_test.cpp)
+    foreach(name IN LISTS ARG_WITHOUT)
+        list(REMOVE_ITEM files ${CMAKE_CURRENT_SOURCE_DIR}/${module}/${name}.cpp)
+    endforeach()
+    set(program ${module}_tests)
+    add_executable(${program} ${files} support/main.cpp)
+    target_link_libraries(${program} PRIVATE ${ARG_USES} GTest::gtest tessera_build)
+    # Tests are compiled more often than they are run; what is to be fast is in the libraries.
+    target_compile_options(${program} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+    target_precompile_headers(${program} PRIVATE <gtest/gtest.h> ${precompiled_all}
+                               ${precompiled_${module}})
+
+    set(all_suites)
+    foreach(file IN LISTS files)
+        get_filename_component(name ${file} NAME_WE)
+        tessera_suites_of(${file} suites)
+        foreach(suite IN LISTS suites)
+            if(suite IN_LIST all_suites)
+                message(FATAL_ERROR "${file}: there is a suite ${suite} in another file of ${module}")
+            endif()
+        endforeach()
+        list(APPEND all_suites ${suites})
+        list(TRANSFORM suites APPEND ".*" OUTPUT_VARIABLE patterns)
+        list(JOIN patterns ":" filter)
+        add_test(NAME ${module}.${name} COMMAND ${program} --gtest_filter=${filter})
+        set_tests_properties(${module}.${name} PROPERTIES TIMEOUT 600 LABELS "${module}")
+        if(name IN_LIST ARG_SLOW) # which begin first
+            set_tests_properties(${module}.${name} PROPERTIES LABELS "${module};slow" COST 100)
+        endif()
+    endforeach()
+    foreach(name IN LISTS ARG_SLOW)
+        if(NOT TEST ${module}.${name} AND NOT name IN_LIST ARG_WITHOUT)
+            message(FATAL_ERROR "${module}: no ${name}.cpp, which is said to be slow")
+        endif()
+    endforeach()
+    add_test(NAME ${module}.all_suites_are_run
+             COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> "-DSUITES=${all_suites}"
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/check_suites.cmake)
+endfunction()
+
+# The gtest suites of a source file, from its text.
+function(tessera_suites_of file variable)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    file(STRINGS ${file} lines REGEX "^TEST(_F)?\\(")
+    list(TRANSFORM lines REPLACE "^TEST(_F)?\\(([A-Za-z0-9]+),.*" "\\2")
+    list(REMOVE_DUPLICATES lines)
+    if(NOT lines)
+        message(FATAL_ERROR "${file} has no tests")
+    endif()
+    set(${variable} ${lines} PARENT_SCOPE)
+endfunction()
