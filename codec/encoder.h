@@ -61,7 +61,8 @@ struct EncodeOptions {
     // them, no figure but bits_per_texel counts them, and NaN is no fault there.
     TexelSource* mask = nullptr;
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
-    Metadata metadata;                 // key/values; "Software" is filled in when absent
+    Metadata metadata;   // key/values; "Software" is filled in when absent, and keys
+                         // with "tessera:" in front are the encoder's: how it encoded
     Description description;           // proxy, maps, transfer, primaries
     ProgressFunction progress;
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
@@ -120,7 +121,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 // never the texture. With a journal the disk holds up to four times the compressed size (two passes,
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
-// and the message of an error says so. Two processes cannot write one output with a journal at once.
+// and the message of an error says so; with bad_argument it leaves none, as no resume could do better. Two processes cannot write one output with a journal at once.
 // The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
 // `description` only.
 // Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
@@ -142,5 +143,9 @@ encode_stream(TexelSource& source,
 
 // The folder of the journal for a file.
 std::string journal_path(const std::string& output);
+
+// Whether that folder holds finished tiles that JournalUse::resume would find, and no living process
+// works on it.
+bool holds_finished_tiles(const std::string& output);
 
 } // namespace tessera

@@ -13,6 +13,13 @@ namespace TESSERA_PUBLIC tessera {
 // UTF-8 keys (1..255 bytes, no NUL) to UTF-8 values (up to 1 MiB), sorted by key bytes.
 using Metadata = std::map<std::string, std::string>;
 
+// Keys that say how a file was encoded, FORMAT.md 5.5; the encoder writes all with this prefix.
+inline constexpr const char* made_prefix = "tessera:";
+inline constexpr const char* software_key = "Software";          // "Tessera 0.1.0"
+inline constexpr const char* made_rate_key = "tessera:rate";     // "psnr 40"
+inline constexpr const char* made_effort_key = "tessera:effort"; // "3"
+inline constexpr const char* made_tools_key = "tessera:tools";   // "-copies"; only where switched
+
 // Meaning of the coordinates and the samples. Numbers are those of FORMAT.md.
 enum class Proxy : std::uint8_t { none = 0, sphere = 1, mesh = 2 };
 enum class SurfaceMap : std::uint8_t { none = 0, sphere_longitude_latitude = 1, mesh_uv = 2 };

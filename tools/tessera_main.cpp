@@ -1,9 +1,11 @@
 // tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
 
 #include "format/version.h"
-#include "tools/verbs/command.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
+#include "tools/support/suggestions.h"
+#include "tools/support/usage_error.h"
+#include "tools/verbs/command.h"
 
 #include <csignal>
 #include <cstdio>
@@ -16,6 +18,29 @@ namespace {
 const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
                              "compare", "sheet",  "shaders", "render", "bench",
                              "rd",      "serve",  "help",    "version"};
+
+const char* const main_help =
+    "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
+    "leaves it in; for one direction all places together are a view. Boxes are half-open ranges,\n"
+    "0:64,0:64,:,: (':' is all of an axis).\n\n"
+    "Textures are told by their first bytes, raw ones by their names:\n"
+    "  x.tess      compressed; also a URL (http, https)\n"
+    "  x.exr       one OpenEXR picture, the angular images side by side\n"
+    "  views/      a folder with one PNG per view; a single PNG is one view\n"
+    "  x.rgb       raw samples in the order v, u, t, s, channels adjacent; they need --size. Also\n"
+    "              .rgba .gray .ya, with 16f appended for half floats, and .raw, which needs "
+    "--type\n"
+    "              and --channels\n"
+    "  -           standard input, of any kind that is one file, or standard output: .tess of\n"
+    "              encode and bake, raw samples of decode\n"
+    "Sizes in bytes take K, M, G and T, powers of 1024. Folders on the way to an output are "
+    "made.\n\n"
+    "Examples:\n"
+    "  tessera bake composed -o scene.tess --size 256x128x16x16\n"
+    "  tessera encode views/ -o scene.tess --target-psnr 40\n"
+    "  tessera info scene.tess\n"
+    "  tessera decode scene.tess -o views/\n"
+    "tessera VERB --help explains a verb.\n\n";
 
 std::string version_text() {
     return std::string("tessera ") + library_version + ", file format " +
@@ -38,14 +63,9 @@ int report(const std::string& verb, const Status& status) {
 }
 
 Status unknown_verb(const std::string& word) {
-    const char* nearest = verbs[0];
-    for (const char* verb : verbs)
-        if (edit_distance(word, verb) < edit_distance(word, nearest))
-            nearest = verb;
-    std::string text = "unknown verb '" + word + "'";
-    if (edit_distance(word, nearest) <= 3)
-        text += "; did you mean '" + std::string(nearest) + "'?";
-    return {ErrorCode::bad_argument, text + " (tessera help lists all)"};
+    return {ErrorCode::bad_argument, "unknown verb " + word +
+                                         did_you_mean(word, {std::begin(verbs), std::end(verbs)}) +
+                                         " (tessera help lists all)"};
 }
 
 void add_verbs(CLI::App& app, Invocation& chosen) {
@@ -92,9 +112,7 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", version_text());
     app.require_subcommand(1);
     app.get_formatter()->column_width(34);
-    app.footer("tessera VERB --help explains a verb.\n"
-               "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
-               "5 not supported, 7 difference found.");
+    app.footer(std::string(main_help) + exit_codes_help);
     Invocation chosen;
     add_verbs(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
@@ -103,23 +121,21 @@ int run(int argc, char** argv) {
     if (first.empty())
         return report("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
     const std::string verb = is_verb(first) ? first : "";
+    const CLI::App* app_of_verb = verb.empty() ? nullptr : app.get_subcommand(verb);
+    if (app_of_verb != nullptr)
+        if (const Status status = check_words(*app_of_verb, {argv + 2, argv + argc}); !status.ok())
+            return report(verb, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0)
             return app.exit(e); // --help, --version
-        std::string reason = e.what();
-        for (char& c : reason)
-            if (c == '\n')
-                c = ' ';
-        return report(verb,
-                      {ErrorCode::bad_argument,
-                       reason + " (see tessera " + (verb.empty() ? "" : verb + " ") + "--help)"});
+        return report(verb, usage_error(app, app_of_verb, e));
     }
     const int code = report(chosen.verb, chosen.run());
-    return std::fflush(stdout) == 0
-               ? code
-               : report(chosen.verb, {ErrorCode::io, "standard output: cannot be written"});
+    if (std::fflush(stdout) == 0 || code != 0)
+        return code;
+    return report(chosen.verb, {ErrorCode::io, "standard output: cannot be written"});
 }
 
 } // namespace

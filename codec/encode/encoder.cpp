@@ -66,8 +66,7 @@ ContainerContents contents_of(const FileParts& parts) {
     contents.desc = plan.colour.desc;
     contents.tile_extent = plan.grid.tile_extent();
     contents.description = plan.options.description;
-    contents.metadata = plan.options.metadata;
-    contents.metadata.try_emplace("Software", std::string("Tessera ") + library_version);
+    contents.metadata = recorded_metadata(plan);
     contents.colour = plan.colour.transform;
     contents.background = plan.colour.background;
     contents.required_features = (plan.colour.corrections ? feature_corrections : 0) |
@@ -198,7 +197,9 @@ Result<EncodeReport> encode_with_journal(TexelSource& source, const std::string&
             TESSERA_TRY(write_container(contents, sink).status());
             return file->commit();
         });
-    if (report)
+    // Options that cannot be met cannot be met by going on either.
+    const bool hopeless = report.status().code() == ErrorCode::bad_argument && (*journal)->begun();
+    if (report || hopeless)
         (*journal)->remove();
     else if ((*journal)->can_resume())
         return Status(report.status().code(), report.status().message() +

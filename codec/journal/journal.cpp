@@ -190,6 +190,16 @@ std::string journal_path(const std::string& output) {
     return output + ".journal";
 }
 
+bool holds_finished_tiles(const std::string& output) {
+    const std::string folder = journal_path(output);
+    const int lock = ::open((folder + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (lock < 0)
+        return false;
+    const bool free = ::flock(lock, LOCK_EX | LOCK_NB) == 0;
+    ::close(lock);
+    return free && Journal::holds_tiles(folder);
+}
+
 Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
     std::unique_ptr<Journal> journal(new Journal(journal_path(output)));
     TESSERA_TRY(journal->lock());
@@ -233,15 +243,15 @@ Status Journal::lock() {
 Journal::~Journal() {
     if (lock_ < 0)
         return;
-    if (!removed_ && !holds_tiles())
+    if (!removed_ && !holds_tiles(folder_))
         remove();
     ::close(lock_);
 }
 
-std::vector<std::string> Journal::our_files() const {
+std::vector<std::string> Journal::our_files(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator i(folder_, error), end; !error && i != end; i.increment(error))
+    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error))
         if (const std::string name = i->path().filename().string(); is_ours(name))
             names.push_back(name);
     return names;
@@ -249,7 +259,7 @@ std::vector<std::string> Journal::our_files() const {
 
 // The lock stays.
 void Journal::empty() {
-    for (const std::string& name : our_files())
+    for (const std::string& name : our_files(folder_))
         if (name != "lock")
             ::unlink(file(name).c_str());
 }
@@ -315,10 +325,10 @@ void Journal::drop(unsigned number) {
     ::unlink(file("pass-", number).c_str());
 }
 
-bool Journal::holds_tiles() const {
-    for (const std::string& name : our_files())
+bool Journal::holds_tiles(const std::string& folder) {
+    for (const std::string& name : our_files(folder))
         if (name.rfind("done-", 0) == 0 ||
-            (name.rfind("pass-", 0) == 0 && JournalTiles::holds_any(file(name))))
+            (name.rfind("pass-", 0) == 0 && JournalTiles::holds_any(folder + "/" + name)))
             return true;
     return false;
 }

@@ -71,9 +71,14 @@ public:
     std::string output_path() const { return file("output"); }
     const std::string& folder() const { return folder_; }
     // Whether a resume under the same facts would find tiles.
-    bool can_resume() const { return begun_ && holds_tiles(); }
-    // After success: removes the folder.
+    bool can_resume() const { return begun_ && holds_tiles(folder_); }
+    // Whether begin() has made the journal this run's.
+    bool begun() const { return begun_; }
+    // After success, or where no resume can succeed: removes the folder.
     void remove();
+
+    // Whether there are tiles, or what is known of finished passes, in such a folder.
+    static bool holds_tiles(const std::string& folder);
 
 private:
     explicit Journal(std::string folder) : folder_(std::move(folder)) {}
@@ -82,8 +87,7 @@ private:
     std::string file(const char* kind, unsigned number) const {
         return file(kind + std::to_string(number));
     }
-    std::vector<std::string> our_files() const;
-    bool holds_tiles() const;
+    static std::vector<std::string> our_files(const std::string& folder);
     void empty();
 
     std::string folder_;

@@ -57,6 +57,20 @@ std::string tools_text(const ToolSwitches& tools) {
     return text;
 }
 
+// How the rate was asked for, such as "psnr 40"; shortest digits that give the same number again.
+std::string rate_text(const RateTarget& rate) {
+    using Kind = RateTarget::Kind;
+    const char* kind = rate.kind == Kind::quality ? "quality"
+                       : rate.kind == Kind::psnr  ? "psnr"
+                       : rate.kind == Kind::bpt   ? "bpt"
+                       : rate.kind == Kind::bytes ? "bytes"
+                                                  : "max-error";
+    char text[400]; // of any double without an exponent
+    const auto end =
+        std::to_chars(text, text + sizeof text, rate.value, std::chars_format::fixed).ptr;
+    return std::string(kind) + " " + std::string(text, end);
+}
+
 std::string description_text(const Description& d) {
     std::string text = std::string(name_of(d.proxy)) + " " + name_of(d.surface_map) + " " +
                        name_of(d.angular_map) + " " + name_of(d.transfer) + " " +
@@ -101,6 +115,18 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
         crc = crc32c(tile.matters, crc32c(tile.texels, crc));
     facts.emplace_back("checksum of sampled texels", checksum({}, crc));
     return facts;
+}
+
+Metadata recorded_metadata(const EncodePlan& plan) {
+    const EncodeOptions& options = plan.options;
+    Metadata metadata = options.metadata;
+    metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
+    std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
+    metadata[made_rate_key] = rate_text(options.rate);
+    metadata[made_effort_key] = std::to_string(options.effort);
+    if (std::string tools = tools_text(plan.tools); !tools.empty())
+        metadata[made_tools_key] = std::move(tools);
+    return metadata;
 }
 
 } // namespace tessera

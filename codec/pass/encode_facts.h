@@ -15,4 +15,9 @@ JournalFacts facts_of(const EncodePlan& plan);
 // those of the sample: reading all of them again would cost what a resume is to save.
 JournalFacts facts_of(const EncodePlan& plan, const Sample& sample);
 
+// What a file says of itself: options.metadata with "Software" where that is absent, and how it was
+// encoded under the keys of FORMAT.md 5.5, in place of what an input said there of its own making.
+// The same for the same options: no time, path or number of threads.
+Metadata recorded_metadata(const EncodePlan& plan);
+
 } // namespace tessera

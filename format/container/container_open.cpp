@@ -125,9 +125,7 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     if (header_.file_size < size || (header_.file_size > size && !options.allow_partial))
         return invalid("the file has " + std::to_string(size) + " bytes, its header says " +
                        std::to_string(header_.file_size) +
-                       (size < header_.file_size
-                            ? "; it was cut off (allow-partial reads the part that is there)"
-                            : ""));
+                       (size < header_.file_size ? "; it was cut off" : ""));
     return {};
 }
 

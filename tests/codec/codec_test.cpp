@@ -561,9 +561,41 @@ TEST(Metadata, AndDescriptionSurvive) {
     ASSERT_TRUE(decoder);
     EXPECT_EQ(decoder->container().description(), d);
     Metadata want = options.metadata;
-    want["Software"] = decoder->container().metadata().at("Software");
+    want["Software"] = std::string("Tessera ") + library_version;
+    want["tessera:rate"] = "quality 75";
+    want["tessera:effort"] = std::to_string(options.effort);
     EXPECT_EQ(decoder->container().metadata(), want);
     EXPECT_TRUE(decoder->container().validate().empty());
+}
+
+TEST(Metadata, SaysHowTheFileWasMadeAndNothingThatVaries) {
+    using Kind = RateTarget::Kind;
+    MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
+    EncodeOptions options;
+    options.effort = 1;
+    // As a file says that is encoded again: its making is not this one's.
+    options.metadata = {{"Software", "other"}, {"tessera:tools", "-half"}, {"tessera:x", "y"}};
+    const auto recorded = [&](RateTarget rate, unsigned threads) {
+        options.rate = rate;
+        options.threads = threads;
+        const Encoded encoded = encode(texture, options);
+        const auto source = wrap_memory(encoded.file);
+        const Result<Decoder> decoder = Decoder::open(*source);
+        return decoder ? decoder->container().metadata() : Metadata();
+    };
+    for (const auto& [rate, text] :
+         {std::pair(RateTarget{Kind::psnr, 40}, "psnr 40"),
+          std::pair(RateTarget{Kind::bpt, 12.25}, "bpt 12.25"),
+          std::pair(RateTarget{Kind::bytes, 100000}, "bytes 100000"),
+          std::pair(RateTarget{Kind::max_error, 2}, "max-error 2"),
+          std::pair(RateTarget{Kind::quality, 0.1 + 50}, "quality 50.1")})
+        EXPECT_EQ(
+            recorded(rate, 1),
+            (Metadata{{"Software", "other"}, {"tessera:rate", text}, {"tessera:effort", "1"}}));
+    options.tools.set(CodingTool::copies, false);
+    const Metadata switched = recorded({Kind::quality, 50}, 1);
+    EXPECT_EQ(switched.at("tessera:tools"), "-copies");
+    EXPECT_EQ(recorded({Kind::quality, 50}, 2), switched);
 }
 
 // ---------------------------------------------------------------- access

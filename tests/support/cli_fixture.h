@@ -36,11 +36,13 @@ protected:
 
     fs::path at(const std::string& name) const { return folder_ / name; }
 
-    // Runs `tessera <arguments>` through the shell, after `before` (such as "ulimit -f 8;").
-    Outcome run(const std::string& arguments, const std::string& before = "") const {
+    // Runs `tessera <arguments>` through the shell, after `before` (such as "ulimit -f 8;" or "cat a |");
+    // `input` is redirected to it.
+    Outcome run(const std::string& arguments, const std::string& before = "",
+                const std::string& input = "</dev/null") const {
         const std::string command =
             "cd '" + folder_.string() + "' && " + before + " '" + TESSERA_TOOL + "' " + arguments +
-            " >'" + (base_ / "out").string() + "' 2>'" + (base_ / "err").string() + "' </dev/null";
+            " >'" + (base_ / "out").string() + "' 2>'" + (base_ / "err").string() + "' " + input;
         const int status = std::system(command.c_str());
         Outcome outcome;
         outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

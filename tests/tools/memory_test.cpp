@@ -5,6 +5,7 @@
 #include "corpus/bake.h"
 #include "tests/support/test_folder.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/option_checks.h"
 #include "tools/texture_io/texture_io.h"
 
 #include <fstream>
@@ -125,13 +126,13 @@ TEST(MemoryBudget, ReadsSizes) {
                                                           {"2kb", 2048},
                                                           {"1Gib", 1ull << 30}};
     for (const auto& [text, bytes] : good) {
-        const auto parsed = parse_memory(text);
+        const auto parsed = parse_size(text);
         ASSERT_TRUE(parsed) << text;
         EXPECT_EQ(*parsed, bytes) << text;
     }
     for (const char* text : {"", "M", "1.5G", "-1", "1X", "1GG", " 1G", "1 G",
                              "18446744073709551616", "9999999999T", "8388608T"})
-        EXPECT_EQ(parse_memory(text).status().code(), ErrorCode::bad_argument) << text;
+        EXPECT_EQ(parse_size(text).status().code(), ErrorCode::bad_argument) << text;
 }
 
 TEST(ChooseNumbers, IsARandomSetThatASeedFixes) {

@@ -176,7 +176,7 @@ private:
         reference_name_ = "the texels decoded by the CPU";
         if (options_.original.empty())
             return interruptible(decoded_source(decoder_));
-        const TextureKind kind = kind_of(options_.original);
+        const TextureKind kind = kind_of_input(options_.original);
         if (kind != TextureKind::raw && kind != TextureKind::tess)
             return Status(ErrorCode::bad_argument,
                           options_.original + ": --original takes a raw file or a .tess");
@@ -469,9 +469,7 @@ private:
 } // namespace
 
 Result<BenchReport> bench_gpu(const std::string& file, const GpuBenchOptions& options) {
-    if (kind_of(file) != TextureKind::tess)
-        return Status(ErrorCode::bad_argument, file + ": bench measures .tess files");
-    const auto bytes = open_bytes(file);
+    const auto bytes = open_tess_bytes(file, "bench");
     if (!bytes.ok())
         return bytes.status();
     const auto decoder = Decoder::open(**bytes);

@@ -1,6 +1,7 @@
 #include "tools/http/open_bytes.h"
 
 #include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
 #ifdef TESSERA_HTTP
 #include "tools/http/http_source.h"
 #endif
@@ -11,19 +12,6 @@
 
 namespace tessera {
 namespace {
-
-// In lower case; "" for a path.
-std::string scheme_of(const std::string& name) {
-    std::string scheme = name.substr(0, std::min(name.find("://"), name.size()));
-    if (scheme.size() == name.size() || scheme.empty())
-        return "";
-    for (char& c : scheme) {
-        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '+' && c != '-' && c != '.')
-            return "";
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
-    return scheme;
-}
 
 Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 #ifdef TESSERA_HTTP
@@ -41,16 +29,10 @@ Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 
 } // namespace
 
-bool is_url(const std::string& name) {
-    return !scheme_of(name).empty();
-}
-
-std::string without_query(const std::string& name) {
-    return is_url(name) ? name.substr(0, name.find_first_of("?#")) : name;
-}
-
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
     const std::string scheme = scheme_of(name);
+    if (name == standard_stream)
+        return open_standard_input();
     if (scheme.empty())
         return open_file(name);
     if (scheme == "http" || scheme == "https")

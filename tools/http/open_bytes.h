@@ -1,21 +1,16 @@
-// A .tess file by name: a path, or the URL of one on a web server.
+// A .tess file by name: a path, "-" for standard input, or the URL of one on a web server.
 #pragma once
 
 #include "format/byte_source.h"
 #include "tools/support/traffic.h"
+#include "tools/support/url.h"
 
 #include <memory>
 #include <string>
 
 namespace tessera {
 
-// Whether the name begins with a scheme and "://". Such a name is never a path.
-bool is_url(const std::string& name);
-
-// The name without a URL's ?query and #fragment: what its ending says counts.
-std::string without_query(const std::string& name);
-
-// Opens a path (open_file()) or an http:// or https:// URL (HttpSource). Errors: those of the two;
+// Opens a path (open_file()), "-" (open_standard_input()) or an http:// or https:// URL (HttpSource). Errors: those of the two;
 // bad_argument (another scheme); unsupported (a URL, and TESSERA_HTTP is off in this build).
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name);
 

@@ -2,6 +2,7 @@
 
 #include "format/output_file.h"
 #include "tools/picture/png_file.h"
+#include "tools/support/output_folders.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +34,7 @@ Status write_png(const std::string& path, const Picture& picture) {
     const auto png = encode_png({picture.width, picture.height, 3}, picture.rgb);
     if (!png.ok())
         return png.status().with_context(path);
+    TESSERA_TRY(make_parent_folders(path));
     auto file = OutputFile::create(path);
     if (!file.ok())
         return file.status();

@@ -1,6 +1,5 @@
 #include "tools/picture/png_file.h"
 
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -10,16 +9,9 @@
 namespace tessera {
 namespace {
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
 constexpr std::uint64_t max_interlaced_bytes = 1ull << 30; // an interlaced picture is held whole
 
-Result<File> open_for_reading(const std::string& path) {
-    File file(std::fopen(path.c_str(), "rbe"), &std::fclose);
-    if (!file)
-        return Status(ErrorCode::io, path + ": " + std::strerror(errno));
-    return file;
-}
+constexpr std::size_t head_bytes = 29; // signature and IHDR
 
 std::uint32_t big_endian(const unsigned char* b) {
     return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
@@ -40,15 +32,43 @@ struct Failure {
 void on_warning(png_structp, png_const_charp) {}
 
 struct Reader {
+    explicit Reader(ByteSource& file) : file_(file) {}
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+    ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+
+    bool read(std::span<std::byte> out) {
+        if (out.size() > file_.size() - position_)
+            return false;
+        status = file_.read(position_, out);
+        position_ += out.size();
+        return status.ok();
+    }
+    // Why libpng gave up: the medium, or the picture.
+    Status error(const std::string& text) const {
+        return status.ok() ? Status(ErrorCode::invalid_file, file_.name() + ": damaged PNG" + text)
+                           : status;
+    }
+
     png_structp png = nullptr;
     png_infop info = nullptr;
-    ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+    Status status; // of the last read
+
+private:
+    ByteSource& file_;
+    std::uint64_t position_ = 0;
 };
 
-bool start_reading(Reader& r, std::FILE* file, PngShape& found, bool& plain, int& passes) {
+void read_bytes(png_structp png, png_bytep data, std::size_t size) {
+    auto* reader = static_cast<Reader*>(png_get_io_ptr(png));
+    if (!reader->read({reinterpret_cast<std::byte*>(data), size}))
+        png_error(png, "it ends too early");
+}
+
+bool start_reading(Reader& r, PngShape& found, bool& plain, int& passes) {
     if (setjmp(png_jmpbuf(r.png)))
         return false;
-    png_init_io(r.png, file);
+    png_set_read_fn(r.png, &r, read_bytes);
     png_set_user_limits(r.png, 1u << 20, 1u << 20);
     png_set_chunk_malloc_max(r.png, 1u << 20);
     png_read_info(r.png, r.info);
@@ -121,7 +141,7 @@ Status read_interlaced(Reader& r, const PngShape& shape, std::uint32_t rows,
     for (std::uint32_t y = 0; y < shape.height; ++y)
         pointers[y] = reinterpret_cast<png_bytep>(pixels.data() + y * shape.row_bytes());
     if (!read_whole(r, pointers.data()))
-        return {ErrorCode::invalid_file, path + ": damaged PNG: " + failure.text};
+        return r.error(std::string(": ") + failure.text);
     for (std::uint32_t y = 0; y < rows; ++y)
         row(y, {pixels.data() + y * shape.row_bytes(), shape.row_bytes()});
     return {};
@@ -129,15 +149,12 @@ Status read_interlaced(Reader& r, const PngShape& shape, std::uint32_t rows,
 
 } // namespace
 
-Result<PngShape> read_png_shape(const std::string& path) {
-    auto file = open_for_reading(path);
-    if (!file.ok())
-        return file.status();
-    unsigned char head[29] = {};
-    const std::size_t got = std::fread(head, 1, sizeof head, file->get());
-    if (std::ferror(file->get()))
-        return Status(ErrorCode::io, path + ": " + std::strerror(errno));
-    if (got < sizeof head || png_sig_cmp(head, 0, 8) != 0 || std::memcmp(head + 12, "IHDR", 4) != 0)
+Result<PngShape> read_png_shape(ByteSource& file) {
+    const std::string path = file.name();
+    unsigned char head[head_bytes] = {};
+    if (file.size() >= head_bytes)
+        TESSERA_TRY(file.read(0, std::as_writable_bytes(std::span(head))));
+    if (png_sig_cmp(head, 0, 8) != 0 || std::memcmp(head + 12, "IHDR", 4) != 0)
         return Status(ErrorCode::invalid_file, path + ": not a PNG picture");
     static const std::uint8_t channels[] = {1, 0, 3, 0, 2, 0, 4};
     const unsigned depth = head[24], colour = head[25];
@@ -154,13 +171,11 @@ Result<PngShape> read_png_shape(const std::string& path) {
     return shape;
 }
 
-Status read_png(const std::string& path, const PngShape& shape, std::uint32_t rows,
+Status read_png(ByteSource& file, const PngShape& shape, std::uint32_t rows,
                 const std::function<void(std::uint32_t, std::span<const std::byte>)>& row) {
-    auto file = open_for_reading(path);
-    if (!file.ok())
-        return file.status();
+    const std::string path = file.name();
     Failure failure;
-    Reader r;
+    Reader r(file);
     r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
     r.info = r.png ? png_create_info_struct(r.png) : nullptr;
     if (!r.info)
@@ -168,8 +183,8 @@ Status read_png(const std::string& path, const PngShape& shape, std::uint32_t ro
     PngShape found;
     bool plain = false;
     int passes = 1;
-    if (!start_reading(r, file->get(), found, plain, passes))
-        return {ErrorCode::invalid_file, path + ": damaged PNG: " + failure.text};
+    if (!start_reading(r, found, plain, passes))
+        return r.error(std::string(": ") + failure.text);
     if (found != shape || !plain)
         return {ErrorCode::invalid_file, path + ": changed while it was read"};
     if (passes > 1)
@@ -177,11 +192,21 @@ Status read_png(const std::string& path, const PngShape& shape, std::uint32_t ro
     std::vector<std::byte> bytes(shape.row_bytes());
     for (std::uint32_t y = 0; y < rows; ++y) {
         if (!read_row(r, bytes.data()))
-            return {ErrorCode::invalid_file,
-                    path + ": damaged PNG in row " + std::to_string(y) + ": " + failure.text};
+            return r.error(" in row " + std::to_string(y) + ": " + failure.text);
         row(y, bytes);
     }
     return {};
+}
+
+Result<PngShape> read_png_shape(const std::string& path) {
+    const auto file = open_file(path);
+    return file.ok() ? read_png_shape(**file) : Result<PngShape>(file.status());
+}
+
+Status read_png(const std::string& path, const PngShape& shape, std::uint32_t rows,
+                const std::function<void(std::uint32_t, std::span<const std::byte>)>& row) {
+    const auto file = open_file(path);
+    return file.ok() ? read_png(**file, shape, rows, row) : file.status();
 }
 
 Result<std::vector<std::byte>> encode_png(const PngShape& shape,

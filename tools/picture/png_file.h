@@ -2,6 +2,7 @@
 // gamma, no palette, no 16 bits.
 #pragma once
 
+#include "format/byte_source.h"
 #include "format/status.h"
 
 #include <cstddef>
@@ -21,9 +22,12 @@ struct PngShape {
 };
 
 // Reads the first 29 bytes. Errors: io, invalid_file, unsupported (palette, other bit depths).
+Result<PngShape> read_png_shape(ByteSource& file);
 Result<PngShape> read_png_shape(const std::string& path);
 
 // Calls row(y, bytes) for the first `rows` rows from the top. The picture must have this shape.
+Status read_png(ByteSource& file, const PngShape& shape, std::uint32_t rows,
+                const std::function<void(std::uint32_t, std::span<const std::byte>)>& row);
 Status read_png(const std::string& path, const PngShape& shape, std::uint32_t rows,
                 const std::function<void(std::uint32_t, std::span<const std::byte>)>& row);
 

@@ -3,13 +3,18 @@
 #include "tools/support/description_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/option_checks.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
 
-#include <algorithm>
-#include <cstdio>
+#include <cmath>
+#include <utility>
 
 namespace tessera {
 namespace {
+
+constexpr std::uint64_t most_target_bytes = std::uint64_t{1} << 50;
 
 RateTarget make_rate(const EncodeArguments& a) {
     using Kind = RateTarget::Kind;
@@ -24,22 +29,53 @@ RateTarget make_rate(const EncodeArguments& a) {
     return {Kind::quality, a.quality.value_or(75)};
 }
 
+// The options of the rates that were asked for.
+std::vector<std::string> given_rates(const EncodeArguments& a) {
+    std::vector<std::string> given;
+    for (const auto& [option, is_given] : {std::pair("--quality", a.quality.has_value()),
+                                           std::pair("--target-psnr", a.target_psnr.has_value()),
+                                           std::pair("--target-bpt", a.target_bpt.has_value()),
+                                           std::pair("--target-bytes", a.target_bytes.has_value()),
+                                           std::pair("--max-error", a.max_error.has_value())})
+        if (is_given)
+            given.emplace_back(option);
+    return given;
+}
+
+std::string rate_option(const EncodeArguments& a) {
+    const auto given = given_rates(a);
+    return given.empty() ? "--quality" : given.front();
+}
+
+// Two rates would contradict each other.
+Status check_rates(const EncodeArguments& a) {
+    const auto given = given_rates(a);
+    if (given.size() < 2)
+        return {};
+    return {ErrorCode::bad_argument,
+            given[0] + " and " + given[1] + ": only one of the rates can be asked for"};
+}
+
 } // namespace
 
 void add_encode_options(CLI::App& app, EncodeArguments& a) {
     auto* rate = app.add_option_group("Rate", "How many bits, or how much error; at most one");
-    rate->add_option("--quality", a.quality, "1..100, 100 is the finest (default 75)")
-        ->check(CLI::Range(1.0, 100.0));
-    rate->add_option("--target-psnr", a.target_psnr, "PSNR in dB over all samples")
-        ->check(CLI::Range(1.0, 200.0));
-    rate->add_option("--target-bpt", a.target_bpt, "Bits per texel, never exceeded")
-        ->check(CLI::PositiveNumber);
-    rate->add_option("--target-bytes", a.target_bytes, "Bytes of the file, never exceeded")
-        ->check(CLI::PositiveNumber);
+    rate->add_option("--quality", a.quality,
+                     "1..100, 100 is the finest, 8 less doubles the quantiser's steps (default 75)")
+        ->check(number_between(1, 100));
+    rate->add_option("--target-psnr", a.target_psnr,
+                     "PSNR in dB over all samples, reached from above")
+        ->check(number_between(1, 120));
+    rate->add_option("--target-bpt", a.target_bpt,
+                     "Bits per texel, all channels together, never exceeded")
+        ->check(number_between(1e-6, 1000));
+    rate->add_option("--target-bytes", a.target_bytes,
+                     "Size of the file, such as 20000, 20k or 3M (k = 1024 bytes), never exceeded")
+        ->transform(size_between(1, most_target_bytes))
+        ->type_name("SIZE");
     rate->add_option("--max-error", a.max_error,
                      "No sample off by more: 8-bit steps, or ulps of half; 0 is lossless")
-        ->check(CLI::Range(0.0, 65535.0));
-    rate->require_option(0, 1);
+        ->check(number_between(0, 65535));
     app.add_option("--effort", a.effort, "0 (fastest) to 9 (smallest)")
         ->check(CLI::Range(0, 9))
         ->capture_default_str();
@@ -55,6 +91,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
                  "Go on with what an interrupted run left in OUTPUT.journal; same options needed, "
                  "same bytes come out");
     add_memory_option(app, a.memory);
+    app.add_flag("--json", a.json, "Print what was achieved as JSON");
     app.add_option("--meta", a.metadata, "key=value to store; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
@@ -69,6 +106,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
 Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned threads,
                                           Metadata metadata, Description description) {
     EncodeOptions options;
+    TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
     options.effort = a.effort;
     TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
@@ -93,6 +131,10 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
         const std::size_t equals = entry.find('=');
         if (equals == std::string::npos || equals == 0)
             return Status(ErrorCode::bad_argument, "--meta: '" + entry + "' is not key=value");
+        if (entry.starts_with(made_prefix))
+            return Status(ErrorCode::bad_argument,
+                          "--meta: '" + entry.substr(0, equals) + "': keys that begin with '" +
+                              made_prefix + "' say how the file was encoded and are not yours");
         metadata[entry.substr(0, equals)] = entry.substr(equals + 1);
     }
     for (const auto& [field, text] : a.description)
@@ -102,48 +144,47 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     return options;
 }
 
+Status check_tess_output(const EncodeArguments& a, const std::string& output) {
+    if (output != standard_stream)
+        return check_output_path(output);
+    if (a.resume)
+        return {ErrorCode::bad_argument, "--resume: what goes to standard output has no journal"};
+    TESSERA_TRY(check_json_output(a.json, output));
+    return check_standard_output();
+}
+
+Status check_for(const EncodeArguments& a, const EncodeOptions& options, const TextureDesc& desc) {
+    const auto alpha = a.description.find("alpha");
+    if (alpha != a.description.end() && options.description.alpha != AlphaMode::none &&
+        desc.channels % 2 != 0)
+        return {ErrorCode::bad_argument, "--alpha " + alpha->second +
+                                             ": belongs to 2 or 4 channels; the texture has " +
+                                             std::to_string(desc.channels)};
+    const double largest = desc.type == SampleType::unorm8 ? 255 : 65535;
+    if (a.max_error && (*a.max_error > largest || *a.max_error != std::floor(*a.max_error)))
+        return {ErrorCode::bad_argument, "--max-error: must be a whole number from 0 to " +
+                                             format_number(largest, 0) + " for " +
+                                             name_of(desc.type) + " samples"};
+    // One option after the other, so that an error names its own.
+    EncodeOptions checked = options;
+    checked.rate = {};
+    checked.tile_extent = tile_by_trial;
+    TESSERA_TRY(check_options(desc, checked));
+    checked.tile_extent = options.tile_extent;
+    TESSERA_TRY(check_options(desc, checked).with_context("--tile"));
+    return check_options(desc, options).with_context(rate_option(a));
+}
+
 bool says_how_to_encode(const EncodeArguments& a) {
     return a.quality || a.target_psnr || a.target_bpt || a.target_bytes || a.max_error ||
            a.resume || a.layers || !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
 }
 
 Status with_resume_hint(const Status& status, const std::string& output) {
-    const bool kept = status.message().find("kept in " + journal_path(output)) != std::string::npos;
-    return kept ? Status(status.code(),
-                         status.message() + "; the same command with --resume goes on")
-                : status;
-}
-
-void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& r) {
-    const double ratio = static_cast<double>(r.raw_bytes) /
-                         static_cast<double>(std::max<std::uint64_t>(1, r.file_bytes));
-    const double speed = static_cast<double>(r.raw_bytes) / 1e6 / std::max(r.seconds, 1e-9);
-    std::printf("%s: %s, %d x %s\n", path.c_str(), to_string(desc.size).c_str(), desc.channels,
-                name_of(desc.type));
-    std::printf("  size   %llu bytes (%s of %s), ratio %.1f, %.4f bits per texel\n",
-                static_cast<unsigned long long>(r.file_bytes), human_bytes(r.file_bytes).c_str(),
-                human_bytes(r.raw_bytes).c_str(), ratio, r.bits_per_texel);
-    if (r.texels_that_matter)
-        std::printf("  mask   %.2f %% of the texels matter; PSNR and error are theirs\n",
-                    100.0 * static_cast<double>(*r.texels_that_matter) /
-                        static_cast<double>(texel_count(desc.size)));
-    const std::string psnr = r.psnr >= 999 ? "lossless" : format_number(r.psnr, 2) + " dB";
-    std::printf("  PSNR   %s%s, largest error %.0f\n", psnr.c_str(),
-                desc.type == SampleType::half16 && r.psnr < 999 ? " (over 16-bit codes)" : "",
-                r.max_error);
-    std::printf("  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
-                r.passes == 1 ? "" : "es");
-    for (const CodedLevel& level : r.coarse_levels)
-        std::printf("  level  %s in %llu bytes (%.2f %%), steps x%u\n",
-                    to_string(level.size).c_str(), static_cast<unsigned long long>(level.bytes),
-                    100.0 * static_cast<double>(level.bytes) / static_cast<double>(r.file_bytes),
-                    1u << level.step_shift);
-    if (r.nan_count + r.infinity_count > 0)
-        std::printf("  note   %llu NaN replaced by 0, %llu infinities by +-65504\n",
-                    static_cast<unsigned long long>(r.nan_count),
-                    static_cast<unsigned long long>(r.infinity_count));
-    if (!r.note.empty())
-        std::printf("  note   %s\n", r.note.c_str());
+    // What is wrong with the command stays wrong.
+    if (status.code() == ErrorCode::bad_argument || !holds_finished_tiles(output))
+        return status;
+    return {status.code(), status.message() + "; the same command with --resume goes on"};
 }
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// The options of the encoder, shared by encode and bake, and the summary of what was achieved.
+// The options of the encoder, shared by encode and bake.
 #pragma once
 
 #include "codec/encoder.h"
@@ -15,7 +15,7 @@ struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
     int effort = 5;
-    bool no_verify = false, layers = false, strict = false, resume = false;
+    bool no_verify = false, layers = false, strict = false, resume = false, json = false;
     std::string tile, tools, memory;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
@@ -27,12 +27,18 @@ void add_encode_options(CLI::App& app, EncodeArguments& arguments);
 Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsigned threads,
                                           Metadata metadata, Description description);
 
+// Whether a .tess may be written there, and JSON beside it: before anything is read. Errors:
+// bad_argument, io.
+Status check_tess_output(const EncodeArguments& arguments, const std::string& output);
+
+// Whether `options` suit the texture, in the words of the command line; before a texel is read.
+Status check_for(const EncodeArguments& arguments, const EncodeOptions& options,
+                 const TextureDesc& desc);
+
 // Whether an option was given that only a compressed file understands.
 bool says_how_to_encode(const EncodeArguments& arguments);
 
-// An error of encode_file that left a journal, with how to go on.
+// An error of encode_file, with how to go on where its journal holds finished tiles.
 Status with_resume_hint(const Status& status, const std::string& output);
-
-void print_report(const std::string& path, const TextureDesc& desc, const EncodeReport& report);
 
 } // namespace tessera

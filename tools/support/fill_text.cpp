@@ -48,6 +48,13 @@ std::string fill_text(const Decoder& decoder, const std::string& indent) {
     return text;
 }
 
+Status with_partial_hint(const Status& status, ByteSource& file, const DecodeOptions& options) {
+    if (status.code() != ErrorCode::invalid_file || options.allow_partial ||
+        ContainerReader::open(file).ok() || !ContainerReader::open(file, OpenOptions{true}).ok())
+        return status;
+    return {status.code(), status.message() + "; --allow-partial reads the part that is there"};
+}
+
 Json fill_json(const Decoder& decoder) {
     const ContainerReader& container = decoder.container();
     const FillReport report = decoder.fill_report();

@@ -3,6 +3,7 @@
 #include "format/work.h"
 #include "tools/support/parse.h"
 
+#include "tools/support/option_checks.h"
 #include <algorithm>
 #include <cctype>
 
@@ -18,30 +19,6 @@ constexpr double slab_share = 0.75;
 
 } // namespace
 
-Result<std::uint64_t> parse_memory(const std::string& text) {
-    const Status malformed(ErrorCode::bad_argument,
-                           "'" + text.substr(0, 100) + "' is not a size such as 512M or 2GiB");
-    std::size_t digits = 0;
-    while (digits < text.size() && std::isdigit(static_cast<unsigned char>(text[digits])))
-        ++digits;
-    std::uint64_t value = 0;
-    if (!parse_number(std::string_view(text).substr(0, digits), value))
-        return malformed;
-    std::string unit = text.substr(digits);
-    for (char& c : unit)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (unit.empty() || unit == "b")
-        return value;
-    const std::size_t power = std::string_view("kmgt").find(unit[0]);
-    const std::string rest = unit.substr(1);
-    if (power == std::string_view::npos || (rest != "" && rest != "b" && rest != "ib"))
-        return malformed;
-    const unsigned shift = 10 * (static_cast<unsigned>(power) + 1);
-    if (value >> (63 - shift) != 0)
-        return malformed;
-    return value << shift;
-}
-
 void add_memory_option(CLI::App& app, std::string& text) {
     text = usual_memory;
     app.add_option("--memory", text,
@@ -51,7 +28,7 @@ void add_memory_option(CLI::App& app, std::string& text) {
 }
 
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
-    const auto memory = parse_memory(text);
+    const auto memory = parse_size(text);
     if (!memory.ok())
         return memory.status().with_context("--memory");
     const std::uint64_t needed = fixed_bytes + thread_count(threads) * thread_bytes;

@@ -12,10 +12,6 @@ namespace tessera {
 
 inline constexpr const char* usual_memory = "1GiB";
 
-// "512M", "2G", "1GiB", "300000k" or plain bytes; K, M, G and T are powers of 1024. Errors:
-// bad_argument.
-Result<std::uint64_t> parse_memory(const std::string& text);
-
 void add_memory_option(CLI::App& app, std::string& text);
 
 // Bytes of texels that a slab may hold when a process with that many threads (0: all cores) is to

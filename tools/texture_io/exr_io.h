@@ -8,6 +8,7 @@
 // stored bit for bit, NaN and infinities too. Channels are R,G,B[,A] or Y[,A].
 #pragma once
 
+#include "format/byte_source.h"
 #include "format/metadata.h"
 #include "format/texture.h"
 #include "tools/support/texture_hints.h"
@@ -21,8 +22,8 @@ namespace tessera {
 // hints.size is needed where the attribute is absent and must agree with the picture.
 // `description` receives the fields found. Errors: io, invalid_file, unsupported (deep, several
 // parts, subsampled channels), bad_argument (no size known).
-Result<std::unique_ptr<TexelSource>> open_exr(const std::string& path, const TextureHints& hints,
-                                              Description& description);
+Result<std::unique_ptr<TexelSource>> open_exr(std::unique_ptr<ByteSource> file,
+                                              const TextureHints& hints, Description& description);
 
 // A scanline picture with ZIP compression, written slab by slab as v ascends. Errors: io,
 // unsupported (wider or higher than OpenEXR can count).

@@ -78,8 +78,8 @@ Status check_kind(const Imf::MultiPartInputFile& file) {
 
 class ExrSource : public TexelSource {
 public:
-    ExrSource(std::unique_ptr<ByteSource> bytes, std::string path)
-        : bytes_(std::move(bytes)), path_(std::move(path)), stream_(*bytes_) {}
+    explicit ExrSource(std::unique_ptr<ByteSource> bytes)
+        : bytes_(std::move(bytes)), path_(bytes_->name()), stream_(*bytes_) {}
 
     Status open(const TextureHints& hints, Description& description) {
         return guard_exr(path_, [&] { return open_unguarded(hints, description); });
@@ -219,12 +219,9 @@ private:
 
 } // namespace
 
-Result<std::unique_ptr<TexelSource>> open_exr(const std::string& path, const TextureHints& hints,
-                                              Description& description) {
-    auto bytes = open_file(path);
-    if (!bytes.ok())
-        return bytes.status();
-    auto source = std::make_unique<ExrSource>(std::move(*bytes), path);
+Result<std::unique_ptr<TexelSource>> open_exr(std::unique_ptr<ByteSource> file,
+                                              const TextureHints& hints, Description& description) {
+    auto source = std::make_unique<ExrSource>(std::move(file));
     TESSERA_TRY(source->open(hints, description));
     return std::unique_ptr<TexelSource>(std::move(source));
 }

@@ -1,11 +1,12 @@
 #include "tools/texture_io/mask_io.h"
 
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "format/samples.h"
+#include "format/texture.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
 
 #include <utility>
@@ -79,7 +80,8 @@ Result<TextureHints> mask_hints(const MaskArguments& arguments, const Extent4& t
             return size.status().with_context("--mask-size");
         hints.size = *size;
     }
-    if (arguments.path.ends_with(".raw")) { // other names say what they hold
+    if (arguments.path.ends_with(".raw") ||
+        arguments.path == standard_stream) { // other names say what they hold
         hints.type = SampleType::unorm8;
         hints.channels = std::uint8_t{1};
     }

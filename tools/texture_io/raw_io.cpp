@@ -1,8 +1,8 @@
 #include "tools/texture_io/raw_io.h"
 
-#include "format/byte_source.h"
 #include "format/output_file.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/support/standard_streams.h"
 
 #include <cstring>
 
@@ -131,22 +131,64 @@ private:
     bool gathering_ = false;
 };
 
+// Nothing can be written twice there, so whole rows come one after the other.
+class RawStreamSink : public TexelSink {
+public:
+    explicit RawStreamSink(const TextureDesc& desc) : desc_(desc) {}
+    Locality locality() const override { return Locality::spatial_rows; }
+    Status begin_slab(const Box4& box) override {
+        if (!spans(box, desc_.size, axis_s, axis_t) || box.begin[axis_u] != 0 ||
+            box.end[axis_u] != desc_.size[axis_u] || box.begin[axis_v] != next_v_)
+            return {ErrorCode::runtime,
+                    "standard output: slab " + to_string(box) + " is not the next rows of v"};
+        return slab_.reset(desc_, box);
+    }
+    Status write(const Box4& box, std::span<const std::byte> texels) override {
+        return slab_.copy_in(box, texels);
+    }
+    Status end_slab() override {
+        next_v_ = slab_.box().end[axis_v];
+        return write_standard_output(slab_.bytes());
+    }
+    Status finish() override {
+        slab_.clear();
+        return next_v_ == desc_.size[axis_v] ? flush_standard_output()
+                                             : Status(ErrorCode::runtime, "rows are missing");
+    }
+
+private:
+    TextureDesc desc_;
+    SlabBuffer slab_;
+    std::uint32_t next_v_ = 0;
+};
+
 } // namespace
 
-Result<std::unique_ptr<TexelSource>> open_raw(const std::string& path, const TextureDesc& desc) {
+Result<std::unique_ptr<TexelSource>> open_raw(std::unique_ptr<ByteSource> file,
+                                              const TextureDesc& desc) {
+    const std::string path = file->name();
     TESSERA_TRY(check_desc(desc).with_context(path));
-    auto file = open_file(path);
-    if (!file.ok())
-        return file.status();
     const std::uint64_t expected = desc.box_bytes(Box4::whole(desc.size));
-    if ((*file)->size() != expected)
+    if (file->size() != expected)
         return Status(ErrorCode::invalid_file,
                       path + ": a raw texture of " + to_string(desc.size) + ", " +
                           std::to_string(desc.channels) + " channels of " +
                           std::to_string(sample_bytes(desc.type)) + " bytes, is " +
                           std::to_string(expected) + " bytes, but the file has " +
-                          std::to_string((*file)->size()));
-    return std::unique_ptr<TexelSource>(new RawSource(std::move(*file), desc));
+                          std::to_string(file->size()));
+    return std::unique_ptr<TexelSource>(new RawSource(std::move(file), desc));
+}
+
+Result<std::unique_ptr<TexelSource>> open_raw(const std::string& path, const TextureDesc& desc) {
+    auto file = open_file(path);
+    if (!file.ok())
+        return file.status();
+    return open_raw(std::move(*file), desc);
+}
+
+Result<std::unique_ptr<TexelSink>> raw_to_standard_output(const TextureDesc& desc) {
+    TESSERA_TRY(check_desc(desc));
+    return std::unique_ptr<TexelSink>(std::make_unique<RawStreamSink>(desc));
 }
 
 Result<std::unique_ptr<TexelSink>> create_raw(const std::string& path, const TextureDesc& desc) {

@@ -1,12 +1,18 @@
 #include "tools/texture_io/texture_io.h"
 
 #include "codec/decoder.h"
-#include "tools/texture_io/exr_io.h"
 #include "tools/http/open_bytes.h"
+#include "tools/support/fill_text.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
+#include "tools/texture_io/exr_io.h"
+#include "tools/texture_io/png_picture_io.h"
 #include "tools/texture_io/png_views_io.h"
 #include "tools/texture_io/raw_io.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 namespace tessera {
@@ -52,18 +58,60 @@ Status unknown_kind(const std::string& path) {
                    ".ya (and with 16f appended), .raw, and folder/ for PNG views"};
 }
 
+// An input that neither its first bytes nor its name tell.
+Status unknown_input(const std::string& path, const std::string& name) {
+    if (path != standard_stream)
+        return unknown_kind(path);
+    return {ErrorCode::bad_argument,
+            name + ": is no .tess, EXR or PNG; raw samples need --size, --type and --channels"};
+}
+
+// By the bytes that a file of the kind begins with; raw samples have none.
+TextureKind kind_of_content(ByteSource& file) {
+    constexpr unsigned char tess[] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1a};
+    constexpr unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    constexpr unsigned char exr[] = {0x76, 0x2f, 0x31, 0x01, 2}; // and its version
+    std::array<unsigned char, 11> begin{};
+    const std::size_t length = std::min<std::uint64_t>(begin.size(), file.size());
+    if (!file.read(0, std::as_writable_bytes(std::span(begin)).first(length)).ok())
+        return TextureKind::unknown;
+    const auto begins_with = [&](std::span<const unsigned char> magic) {
+        return length >= magic.size() &&
+               std::ranges::equal(magic, std::span(begin).first(magic.size()));
+    };
+    return begins_with(tess)  ? TextureKind::tess
+           : begins_with(png) ? TextureKind::png_picture
+           : begins_with(exr) ? TextureKind::exr
+                              : TextureKind::unknown;
+}
+
+const char* words_for(TextureKind kind) {
+    switch (kind) {
+    case TextureKind::tess:
+        return "a .tess file";
+    case TextureKind::exr:
+        return "an EXR picture";
+    case TextureKind::png_picture:
+        return "a PNG picture";
+    case TextureKind::png_views:
+        return "a folder";
+    case TextureKind::raw:
+        return "a raw file";
+    case TextureKind::unknown:
+        break;
+    }
+    return "no .tess file";
+}
+
 // A compressed file that owns what it is read through.
 class TessSource : public TexelSource {
 public:
-    static Result<std::unique_ptr<TessSource>> open(const std::string& path,
+    static Result<std::unique_ptr<TessSource>> open(std::unique_ptr<ByteSource> bytes,
                                                     const DecodeOptions& options) {
-        auto bytes = open_bytes(path);
-        if (!bytes.ok())
-            return bytes.status();
-        auto decoder = Decoder::open(**bytes, options);
+        auto decoder = Decoder::open(*bytes, options);
         if (!decoder.ok())
             return decoder.status();
-        return std::unique_ptr<TessSource>(new TessSource(std::move(*bytes), std::move(*decoder)));
+        return std::unique_ptr<TessSource>(new TessSource(std::move(bytes), std::move(*decoder)));
     }
     const Decoder& decoder() const { return decoder_; }
     const TextureDesc& desc() const override { return texels_->desc(); }
@@ -83,8 +131,10 @@ private:
     std::unique_ptr<TexelSource> texels_;
 };
 
-Status open_tess(const std::string& path, const TextureHints& hints, OpenedTexture& opened) {
-    auto source = TessSource::open(path, hints.decode);
+Status open_tess(std::unique_ptr<ByteSource> bytes, const TextureHints& hints,
+                 OpenedTexture& opened) {
+    const std::string path = bytes->name();
+    auto source = TessSource::open(std::move(bytes), hints.decode);
     if (!source.ok())
         return source.status();
     const TextureDesc& desc = (*source)->desc();
@@ -98,8 +148,10 @@ Status open_tess(const std::string& path, const TextureHints& hints, OpenedTextu
     return {};
 }
 
+// `path`: of a name that says raw, or of any where the hints say all.
 Result<TextureDesc> raw_desc(const std::string& path, const TextureHints& hints) {
-    const RawEnding& ending = *raw_ending(path);
+    const RawEnding* known = raw_ending(path);
+    const RawEnding ending = known != nullptr ? *known : RawEnding{};
     if (!hints.size)
         return Status(ErrorCode::bad_argument,
                       path + ": a raw file does not know its size; say --size UxVxSxT");
@@ -109,7 +161,7 @@ Result<TextureDesc> raw_desc(const std::string& path, const TextureHints& hints)
     const auto channels = hints.channels ? hints.channels : ending.channels;
     if (!type || !channels)
         return Status(ErrorCode::bad_argument,
-                      path + ": .raw says nothing of its samples; say --type and --channels");
+                      path + ": the name says nothing of its samples; say --type and --channels");
     desc.type = *type;
     desc.channels = *channels;
     return desc;
@@ -143,29 +195,70 @@ TextureKind kind_of(const std::string& path) {
     return raw_ending(path) ? TextureKind::raw : TextureKind::unknown;
 }
 
+TextureKind kind_of_input(const std::string& path) {
+    if (const TextureKind named = kind_of(path); named == TextureKind::png_views || is_url(path))
+        return named;
+    const auto bytes = open_bytes(path);
+    const TextureKind held = bytes.ok() ? kind_of_content(**bytes) : TextureKind::unknown;
+    return held != TextureKind::unknown ? held : kind_of(path);
+}
+
+Result<std::unique_ptr<ByteSource>> open_tess_bytes(const std::string& path, const char* verb) {
+    const TextureKind named = kind_of(path);
+    if (is_url(path) && named != TextureKind::tess)
+        return unknown_kind(path);
+    auto bytes = open_bytes(path);
+    const TextureKind held = bytes.ok() && !is_url(path) ? kind_of_content(**bytes) : named;
+    const TextureKind kind = held != TextureKind::unknown ? held : named;
+    if (kind == TextureKind::tess || (kind == TextureKind::unknown && !bytes.ok()))
+        return bytes;
+    return Status(ErrorCode::bad_argument,
+                  path + ": is " + words_for(kind) + "; " + verb + " reads .tess files");
+}
+
 Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& hints) {
     OpenedTexture opened;
     opened.kind = kind_of(path);
     Result<std::unique_ptr<TexelSource>> source = Status();
+    if (opened.kind == TextureKind::png_views) {
+        source = open_png_views(without_trailing_slashes(path), hints, opened.description);
+        if (!source.ok())
+            return source.status();
+        opened.source = std::move(*source);
+        return opened;
+    }
+    if (is_url(path) && opened.kind != TextureKind::tess)
+        return unknown_kind(path);
+    auto bytes = open_bytes(path);
+    if (bytes.ok() && !is_url(path))
+        if (const TextureKind held = kind_of_content(**bytes); held != TextureKind::unknown)
+            opened.kind = held;
+    const std::string name = bytes.ok() ? (*bytes)->name() : path;
+    if (opened.kind == TextureKind::unknown && hints.size && hints.type && hints.channels)
+        opened.kind = TextureKind::raw;
+    Result<TextureDesc> raw = TextureDesc();
+    if (opened.kind == TextureKind::raw) // what is not said is wrong whether there is a file or not
+        raw = raw_desc(path == standard_stream ? name : path, hints);
+    if (!raw.ok())
+        return raw.status();
+    if (!bytes.ok() && (opened.kind != TextureKind::unknown || path == standard_stream))
+        return bytes.status();
     switch (opened.kind) {
     case TextureKind::tess:
-        TESSERA_TRY(open_tess(path, hints, opened));
+        TESSERA_TRY(open_tess(std::move(*bytes), hints, opened));
         return opened;
     case TextureKind::exr:
-        source = open_exr(path, hints, opened.description);
+        source = open_exr(std::move(*bytes), hints, opened.description);
+        break;
+    case TextureKind::png_picture:
+        source = open_png_picture(std::move(*bytes), hints);
+        break;
+    case TextureKind::raw:
+        source = open_raw(std::move(*bytes), *raw);
         break;
     case TextureKind::png_views:
-        source = open_png_views(without_trailing_slashes(path), hints, opened.description);
-        break;
-    case TextureKind::raw: {
-        const auto desc = raw_desc(path, hints);
-        if (!desc.ok())
-            return desc.status();
-        source = open_raw(path, *desc);
-        break;
-    }
     case TextureKind::unknown:
-        return unknown_kind(path);
+        return unknown_input(path, name);
     }
     if (!source.ok())
         return source.status();
@@ -175,12 +268,12 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 
 Result<std::pair<OpenedTexture, OpenedTexture>>
 open_two_textures(const std::string& first, const std::string& second, TextureHints hints) {
-    const bool raw_first = kind_of(first) == TextureKind::raw;
+    const bool raw_first = kind_of_input(first) == TextureKind::raw;
     auto one = open_texture(raw_first ? second : first, hints);
     if (!one.ok())
         return one.status();
     const std::string& left = raw_first ? first : second;
-    if (!hints.size && kind_of(left) == TextureKind::raw)
+    if (!hints.size && kind_of_input(left) == TextureKind::raw)
         hints.size = one->source->desc().size;
     auto other = open_texture(left, hints);
     if (!other.ok())
@@ -190,38 +283,49 @@ open_two_textures(const std::string& first, const std::string& second, TextureHi
     return std::pair(std::move(*one), std::move(*other));
 }
 
-Status check_output_path(const std::string& path) {
-    if (is_url(path))
-        return {ErrorCode::bad_argument, path + ": cannot write to a URL"};
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    const fs::path folder = fs::path(path).parent_path();
-    if (!folder.empty() && !fs::is_directory(folder, ignored))
-        return {ErrorCode::io, path + ": there is no folder " + folder.string()};
-    if (!fs::exists(status) || fs::is_regular_file(status))
-        return {};
-    return {ErrorCode::io, path + ": exists and is not a plain file"};
+Status check_texture_output(const std::string& path, const TextureDesc& desc) {
+    if (path == standard_stream)
+        return check_standard_output();
+    switch (kind_of(path)) {
+    case TextureKind::exr:
+        return check_output_path(path);
+    case TextureKind::png_views:
+        return check_parent_folders(without_trailing_slashes(path));
+    case TextureKind::raw:
+        TESSERA_TRY(check_output_path(path));
+        return check_raw_ending(path, desc);
+    case TextureKind::tess:
+        return {ErrorCode::bad_argument, path + ": use tessera encode to compress"};
+    case TextureKind::png_picture:
+    case TextureKind::unknown:
+        break;
+    }
+    return unknown_kind(path);
 }
 
 Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const TextureDesc& desc,
                                                   const Description& description,
                                                   unsigned threads) {
+    TESSERA_TRY(check_texture_output(path, desc));
+    if (path == standard_stream)
+        return raw_to_standard_output(desc);
+    TESSERA_TRY(make_parent_folders(path));
     switch (kind_of(path)) {
     case TextureKind::exr:
-        TESSERA_TRY(check_output_path(path));
         return create_exr(path, desc, description, threads);
     case TextureKind::png_views:
         return create_png_views(without_trailing_slashes(path), desc, description, threads);
-    case TextureKind::raw:
-        TESSERA_TRY(check_output_path(path));
-        TESSERA_TRY(check_raw_ending(path, desc));
+    default:
         return create_raw(path, desc);
-    case TextureKind::tess:
-        return Status(ErrorCode::bad_argument, path + ": use tessera encode to compress");
-    case TextureKind::unknown:
-        break;
     }
-    return unknown_kind(path);
+}
+
+Status with_partial_hint(const Status& status, const std::string& name,
+                         const DecodeOptions& options) {
+    if (status.code() != ErrorCode::invalid_file || kind_of_input(name) != TextureKind::tess)
+        return status;
+    const auto file = open_bytes(name);
+    return file.ok() ? with_partial_hint(status, **file, options) : status;
 }
 
 } // namespace tessera

@@ -1,4 +1,5 @@
-// Textures by name: what kind of file a name means, and how to open or create it.
+// Textures by name: what kind of file a name means, and how to open or create it. An input is what its
+// first bytes say, if they say something, whatever its name.
 //
 //   x.tess      compressed                       (reading only; encode writes it); also the URL of
 //               one, http(s)://host/x.tess, whatever ?query or #fragment follows
@@ -6,11 +7,15 @@
 //   x.rgb       raw, see raw_io.h; also .rgba .gray .ya, with 16f appended for half floats
 //               (.rgb16f), and .raw, for which type and channels must be said
 //   folder/     one PNG per view, see png_views_io.h; a trailing slash or an existing folder
+//   -           standard input: any kind that is one file (raw needs size, type and channels);
+//               standard output: raw texels
+// A PNG picture is read whatever its name: a view, or a mosaic where the size says so.
 #pragma once
 
 #include "codec/decoder.h"
 #include "format/metadata.h"
 #include "format/texture.h"
+#include "tools/support/output_folders.h" // its users write files, too
 #include "tools/support/texture_hints.h"
 
 #include <memory>
@@ -19,8 +24,15 @@
 
 namespace tessera {
 
-enum class TextureKind { tess, exr, raw, png_views, unknown };
+enum class TextureKind { tess, exr, raw, png_views, png_picture, unknown };
+// By the name alone: of an output.
 TextureKind kind_of(const std::string& path);
+// Of an input: by its first bytes, else by its name.
+TextureKind kind_of_input(const std::string& path);
+
+// A .tess for a verb that reads nothing else. Errors: those of open_bytes(); bad_argument where it is
+// another kind, by its content or name.
+Result<std::unique_ptr<ByteSource>> open_tess_bytes(const std::string& path, const char* verb);
 
 struct OpenedTexture {
     TextureKind kind = TextureKind::unknown;
@@ -38,13 +50,17 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 Result<std::pair<OpenedTexture, OpenedTexture>>
 open_two_textures(const std::string& first, const std::string& second, TextureHints hints);
 
-// A sink for `desc` that becomes `path` when finished. Errors: bad_argument (name of no known kind,
-// or one that contradicts `desc`), io, unsupported.
+// Whether create_texture() would take this name. Writes nothing. Errors: bad_argument (name of no known
+// kind, or one that contradicts `desc`), io.
+Status check_texture_output(const std::string& path, const TextureDesc& desc);
+
+// A sink for `desc` that becomes `path` when finished; missing folders are made. Errors: those of
+// check_texture_output(), unsupported.
 Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const TextureDesc& desc,
                                                   const Description& description, unsigned threads);
 
-// Whether a file may be written there: a plain file or nothing, in a folder that exists. Renaming over
-// a device or a folder would destroy it or fail after all the work. Errors: io; bad_argument (a URL).
-Status check_output_path(const std::string& path);
+// fill_text.h: with_partial_hint(), of the texture of this name if it is a .tess.
+Status with_partial_hint(const Status& status, const std::string& name,
+                         const DecodeOptions& options);
 
 } // namespace tessera

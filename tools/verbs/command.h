@@ -29,6 +29,11 @@ void add_bench_command(CLI::App& app, Invocation& chosen);
 void add_rd_command(CLI::App& app, Invocation& chosen);
 void add_serve_command(CLI::App& app, Invocation& chosen);
 
+// At the end of every help.
+inline constexpr const char* exit_codes_help =
+    "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
+    "5 not supported, 7 difference found.";
+
 // Declares a verb whose options live in `Arguments` and whose work is run(const Arguments&).
 template <class Arguments, class Declare>
 void add_verb(CLI::App& app, Invocation& chosen, const char* verb, const char* summary,
@@ -36,7 +41,7 @@ void add_verb(CLI::App& app, Invocation& chosen, const char* verb, const char* s
               Status (*run)(const Arguments& arguments)) {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand(verb, summary);
-    command->footer(examples);
+    command->footer(std::string(examples) + "\n\n" + exit_codes_help);
     declare(*command, *arguments);
     command->callback([&chosen, arguments, verb, run] {
         chosen.verb = verb;

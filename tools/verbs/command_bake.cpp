@@ -1,12 +1,15 @@
 #include "corpus/bake.h"
-#include "tools/verbs/command.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/encode_arguments.h"
+#include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/progress.h"
+#include "tools/support/standard_streams.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 #include <chrono>
 #include <cstdio>
@@ -22,6 +25,10 @@ struct Arguments {
     bool list = false;
     EncodeArguments encode;
 };
+
+bool is_compressed(const Arguments& a) {
+    return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
+}
 
 Status list_scenes() {
     for (const corpus::SceneInfo& scene : corpus::scenes())
@@ -43,55 +50,75 @@ Description baked_description(SampleType type) {
     return d;
 }
 
-Status bake_compressed(const Arguments& a, TexelSource& source) {
-    TESSERA_TRY(check_output_path(a.output));
+// What the command asks of the encoder; errors that need no texel.
+Result<EncodeOptions> options_for(const Arguments& a, const TextureDesc& desc) {
+    const bool compressed = is_compressed(a);
+    if (!compressed && says_how_to_encode(a.encode))
+        return Status(ErrorCode::bad_argument,
+                      a.output +
+                          ": rate, tile, tools, metadata and --resume options need a .tess output");
     Metadata metadata = {{"Scene", a.scene},
                          {"Samples per texel", std::to_string(a.samples)},
                          {"Seed", std::to_string(a.seed)}};
     auto options = make_encode_options(a.encode, a.texture.threads, std::move(metadata),
-                                       baked_description(source.desc().type));
+                                       baked_description(desc.type));
     if (!options.ok())
-        return options.status();
+        return options;
+    TESSERA_TRY(check_for(a.encode, *options, desc));
+    TESSERA_TRY(compressed ? check_tess_output(a.encode, a.output)
+                           : check_texture_output(a.output, desc));
     options->source_facts = {{"scene", a.scene},
                              {"samples per texel", std::to_string(a.samples)},
                              {"seed", std::to_string(a.seed)}};
-    Result<EncodeReport> report = Status();
-    {
+    return options;
+}
+
+Json scene_json(const Arguments& a) {
+    return {{"scene", a.scene}, {"samples_per_texel", a.samples}, {"seed", a.seed}};
+}
+
+Status bake_compressed(const Arguments& a, TexelSource& source, EncodeOptions options) {
+    const auto report = [&] {
         Progress progress("tessera bake", a.texture.quiet);
-        options->progress = progress.function();
-        report = encode_file(source, a.output, *options);
-    }
+        options.progress = progress.function();
+        return encode_to(source, a.output, options);
+    }();
     if (!report.ok())
-        return with_resume_hint(report.status(), a.output);
-    if (!a.texture.quiet)
-        print_report(a.output, source.desc(), *report);
+        return report.status();
+    if (a.encode.json) {
+        Json json = report_json(a.output, source.desc(), options, *report);
+        json.update(scene_json(a));
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_report(summary_stream(a.output), a.output, source.desc(), *report);
+    }
     return {};
 }
 
-Status bake_plain(const Arguments& a, TexelSource& source) {
-    if (says_how_to_encode(a.encode))
-        return {ErrorCode::bad_argument,
-                a.output +
-                    ": rate, tile, tools, metadata and --resume options need a .tess output"};
+Status bake_plain(const Arguments& a, TexelSource& source, const EncodeOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
-    const auto options =
-        make_encode_options(a.encode, a.texture.threads, {}, baked_description(desc.type));
-    if (!options.ok())
-        return options.status();
-    auto sink = create_texture(a.output, desc, options->description, a.texture.threads);
+    auto sink = create_texture(a.output, desc, options.description, a.texture.threads);
     if (!sink.ok())
         return sink.status();
     {
         Progress progress("tessera bake", a.texture.quiet);
         TESSERA_TRY(copy_texture(source, *interruptible(std::move(*sink)), a.texture.threads,
-                                 progress.function(), "baking", options->slab_bytes));
+                                 progress.function(), "baking", options.slab_bytes));
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    if (!a.texture.quiet)
+    const std::uint64_t bytes = desc.box_bytes(Box4::whole(desc.size));
+    if (a.encode.json) {
+        Json json = {{"output", a.output},         {"size", to_string(desc.size)},
+                     {"type", name_of(desc.type)}, {"channels", desc.channels},
+                     {"raw_bytes", bytes},         {"seconds", seconds.count()}};
+        json.update(scene_json(a));
+        print_json(json);
+    } else if (!a.texture.quiet) {
         std::printf("%s: %s, %d x %s, %s of texels in %.2f s\n", a.output.c_str(),
                     to_string(desc.size).c_str(), desc.channels, name_of(desc.type),
-                    human_bytes(desc.box_bytes(Box4::whole(desc.size))).c_str(), seconds.count());
+                    human_bytes(bytes).c_str(), seconds.count());
+    }
     return {};
 }
 
@@ -110,9 +137,12 @@ Status run(const Arguments& a) {
     auto baked = corpus::make_baked_source(a.scene, *size, a.samples, a.seed);
     if (!baked.ok())
         return baked.status();
-    const auto source = interruptible(std::move(*baked));
-    return with_memory_hint(kind_of(a.output) == TextureKind::tess ? bake_compressed(a, *source)
-                                                                   : bake_plain(a, *source));
+    const auto source = interruptible(std::move(*baked)); // bakes where it is read
+    const auto options = options_for(a, source->desc());
+    if (!options.ok())
+        return options.status();
+    return with_memory_hint(is_compressed(a) ? bake_compressed(a, *source, *options)
+                                             : bake_plain(a, *source, *options));
 }
 
 } // namespace
@@ -120,8 +150,10 @@ Status run(const Arguments& a) {
 void add_bake_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
         c.add_option("scene", a.scene, "Name of a built-in scene");
-        c.add_option("-o,--output", a.output,
-                     "What to write: .tess (compressed on the way), .exr, .rgb, folder/");
+        c.add_option(
+            "-o,--output", a.output,
+            "What to write: .tess (compressed on the way; - is standard output), .exr, .rgb, "
+            "folder/");
         c.add_flag("--list", a.list, "Show the scenes and stop");
         c.add_option("--size", a.texture.size, "UxVxSxT (default: the scene's own, see --list)");
         c.add_option("--spp", a.samples, "Rays per texel, over all four dimensions")
@@ -133,6 +165,8 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<Arguments>(
         app, chosen, "bake", "Ray trace a built-in scene into a texture",
+        "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
+        "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory only.\n\n"
         "Examples:\n"
         "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
         "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"

@@ -1,6 +1,7 @@
-#include "tools/verbs/command.h"
 #include "tools/bench/gpu_bench.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/progress.h"
+#include "tools/verbs/command.h"
 
 #include <cstdio>
 
@@ -62,9 +63,11 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         c.add_option("--warm-up", o.warm_up, "Frames drawn before those (30; software 2)")
             ->check(CLI::Range(0u, 100000u));
         c.add_option("--budget", o.budget_mib,
-                     "MiB on the device for the tile cache and all that belongs to it (default: a "
-                     "fifth of the decoded texture, or for small files what a view needs)")
-            ->check(CLI::Range(1u, 1u << 20));
+                     "Memory on the device for the tile cache and all that belongs to it: 64M, 2G, "
+                     "or a number of MiB (default: a fifth of the decoded texture, or for small "
+                     "files what a view needs)")
+            ->transform(mebibytes())
+            ->type_name("SIZE");
         c.add_option("--original", o.original,
                      "The uncompressed texture (raw or .tess) to draw as raw and to measure PSNR "
                      "against; without it, the texels as the CPU decodes them");

@@ -47,7 +47,7 @@ Result<Inputs> open_baked(const Arguments& arguments) {
         return hints.status();
     auto file = open_texture(arguments.a, *hints);
     if (!file.ok())
-        return file.status();
+        return with_partial_hint(file.status(), arguments.a, hints->decode);
     auto baked = bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
                             file->source->desc().size, file->metadata);
     if (!baked.ok())
@@ -64,8 +64,12 @@ Result<Inputs> open_both(const Arguments& arguments) {
     if (!hints.ok())
         return hints.status();
     auto opened = open_two_textures(arguments.a, arguments.b, *hints);
-    if (!opened.ok())
-        return opened.status();
+    if (!opened.ok()) {
+        const Status hinted = with_partial_hint(opened.status(), arguments.a, hints->decode);
+        return hinted.message() != opened.status().message()
+                   ? hinted
+                   : with_partial_hint(hinted, arguments.b, hints->decode);
+    }
     auto& [first, second] = *opened;
     std::vector<const Decoder*> decoders;
     for (const Decoder* decoder : {first.decoder, second.decoder})
@@ -224,7 +228,7 @@ Result<std::unique_ptr<TexelSource>> open_reference(const Arguments& a, ByteSour
     auto hints = make_hints(a.texture);
     if (!hints.ok())
         return hints.status();
-    if (!hints->size && kind_of(a.a) == TextureKind::raw)
+    if (!hints->size && kind_of_input(a.a) == TextureKind::raw)
         hints->size = reader->desc().size;
     auto opened = open_texture(a.a, *hints);
     if (!opened.ok())
@@ -244,7 +248,7 @@ void print_points(const std::vector<PrefixPoint>& points) {
 
 // How the second texture looks as its file arrives.
 Status run_beginnings(const Arguments& a) {
-    if (!a.scene.empty() || a.b.empty() || kind_of(a.b) != TextureKind::tess)
+    if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
         return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
     const auto file = open_bytes(a.b);
     if (!file.ok())
@@ -328,7 +332,7 @@ Status run(const Arguments& a) {
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/")
+        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/, PNG, -")
             ->required();
         c.add_option("b", a.b, "What is measured against it");
         c.add_option("--bake", a.scene,
@@ -364,6 +368,10 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<Arguments>(
         app, chosen, "compare", "Measure how far two textures are apart",
+        "PSNR and SSIM of 8-bit samples are of their values, of half floats over 16-bit codes. A "
+        "raw\n"
+        "texture takes its size from the other one. Without a threshold any difference is "
+        "success.\n"
         "Exit code 7: a threshold was missed, or size or type differ.\n\n"
         "Examples:\n"
         "  tessera compare scene.exr scene.tess --min-psnr 40\n"

@@ -1,12 +1,13 @@
 #include "codec/decoder.h"
-#include "tools/verbs/command.h"
+#include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
-#include "tools/http/open_bytes.h"
 #include "tools/support/progress.h"
+#include "tools/support/standard_streams.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 #include <chrono>
 #include <cstdio>
@@ -17,6 +18,7 @@ namespace {
 struct Arguments {
     std::string input, output, box, memory;
     TextureArguments texture; // threads and quiet
+    bool json = false;
 };
 
 // Moves boxes of the whole texture to where they lie in the part that is written.
@@ -62,16 +64,47 @@ Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, 
     return named ? status : status.with_context(a.output);
 }
 
+// What was written, and what of it had to be filled.
+Json to_json(const Arguments& a, const Decoder& decoder, const ByteSource& file, const Box4& box,
+             double seconds) {
+    const TextureDesc& desc = decoder.desc();
+    Json json = {{"input", a.input},
+                 {"output", a.output},
+                 {"box", to_string(box)},
+                 {"size", to_string(box.extent())},
+                 {"type", name_of(desc.type)},
+                 {"channels", desc.channels},
+                 {"raw_bytes", desc.box_bytes(box)},
+                 {"seconds", seconds},
+                 {"filled", fill_json(decoder)}};
+    if (const auto traffic = network_traffic(file))
+        json["network"] = {{"requests", traffic->requests}, {"bytes", traffic->bytes}};
+    return json;
+}
+
+void print_summary(const Arguments& a, const Decoder& decoder, const ByteSource& file,
+                   const Box4& box, double seconds) {
+    std::FILE* to = summary_stream(a.output);
+    const TextureDesc& desc = decoder.desc();
+    const std::uint64_t bytes = desc.box_bytes(box);
+    std::fprintf(to, "%s: %s, %d x %s, %s in %.2f s, %.1f MB/s%s\n", a.output.c_str(),
+                 to_string(box.extent()).c_str(), desc.channels, name_of(desc.type),
+                 human_bytes(bytes).c_str(), seconds,
+                 static_cast<double>(bytes) / 1e6 / std::max(seconds, 1e-9),
+                 transfer_text(file).c_str());
+    std::fputs(fill_text(decoder, "  ").c_str(), to);
+}
+
 Status run(const Arguments& a) {
-    if (kind_of(a.input) != TextureKind::tess)
-        return {ErrorCode::bad_argument, a.input + ": decode reads .tess files"};
+    TESSERA_TRY(check_json_output(a.json, a.output));
+    TESSERA_TRY(slab_budget(a.memory, a.texture.threads).status());
     const auto start = std::chrono::steady_clock::now();
-    const auto file = open_bytes(a.input);
+    const auto file = open_tess_bytes(a.input, "decode");
     if (!file.ok())
         return file.status();
     const auto decoder = Decoder::open(**file, a.texture.decode);
     if (!decoder.ok())
-        return decoder.status();
+        return with_partial_hint(decoder.status(), **file, a.texture.decode);
     const TextureDesc desc = decoder->desc();
     Box4 box = Box4::whole(desc.size);
     if (!a.box.empty()) {
@@ -82,15 +115,10 @@ Status run(const Arguments& a) {
     }
     TESSERA_TRY(decode_into(a, *decoder, box, desc));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    const std::uint64_t bytes = desc.box_bytes(box);
-    if (!a.texture.quiet)
-        std::printf("%s: %s, %d x %s, %s in %.2f s, %.1f MB/s%s\n", a.output.c_str(),
-                    to_string(box.extent()).c_str(), desc.channels, name_of(desc.type),
-                    human_bytes(bytes).c_str(), seconds.count(),
-                    static_cast<double>(bytes) / 1e6 / std::max(seconds.count(), 1e-9),
-                    transfer_text(**file).c_str());
-    if (!a.texture.quiet)
-        std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
+    if (a.json)
+        print_json(to_json(a, *decoder, **file, box, seconds.count()));
+    else if (!a.texture.quiet)
+        print_summary(a, *decoder, **file, box, seconds.count());
     return {};
 }
 
@@ -98,25 +126,33 @@ Status run(const Arguments& a) {
 
 void add_decode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("input", a.input, "The .tess file, or the URL of one (http, https)")
+        c.add_option("input", a.input,
+                     "The .tess file, the URL of one (http, https), or - for standard input")
             ->required();
-        c.add_option("-o,--output", a.output, "What to write: .exr, raw (.rgb ...), folder/")
+        c.add_option(
+             "-o,--output", a.output,
+             "What to write: .exr, raw (.rgb ...), folder/ of PNG views; - is raw samples on "
+             "standard output")
             ->required();
         c.add_option("--box", a.box,
                      "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
+        c.add_flag("--json", a.json, "Print what was written as JSON");
         add_threads_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
-                        "Examples:\n"
-                        "  tessera decode scene.tess -o scene.exr\n"
-                        "  tessera decode scene.tess -o views/\n"
-                        "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
-                        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
-                        "  tessera decode https://example.org/scene.tess -o part.exr --box "
-                        "0:64,0:64,:,:",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
+        "Only the tiles that the box touches are read; the default is all of it.\n\n"
+        "Examples:\n"
+        "  tessera decode scene.tess -o scene.exr\n"
+        "  tessera decode scene.tess -o - | sha256sum\n"
+        "  tessera decode scene.tess -o views/\n"
+        "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
+        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
+        "  tessera decode https://example.org/scene.tess -o part.exr --box "
+        "0:64,0:64,:,:",
+        declare, run);
 }
 
 } // namespace tessera

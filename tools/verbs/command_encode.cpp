@@ -1,12 +1,14 @@
-#include "tools/verbs/command.h"
 #include "tools/support/encode_arguments.h"
+#include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
-#include "tools/texture_io/mask_io.h"
 #include "tools/support/memory_budget.h"
 #include "tools/support/progress.h"
 #include "tools/support/source_facts.h"
+#include "tools/support/standard_streams.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {
@@ -34,38 +36,44 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& a) {
 }
 
 Status run(const Arguments& a) {
-    if (kind_of(a.output) != TextureKind::tess)
+    // What the command line alone shows to be wrong, before a file is opened.
+    if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
-    TESSERA_TRY(check_output_path(a.output));
+    TESSERA_TRY(check_tess_output(a.encode, a.output));
     const auto hints = make_hints(a.texture);
     if (!hints.ok())
         return hints.status();
+    TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}).status());
     auto input = open_texture(a.input, *hints);
     if (!input.ok())
         return input.status();
-    input->metadata.erase("Software"); // the encoder names itself
+    input->metadata.erase(software_key); // the encoder names itself
     auto options = make_encode_options(a.encode, a.texture.threads, std::move(input->metadata),
                                        input->description);
     if (!options.ok())
         return options.status();
     const auto source = interruptible(std::move(input->source));
+    TESSERA_TRY(check_for(a.encode, *options, source->desc()));
     const auto mask =
         open_mask(a.mask, source->desc().size, a.texture.threads, options->slab_bytes);
     if (!mask.ok())
         return with_memory_hint(mask.status());
     options->mask = mask->get();
     options->source_facts = facts_of(a);
-    Result<EncodeReport> report = Status();
-    {
+    const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
         options->progress = progress.function();
-        report = encode_file(*source, a.output, *options);
-    }
+        return encode_to(*source, a.output, *options);
+    }();
     if (!report.ok())
-        return about_file(with_memory_hint(with_resume_hint(report.status(), a.output)), a.input,
-                          a.output);
-    if (!a.texture.quiet)
-        print_report(a.output, source->desc(), *report);
+        return about_file(with_memory_hint(report.status()), a.input, a.output);
+    if (a.encode.json) {
+        Json json = report_json(a.output, source->desc(), *options, *report);
+        json["input"] = a.input;
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_report(summary_stream(a.output), a.output, source->desc(), *report);
+    }
     return {};
 }
 
@@ -74,19 +82,27 @@ Status run(const Arguments& a) {
 void add_encode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
         c.add_option("input", a.input,
-                     "Texture: .exr, raw (.rgb ...), folder of PNG views, .tess or the URL of "
-                     "one")
+                     "Texture: .exr, raw (.rgb ...), PNG, folder of PNG views, .tess or the URL of "
+                     "one, - for standard input")
             ->required();
-        c.add_option("-o,--output", a.output, "The .tess file to write")->required();
+        c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
+            ->required();
         add_texture_options(c, a.texture);
         add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
     };
     add_verb<Arguments>(
         app, chosen, "encode", "Compress a texture into a .tess file",
+        "At most one rate is asked for: --quality, --target-psnr, --target-bpt, --target-bytes or\n"
+        "--max-error. Finished tiles wait in OUTPUT.journal until the file is there, for "
+        "--resume.\n"
+        "The same texels and options give the same bytes, on any number of threads; the file says\n"
+        "which rate and effort it was made with (tessera info).\n\n"
         "Examples:\n"
         "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
         "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
+        "  cat scene.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > "
+        "x.tess\n"
         "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);

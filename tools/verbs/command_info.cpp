@@ -69,9 +69,27 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     return json;
 }
 
+// Rounded where more digits say nothing: to four that count.
 std::string text_of(const Json& value) {
+    if (value.is_number_float()) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.4g", value.get<double>());
+        return text;
+    }
     return value.is_string() ? value.get<std::string>()
                              : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// "psnr 40.123456789012345" -> "psnr 40.12": the number at the end, if there is one.
+std::string rounded(const std::string& text) {
+    const std::size_t blank = text.rfind(' ');
+    double number = 0;
+    if (blank == std::string::npos || !parse_number(text.substr(blank + 1), number))
+        return text;
+    std::uint64_t whole = 0;
+    if (parse_number(text.substr(blank + 1), whole))
+        return text;
+    return text.substr(0, blank + 1) + text_of(number);
 }
 
 // Control characters of a file's strings must not reach the terminal.
@@ -82,7 +100,40 @@ std::string printable(std::string text) {
     return text;
 }
 
-// The same as the JSON, for people: one line a value, tables for lists of objects.
+// How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 5"; "" where it does not say.
+std::string made_text(const Metadata& metadata) {
+    std::string text;
+    const auto add = [&](const char* key, const char* before) {
+        if (const auto found = metadata.find(key); found != metadata.end())
+            text += (text.empty() ? "" : ", ") + std::string(before) + rounded(found->second);
+    };
+    add(software_key, "");
+    add(made_rate_key, "");
+    add(made_effort_key, "effort ");
+    add(made_tools_key, "tools ");
+    return text;
+}
+
+// The JSON of a .tess as people want it: sizes in words, too, and how it was made in one line instead of
+// four keys among the metadata.
+Json for_people(Json json, const Metadata& metadata) {
+    Json out;
+    for (auto& [key, value] : json.items()) {
+        if (key == "raw_bytes" || key == "file_bytes")
+            value = std::to_string(value.get<std::uint64_t>()) + " (" +
+                    human_bytes(value.get<std::uint64_t>()) + ")";
+        if (key == "metadata") {
+            if (const std::string made = made_text(metadata); !made.empty())
+                out["made"] = made;
+            for (const char* shown : {software_key, made_rate_key, made_effort_key, made_tools_key})
+                value.erase(shown);
+        }
+        out[key] = value;
+    }
+    return out;
+}
+
+// One line a value, tables for lists of objects.
 void print_for_people(const Json& json, const std::string& indent) {
     for (const auto& [key, value] : json.items()) {
         const bool nested =
@@ -108,6 +159,14 @@ void print_for_people(const Json& json, const std::string& indent) {
     }
 }
 
+Metadata metadata_of(const Json& json) {
+    Metadata metadata;
+    if (json.contains("metadata"))
+        for (const auto& [key, value] : json["metadata"].items())
+            metadata[key] = value.get<std::string>();
+    return metadata;
+}
+
 Result<Json> describe_tess(const std::string& path) {
     const auto bytes = open_bytes(path);
     if (!bytes.ok())
@@ -129,21 +188,22 @@ Result<Json> describe_other(const Arguments& a) {
     if (!opened.ok())
         return opened.status();
     Json json = texture_json(a.input, opened->source->desc(), opened->description);
-    json["kind"] = opened->kind == TextureKind::exr   ? "exr"
-                   : opened->kind == TextureKind::raw ? "raw"
-                                                      : "png views";
+    json["kind"] = opened->kind == TextureKind::exr           ? "exr"
+                   : opened->kind == TextureKind::raw         ? "raw"
+                   : opened->kind == TextureKind::png_picture ? "png picture"
+                                                              : "png views";
     return json;
 }
 
 Status run(const Arguments& a) {
     const auto json =
-        kind_of(a.input) == TextureKind::tess ? describe_tess(a.input) : describe_other(a);
+        kind_of_input(a.input) == TextureKind::tess ? describe_tess(a.input) : describe_other(a);
     if (!json.ok())
         return json.status();
     if (a.json)
         print_json(*json);
     else
-        print_for_people(*json, "");
+        print_for_people(for_people(*json, metadata_of(*json)), "");
     return {};
 }
 
@@ -151,17 +211,20 @@ Status run(const Arguments& a) {
 
 void add_info_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("file", a.input, "Any texture; a .tess file, or the URL of one, says most")
+        c.add_option("file", a.input, "Any texture; a .tess file, the URL of one, or -, says most")
             ->required();
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "info", "Say everything about a file but its texels",
-                        "Examples:\n"
-                        "  tessera info scene.tess\n"
-                        "  tessera info scene.exr --json\n"
-                        "  tessera info https://example.org/scene.tess",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "info", "Say everything about a file but its texels",
+        "Of a .tess: size, samples, how it was made, tiles, coarse levels, sections, metadata.\n"
+        "Figures are rounded; --json has all digits.\n\n"
+        "Examples:\n"
+        "  tessera info scene.tess\n"
+        "  tessera info scene.exr --json\n"
+        "  tessera info https://example.org/scene.tess",
+        declare, run);
 }
 
 } // namespace tessera

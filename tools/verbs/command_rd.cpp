@@ -1,8 +1,9 @@
 #include "corpus/bake.h"
-#include "tools/verbs/command.h"
-#include "tools/support/progress.h"
 #include "tools/rd/rd_run.h"
+#include "tools/support/option_checks.h"
+#include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {
@@ -67,7 +68,7 @@ void declare_sweep(CLI::App& c, RdOptions& o) {
     c.add_option("--cache", o.cache, "Folder of measurements, to go on from (OUTPUT/cache)");
     c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
     c.add_option("--timeout", o.timeout, "Seconds that a run of a rival's tool may take")
-        ->check(CLI::PositiveNumber)
+        ->check(number_between(1, 1e6))
         ->capture_default_str();
 }
 

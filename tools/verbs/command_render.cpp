@@ -1,14 +1,16 @@
 #include "corpus/bake.h"
-#include "tools/verbs/command.h"
+#include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
-#include "tools/http/open_bytes.h"
+#include "tools/support/option_checks.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/view/render_stage.h"
-#include "tools/view/render_views.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
+#include "tools/view/render_stage.h"
+#include "tools/view/render_views.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
 
@@ -349,10 +351,11 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
             ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback"}))
             ->capture_default_str();
         c.add_option("--budget", r.budget_mib,
-                     "MiB: of decoded texels in memory; on the GPU, of all that it holds for the "
-                     "file")
-            ->check(CLI::Range(1u, 1u << 20))
-            ->capture_default_str();
+                     "Most decoded texels in memory; on the GPU, all that it holds for the file: "
+                     "512M, 2G, or a number of MiB")
+            ->transform(mebibytes())
+            ->type_name("SIZE")
+            ->default_str("512M");
         auto* truth = c.add_option("--truth", r.truth,
                                    "A built-in scene to ray trace and measure against, together "
                                    "with the uncompressed texture");

@@ -97,14 +97,16 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
             ->capture_default_str();
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "sheet",
-                        "A PNG of some views and angular images, or of pictures side by side",
-                        "Examples:\n"
-                        "  tessera sheet scene.exr scene.tess -o sheet.png\n"
-                        "  tessera sheet scene.tess -o sheet.png --views 5\n"
-                        "  tessera sheet v-1.png v-2.png --label front --label side --columns 2 "
-                        "-o both.png",
-                        declare, run);
+    add_verb<Arguments>(
+        app, chosen, "sheet", "A PNG of some views and angular images, or of pictures side by side",
+        "Views are spread over s and t, angular images over u and v; half floats are shown as\n"
+        "sRGB of x / (1 + x).\n\n"
+        "Examples:\n"
+        "  tessera sheet scene.exr scene.tess -o sheet.png\n"
+        "  tessera sheet scene.tess -o sheet.png --views 5\n"
+        "  tessera sheet v-1.png v-2.png --label front --label side --columns 2 "
+        "-o both.png",
+        declare, run);
 }
 
 } // namespace tessera

@@ -1,12 +1,13 @@
 #include "codec/decoder.h"
-#include "tools/verbs/command.h"
+#include "format/byte_source.h"
+#include "format/work.h"
+#include "tools/http/open_bytes.h"
+#include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
-#include "tools/http/open_bytes.h"
-#include "format/work.h"
 #include "tools/support/progress.h"
-#include "format/byte_source.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/verbs/command.h"
 
 namespace tessera {
 namespace {
@@ -112,15 +113,17 @@ Status run(const Arguments& a) {
     for (const Finding& f : findings)
         if (f.number == static_cast<int>(ContainerRule::readable))
             return {interrupted_by() != 0 ? ErrorCode::runtime : ErrorCode::io, f.text};
-    return {ErrorCode::invalid_file, a.input + ": not valid, " + std::to_string(fatal) +
-                                         (fatal == 1 ? " error" : " errors")};
+    const Status invalid(ErrorCode::invalid_file, a.input + ": not valid, " +
+                                                      std::to_string(fatal) +
+                                                      (fatal == 1 ? " error" : " errors"));
+    return with_partial_hint(invalid, bytes, a.texture.decode);
 }
 
 } // namespace
 
 void add_validate_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, Arguments& a) {
-        c.add_option("file", a.input, "The .tess file, or the URL of one (http, https)")
+        c.add_option("file", a.input, "The .tess file, the URL of one (http, https), or -")
             ->required();
         c.add_flag("--allow-partial", a.texture.decode.allow_partial,
                    "Check what is there of a file whose end is missing");

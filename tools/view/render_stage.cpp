@@ -1,13 +1,14 @@
 #include "tools/view/render_stage.h"
 
 #include "corpus/bake.h"
-#include "format/samples.h"
 #include "format/sampler.h"
-#include "tools/texture_io/baked_original.h"
-#include "tools/view/gpu_renderer.h"
+#include "format/samples.h"
 #include "tools/http/open_bytes.h"
+#include "tools/support/fill_text.h"
 #include "tools/support/parse.h"
+#include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/view/gpu_renderer.h"
 
 namespace tessera {
 namespace {
@@ -26,7 +27,7 @@ glm::dvec3 background_of(const ContainerReader& container) {
 }
 
 Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
-    const TextureKind kind = kind_of(r.original);
+    const TextureKind kind = kind_of_input(r.original);
     if (kind != TextureKind::raw && kind != TextureKind::tess)
         return Status(ErrorCode::bad_argument,
                       r.original + ": --original takes a raw file or a .tess, whose texels can be "
@@ -64,9 +65,7 @@ Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
 
 // A compressed file, and the texture that it was made from where there is something to compare.
 Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
-    if (kind_of(r.file) != TextureKind::tess)
-        return {ErrorCode::bad_argument, r.file + ": render draws .tess files"};
-    auto bytes = open_bytes(r.file);
+    auto bytes = open_tess_bytes(r.file, "render");
     if (!bytes.ok())
         return bytes.status();
     stage.bytes = std::move(*bytes);
@@ -74,7 +73,7 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     const bool remote = network_traffic(*stage.bytes).has_value();
     auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
     if (!decoder.ok())
-        return decoder.status();
+        return with_partial_hint(decoder.status(), *stage.bytes, r.decode);
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();

@@ -1,5 +1,6 @@
 #include "tools/view/view_file.h"
 
+#include "tools/support/output_folders.h"
 #include "tools/texture_io/exr_stream.h"
 #include "tools/texture_io/texture_io.h"
 
@@ -18,6 +19,7 @@ std::string ending_of(const std::string& path) {
 }
 
 Status write_exr(const std::string& path, const View& view) {
+    TESSERA_TRY(make_parent_folders(path));
     auto file = OutputFile::create(path);
     if (!file.ok())
         return file.status();

@@ -1,0 +1,189 @@
+// What the tool says to a command that makes no sense: before any work, in the words that were typed.
+#include "tests/support/cli_fixture.h"
+
+namespace {
+
+using namespace tessera::test;
+
+class CliUsage : public CliFixture {
+protected:
+    // A texture of noise-free texels, without a run of the tool.
+    void make_raw(const std::string& name, std::size_t bytes) const {
+        std::string texels(bytes, '\0');
+        for (std::size_t i = 0; i < bytes; ++i)
+            texels[i] = static_cast<char>(i * 7 % 101);
+        spit(at(name), texels);
+    }
+};
+
+const std::string scene = "bake composed --size 16x8x4x4 --spp 1 --effort 0 ";
+
+TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
+    fail(1, "encode x.rgb --qualty 40", {"unknown option --qualty; did you mean --quality?"});
+    fail(1, "encode x.rgb -o x.tess --qualty=40",
+         {"unknown option --qualty; did you mean --quality?"});
+    fail(1, "encode x.rgb -o x.tess 40 --thread 2",
+         {"unknown option --thread; did you mean --threads?"});
+    fail(1, "encode x.rgb -o x.tess --psnr 40", {"did you mean --target-psnr?"});
+    fail(1, "encode x.rgb -o x.tess --target 40",
+         {"did you mean --target-psnr, --target-bpt or --target-bytes?"});
+    fail(1, "decode x.tess -o x.rgb --quality 40",
+         {"unknown option --quality; it belongs to bake, encode and rd", "tessera decode --help"});
+    fail(1, "info x.tess --jsn", {"did you mean --json?"});
+    const Outcome far = run("encode x.rgb -o x.tess --frobnicate");
+    EXPECT_NE(far.err.find("unknown option --frobnicate (see"), std::string::npos) << far.err;
+    fail(1, "encode x.rgb y.rgb -o x.tess", {"'y.rgb' is one argument too many"});
+    for (const auto& [typed, meant] :
+         {std::pair("enocde", "encode"), std::pair("inf", "info"), std::pair("valid", "validate"),
+          std::pair("comp", "compare")})
+        EXPECT_NE(
+            run(std::string(typed) + " x")
+                .err.find(std::string("unknown verb ") + typed + "; did you mean " + meant + "?"),
+            std::string::npos)
+            << run(std::string(typed) + " x").err;
+    EXPECT_EQ(run("frobnicate x").err.find("did you mean"), std::string::npos);
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(CliUsage, QuietIsNoQuality) {
+    for (const char* words :
+         {"x.rgb -o x.tess -q 50", "-q 50 x.rgb -o x.tess", "x.rgb -o x.tess -q50"})
+        fail(1, std::string("encode ") + words,
+             {"-q is --quiet and takes no number; did you mean --quality 50?"});
+    make_raw("x.rgb", 4 * 3 * 2 * 2 * 3);
+    succeed("encode -q x.rgb --size 4x3x2x2 -o x.tess --effort 0");
+}
+
+TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
+    make_raw("x.rgb", 16 * 8 * 4 * 4 * 3);
+    const std::string encode = "encode x.rgb --size 16x8x4x4 --effort 0 -q -o x.tess ";
+    for (const auto& [text, bytes] : {std::pair("2k", 2048), std::pair("3K", 3072),
+                                      std::pair("2KiB", 2048), std::pair("4000", 4000)}) {
+        succeed(encode + "--target-bytes " + text);
+        EXPECT_LE(fs::file_size(at("x.tess")), static_cast<std::uintmax_t>(bytes));
+        EXPECT_EQ(json("info x.tess --json")["metadata"]["tessera:rate"],
+                  "bytes " + std::to_string(bytes));
+    }
+    succeed(encode + "--target-bytes 1G");
+    for (const char* text : {"20q", "k", "1.5k", "-5", "0", "99999999999999999999", "9999T"}) {
+        const Outcome o = run(encode + "--target-bytes " + text);
+        EXPECT_EQ(o.code, 1) << text;
+        EXPECT_NE(o.err.find("--target-bytes: '" + std::string(text) + "' is not a size"),
+                  std::string::npos)
+            << o.err;
+        EXPECT_LT(o.err.size(), 200u) << o.err; // no number of 309 digits
+    }
+    fail(1, encode + "--target-bytes 9999T", {"from 1 to 1024T bytes"});
+    for (const char* text : {"0", "-1", "1e9", "much", "nan"}) {
+        const Outcome o = run(encode + "--target-bpt " + text);
+        EXPECT_NE(o.err.find("--target-bpt: '" + std::string(text) +
+                             "' is not a number from 1e-06 to 1000"),
+                  std::string::npos)
+            << o.err;
+    }
+    fail(1, encode + "--quality 101", {"--quality: '101' is not a number from 1 to 100"});
+    fail(1, "decode x.tess -o y.rgb --memory 1Q", {"--memory: '1Q' is not a size such as"});
+    for (const char* budget : {"1Q", "0", "2T", ""})
+        fail(1, std::string("render x.tess -o x.png --budget '") + budget + "'",
+             {"--budget", "512M"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"x.rgb", "x.tess"}));
+}
+
+TEST_F(CliUsage, BudgetsTakeUnits) {
+    succeed(scene + "-q -o a.tess");
+    for (const char* budget : {"64", "64M", "1g", "1"})
+        succeed(std::string("render a.tess -o v.png --size 8x6 -q --budget ") + budget);
+}
+
+TEST_F(CliUsage, WrongOptionsCostNoWorkAndLeaveNoJournal) {
+    make_raw("x.rgb", 32 * 16 * 8 * 8 * 3);
+    spit(at("m.gray"), std::string(16, 'x'));
+    const std::string encode = "encode x.rgb --size 32x16x8x8 --effort 0 ";
+    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // hours, if it began
+    for (const std::string& verb : {encode, bake}) {
+        const auto refused = [&](const std::string& options,
+                                 const std::vector<std::string>& words) {
+            fail(1, verb + "-o new/x.tess " + options, words);
+            EXPECT_EQ(run(verb + "-o new/x.tess " + options).err.find("resum"), std::string::npos);
+            EXPECT_EQ(names(), (std::vector<std::string>{"m.gray", "x.rgb"})) << verb << options;
+        };
+        refused("--alpha straight", {"--alpha straight", "2 or 4 channels", "has 3"});
+        refused("--target-bytes 100", {"--target-bytes: ", "100"});
+        refused("--target-bpt 0.0000011", {"--target-bpt: "});
+        refused("--max-error 256", {"--max-error", "0 to 255", "unorm8"});
+        refused("--max-error 1.5", {"--max-error", "whole number"});
+        refused("--max-error -1", {"--max-error: '-1' is not a number from 0 to 65535"});
+        refused("--meta Author", {"--meta: 'Author' is not key=value"});
+        refused("--meta =x", {"--meta"});
+        refused("--meta tessera:rate=x", {"--meta", "tessera:rate"});
+        refused("--meta 'a=\xff'", {"UTF-8"});
+        refused("--tile 65x1x1x1", {"--tile", "64"});
+        refused("--tile 64x64x32x32", {"--tile", "65536"});
+        refused("--tile 8x8", {"--tile", "'8x8'"});
+        refused("--transfer gamma", {"--transfer", "linear"});
+        refused("--quality 5 --target-psnr 40", {"--quality and --target-psnr: only one"});
+        refused("--memory 1M", {"--memory"});
+        refused("--tools -copeis", {"--tools", "copies"});
+    }
+    fail(1, encode + "-o new/x.tess --mask m.gray --mask-size 4x4x1x1", {"m.gray", "4x4x1x1"});
+    fail(3, encode + "-o new/x.tess --mask m.gray", {"m.gray"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"m.gray", "x.rgb"}));
+}
+
+// Only coding shows how small it gets; then the journal goes as well, for no resume could do better.
+TEST_F(CliUsage, ATargetThatIsMissedLeavesNoJournal) {
+    std::string noise(32 * 16 * 8 * 8 * 3, '\0');
+    unsigned state = 1;
+    for (char& c : noise)
+        c = static_cast<char>((state = state * 1664525 + 1013904223) >> 24);
+    spit(at("x.rgb"), noise);
+    fail(1, "encode x.rgb --size 32x16x8x8 --effort 0 --tile 4x4x4x4 -o x.tess --target-bytes 600",
+         {"target cannot be met"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"x.rgb"}));
+}
+
+TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
+    succeed(scene + "-q -o a.tess --layers");
+    const std::string whole = slurp(at("a.tess"));
+    spit(at("part.tess"), whole.substr(0, whole.size() - 100));
+    for (const char* verb : {"decode part.tess -o x.rgb", "compare part.tess a.tess",
+                             "compare a.tess part.tess", "render part.tess -o x.png"})
+        fail(3, verb, {"cut off", "; --allow-partial reads the part that is there"});
+    EXPECT_NE(run("validate part.tess").err.find("--allow-partial"), std::string::npos);
+    EXPECT_EQ(run("info part.tess").err.find("allow"), std::string::npos); // it has no such option
+    succeed("decode part.tess -o x.rgb -q --allow-partial");
+    spit(at("part.tess"), whole.substr(0, 200)); // no index: nothing can be read
+    EXPECT_EQ(run("decode part.tess -o x.rgb").err.find("allow"), std::string::npos);
+}
+
+TEST_F(CliUsage, FoldersOnTheWayToAnOutputAreMade) {
+    succeed(scene + "-q -o new/bake/a.tess");
+    succeed(scene + "-q -o raw/bake/a.rgb");
+    succeed("encode raw/bake/a.rgb --size 16x8x4x4 --effort 0 -q -o new/encode/a.tess");
+    succeed("decode new/bake/a.tess -q -o views/deep/sub/");
+    EXPECT_TRUE(fs::exists(at("views/deep/sub/view_t000_s000.png")));
+    for (const char* name : {"x/y/a.rgb", "x/z/a.exr"})
+        succeed(std::string("decode new/bake/a.tess -q -o ") + name);
+    EXPECT_EQ(json("compare new/bake/a.tess x/z/a.exr --json")["identical"], true);
+    succeed("sheet new/bake/a.tess -q -o sheets/s.png");
+    succeed("render new/bake/a.tess -q --size 8x6 -o views/v/v.png --sheet views/w/s.png");
+    succeed("render new/bake/a.tess -q --size 8x6 -o views/e/v.exr");
+    for (const char* name : {"sheets/s.png", "views/v/v.png", "views/w/s.png", "views/e/v.exr"})
+        EXPECT_TRUE(fs::exists(at(name))) << name;
+}
+
+TEST_F(CliUsage, HelpNeedsNoReadme) {
+    for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet",
+                             "shaders", "render", "bench", "rd", "serve"}) {
+        const std::string help = run(std::string(verb) + " --help").out;
+        for (const char* words : {"Examples:", "Exit codes: 0 success, 1 usage"})
+            EXPECT_NE(help.find(words), std::string::npos) << verb << help;
+    }
+    const std::string help = run("help").out;
+    for (const char* words : {"U x V places", "standard input", "powers of 1024", "--type"})
+        EXPECT_NE(help.find(words), std::string::npos) << words << help;
+    for (const char* verb : {"bake", "encode", "decode"})
+        EXPECT_NE(run(std::string("help ") + verb).out.find("--json"), std::string::npos);
+}
+
+} // namespace

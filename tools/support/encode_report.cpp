@@ -1,0 +1,130 @@
+#include "tools/support/encode_report.h"
+
+#include "tools/support/encode_arguments.h"
+#include "tools/support/output_folders.h"
+#include "tools/support/parse.h"
+#include "tools/support/standard_streams.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+const char* name_of(RateTarget::Kind kind) {
+    using Kind = RateTarget::Kind;
+    switch (kind) {
+    case Kind::quality:
+        return "quality";
+    case Kind::psnr:
+        return "psnr";
+    case Kind::bpt:
+        return "bpt";
+    case Kind::bytes:
+        return "bytes";
+    case Kind::max_error:
+        return "max-error";
+    }
+    return "?";
+}
+
+// Whether what was asked for was reached; a quality is a step, and always is.
+bool meets_target(const RateTarget& rate, const EncodeReport& r) {
+    using Kind = RateTarget::Kind;
+    switch (rate.kind) {
+    case Kind::quality:
+        return true;
+    case Kind::psnr:
+        return r.psnr >= rate.value;
+    case Kind::bpt:
+        return r.bits_per_texel <= rate.value;
+    case Kind::bytes:
+        return static_cast<double>(r.file_bytes) <= rate.value;
+    case Kind::max_error:
+        return r.max_error <= rate.value;
+    }
+    return false;
+}
+
+Result<EncodeReport> encode_to_standard_output(TexelSource& source, const EncodeOptions& options) {
+    auto report = encode_stream(source, write_standard_output, options);
+    if (report.ok())
+        TESSERA_TRY(flush_standard_output());
+    return report;
+}
+
+} // namespace
+
+Result<EncodeReport> encode_to(TexelSource& source, const std::string& path,
+                               const EncodeOptions& options) {
+    if (path == standard_stream)
+        return encode_to_standard_output(source, options);
+    TESSERA_TRY(make_parent_folders(path));
+    auto report = encode_file(source, path, options);
+    return report.ok() ? std::move(report) : with_resume_hint(report.status(), path);
+}
+
+void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
+                  const EncodeReport& r) {
+    const double ratio = static_cast<double>(r.raw_bytes) /
+                         static_cast<double>(std::max<std::uint64_t>(1, r.file_bytes));
+    const double speed = static_cast<double>(r.raw_bytes) / 1e6 / std::max(r.seconds, 1e-9);
+    std::fprintf(to, "%s: %s, %d x %s\n", path.c_str(), to_string(desc.size).c_str(), desc.channels,
+                 name_of(desc.type));
+    std::fprintf(to, "  size   %llu bytes (%s of %s), ratio %.1f, %.4f bits per texel\n",
+                 static_cast<unsigned long long>(r.file_bytes), human_bytes(r.file_bytes).c_str(),
+                 human_bytes(r.raw_bytes).c_str(), ratio, r.bits_per_texel);
+    if (r.texels_that_matter)
+        std::fprintf(to, "  mask   %.2f %% of the texels matter; PSNR and error are theirs\n",
+                     100.0 * static_cast<double>(*r.texels_that_matter) /
+                         static_cast<double>(texel_count(desc.size)));
+    const std::string psnr = r.psnr >= 999 ? "lossless" : format_number(r.psnr, 2) + " dB";
+    std::fprintf(to, "  PSNR   %s%s, largest error %.0f\n", psnr.c_str(),
+                 desc.type == SampleType::half16 && r.psnr < 999 ? " (over 16-bit codes)" : "",
+                 r.max_error);
+    std::fprintf(to, "  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
+                 r.passes == 1 ? "" : "es");
+    for (const CodedLevel& level : r.coarse_levels)
+        std::fprintf(to, "  level  %s in %llu bytes (%.2f %%), steps x%u\n",
+                     to_string(level.size).c_str(), static_cast<unsigned long long>(level.bytes),
+                     100.0 * static_cast<double>(level.bytes) / static_cast<double>(r.file_bytes),
+                     1u << level.step_shift);
+    if (r.nan_count + r.infinity_count > 0)
+        std::fprintf(to, "  note   %llu NaN replaced by 0, %llu infinities by +-65504\n",
+                     static_cast<unsigned long long>(r.nan_count),
+                     static_cast<unsigned long long>(r.infinity_count));
+    if (!r.note.empty())
+        std::fprintf(to, "  note   %s\n", r.note.c_str());
+}
+
+Json report_json(const std::string& path, const TextureDesc& desc, const EncodeOptions& options,
+                 const EncodeReport& r) {
+    const bool lossless = r.psnr >= 999;
+    Json json = {{"output", path},
+                 {"size", to_string(desc.size)},
+                 {"type", name_of(desc.type)},
+                 {"channels", desc.channels},
+                 {"rate", {{"kind", name_of(options.rate.kind)}, {"value", options.rate.value}}},
+                 {"effort", options.effort},
+                 {"bytes", r.file_bytes},
+                 {"raw_bytes", r.raw_bytes},
+                 {"bits_per_texel", r.bits_per_texel},
+                 {"psnr", lossless ? Json(nullptr) : Json(r.psnr)}, // JSON has no infinity
+                 {"lossless", lossless},
+                 {"max_error", r.max_error},
+                 {"seconds", r.seconds},
+                 {"passes", r.passes},
+                 {"target_met", meets_target(options.rate, r)},
+                 {"note", r.note},
+                 {"nan_count", r.nan_count},
+                 {"infinity_count", r.infinity_count},
+                 {"levels", Json::array()}};
+    if (r.texels_that_matter)
+        json["texels_that_matter"] = *r.texels_that_matter;
+    for (const CodedLevel& level : r.coarse_levels)
+        json["levels"].push_back({{"size", to_string(level.size)},
+                                  {"bytes", level.bytes},
+                                  {"step_shift", level.step_shift}});
+    return json;
+}
+
+} // namespace tessera

@@ -1,0 +1,102 @@
+#include "tools/support/option_checks.h"
+
+#include "tools/support/parse.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t most_mebibytes = 1u << 20;
+
+std::string in_quotes(const std::string& text) {
+    return "'" + text.substr(0, 100) + "'";
+}
+
+// In the largest unit that says it exactly: "16G", "20000".
+std::string size_text(std::uint64_t bytes) {
+    const char* const units[] = {"", "k", "M", "G", "T"};
+    int unit = 0;
+    for (; bytes > 0 && bytes % 1024 == 0 && unit < 4; ++unit)
+        bytes /= 1024;
+    return std::to_string(bytes) + units[unit];
+}
+
+// Digits as people write them: "0.001", "1e-06".
+std::string plain(double value) {
+    char text[40];
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+bool is_plain_number(const std::string& text) {
+    std::uint64_t value = 0;
+    return parse_number(text, value);
+}
+
+} // namespace
+
+Result<std::uint64_t> parse_size(const std::string& text) {
+    const Status malformed(ErrorCode::bad_argument,
+                           in_quotes(text) + " is not a size such as 20000, 512M or 2GiB");
+    std::size_t digits = 0;
+    while (digits < text.size() && std::isdigit(static_cast<unsigned char>(text[digits])))
+        ++digits;
+    std::uint64_t value = 0;
+    if (!parse_number(std::string_view(text).substr(0, digits), value))
+        return malformed;
+    std::string unit = text.substr(digits);
+    for (char& c : unit)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (unit.empty() || unit == "b")
+        return value;
+    const std::size_t power = std::string_view("kmgt").find(unit[0]);
+    const std::string rest = unit.substr(1);
+    if (power == std::string_view::npos || (rest != "" && rest != "b" && rest != "ib"))
+        return malformed;
+    const unsigned shift = 10 * (static_cast<unsigned>(power) + 1);
+    if (value >> (63 - shift) != 0)
+        return malformed;
+    return value << shift;
+}
+
+CLI::Validator number_between(double low, double high) {
+    return {[low, high](std::string& text) {
+                double value = 0;
+                return parse_number(text, value) && value >= low && value <= high
+                           ? std::string()
+                           : in_quotes(text) + " is not a number from " + plain(low) + " to " +
+                                 plain(high);
+            },
+            "in " + plain(low) + ".." + plain(high)};
+}
+
+CLI::Validator size_between(std::uint64_t low, std::uint64_t high) {
+    return {[low, high](std::string& text) {
+                const auto size = parse_size(text);
+                if (!size.ok())
+                    return size.status().message();
+                if (*size < low || *size > high)
+                    return in_quotes(text) + " is not a size from " + size_text(low) + " to " +
+                           size_text(high) + " bytes";
+                text = std::to_string(*size);
+                return std::string();
+            },
+            ""};
+}
+
+CLI::Validator mebibytes() {
+    return {[](std::string& text) {
+                const auto size = parse_size(is_plain_number(text) ? text + "M" : text);
+                const std::uint64_t whole = size.ok() ? (*size + (1u << 20) - 1) >> 20 : 0;
+                if (whole < 1 || whole > most_mebibytes)
+                    return in_quotes(text) + " is not a size from 1M to 1T such as 512M or 2G; "
+                                             "without a unit it is in MiB";
+                text = std::to_string(whole);
+                return std::string();
+            },
+            ""};
+}
+
+} // namespace tessera

@@ -1,0 +1,117 @@
+#include "tools/support/standard_streams.h"
+
+#include "tools/support/interrupt.h"
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t most_input_bytes = std::size_t{1} << 30;
+constexpr std::size_t piece_bytes = std::size_t{1} << 16;
+
+Status input_error(const std::string& text, ErrorCode code = ErrorCode::io) {
+    return {code, "standard input: " + text};
+}
+
+// A source under the name that messages shall use.
+class StandardInput : public ByteSource {
+public:
+    explicit StandardInput(std::unique_ptr<ByteSource> inner) : inner_(std::move(inner)) {}
+    std::uint64_t size() const override { return inner_->size(); }
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        return inner_->read(offset, out);
+    }
+    std::string name() const override { return "standard input"; }
+
+private:
+    std::unique_ptr<ByteSource> inner_;
+};
+
+// Waits for input in a way that a signal ends, which read() would not.
+Status wait_for_input() {
+    pollfd wanted{STDIN_FILENO, POLLIN, 0};
+    while (::poll(&wanted, 1, -1) < 0)
+        if (errno != EINTR)
+            return input_error(std::strerror(errno));
+        else if (interrupted_by() != 0)
+            return {ErrorCode::runtime, "interrupted"};
+    return {};
+}
+
+Status read_pipe(std::vector<std::byte>& bytes) {
+    while (true) {
+        TESSERA_TRY(wait_for_input());
+        const std::size_t before = bytes.size();
+        bytes.resize(before + piece_bytes);
+        const ssize_t got = ::read(STDIN_FILENO, bytes.data() + before, piece_bytes);
+        bytes.resize(before + static_cast<std::size_t>(got < 0 ? 0 : got));
+        if (got < 0 && errno != EINTR)
+            return input_error(std::strerror(errno));
+        if (got == 0)
+            return {};
+        if (bytes.size() > most_input_bytes)
+            return input_error("a pipe may bring at most 1 GiB, which is held in memory; redirect "
+                               "a file (< FILE) or name it",
+                               ErrorCode::unsupported);
+    }
+}
+
+} // namespace
+
+Result<std::unique_ptr<ByteSource>> open_standard_input() {
+    if (::isatty(STDIN_FILENO) != 0)
+        return input_error("is a terminal; '-' wants a pipe or a file (< FILE)",
+                           ErrorCode::bad_argument);
+    struct stat info = {};
+    if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) {
+        auto file = open_file("/dev/stdin");
+        if (!file.ok())
+            return file.status();
+        return std::unique_ptr<ByteSource>(std::make_unique<StandardInput>(std::move(*file)));
+    }
+    static std::vector<std::byte> bytes; // a pipe can be read once only
+    static bool is_read = false;
+    if (!is_read)
+        TESSERA_TRY(read_pipe(bytes));
+    is_read = true;
+    return std::unique_ptr<ByteSource>(std::make_unique<StandardInput>(wrap_memory(bytes)));
+}
+
+Status check_json_output(bool json, const std::string& output) {
+    if (json && output == standard_stream)
+        return {ErrorCode::bad_argument, "--json and -o -: both would go to standard output"};
+    return {};
+}
+
+std::FILE* summary_stream(const std::string& output) {
+    return output == standard_stream ? stderr : stdout;
+}
+
+Status check_standard_output() {
+    if (::isatty(STDOUT_FILENO) != 0)
+        return {ErrorCode::bad_argument,
+                "standard output is a terminal; '-' wants a pipe or a file (> FILE)"};
+    return {};
+}
+
+Status write_standard_output(std::span<const std::byte> bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size())
+        return {};
+    return {ErrorCode::io, std::string("standard output: ") + std::strerror(errno)};
+}
+
+Status flush_standard_output() {
+    if (std::fflush(stdout) == 0)
+        return {};
+    return {ErrorCode::io, std::string("standard output: ") + std::strerror(errno)};
+}
+
+} // namespace tessera
