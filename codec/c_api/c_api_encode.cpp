@@ -53,9 +53,7 @@ Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source* sou
         return missing(what);
     TESSERA_TRY_ASSIGN(const tessera_texel_source wanted,
                        take_struct(source, {}, "tessera_texel_source"));
-    Result<std::unique_ptr<TexelSource>> made = make_source(wanted);
-    return made.ok() ? std::move(made)
-                     : Result<std::unique_ptr<TexelSource>>(made.status().with_context(what));
+    return make_source(wanted).with_context(what);
 }
 
 Result<Description> make_description(const tessera_description* given) {

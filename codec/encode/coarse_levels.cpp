@@ -209,8 +209,7 @@ private:
     Status try_out(Candidate& candidate, double bytes) {
         LevelCoder level(plan_, texture_, candidate.entry);
         double share = 0;
-        const Result<Sample> sample = take_sample(level, share);
-        TESSERA_TRY(sample.status());
+        TESSERA_TRY_ASSIGN(const Sample sample, take_sample(level, share));
         const double tiles = static_cast<double>(level.plan.grid.tiles());
         const double samples = share * static_cast<double>(texel_count(candidate.entry.size)) *
                                level.plan.colour.desc.channels;
@@ -221,16 +220,15 @@ private:
                 end = shift;
                 continue;
             }
-            const Result<PassResult> coded = run_pass(level.plan, *parameters, *sample);
-            TESSERA_TRY(coded.status());
+            TESSERA_TRY_ASSIGN(const PassResult coded, run_pass(level.plan, *parameters, sample));
             const double size =
-                static_cast<double>(coded->payload_bytes()) / share + index_bytes * tiles;
+                static_cast<double>(coded.payload_bytes()) / share + index_bytes * tiles;
             if (size > bytes) {
                 first = shift + 1;
                 continue;
             }
             candidate.entry.step_shift = static_cast<std::uint8_t>(shift);
-            candidate.error = candidate.ideal + coded->totals.squared_error / samples;
+            candidate.error = candidate.ideal + coded.totals.squared_error / samples;
             end = shift;
         }
         return {};
@@ -243,9 +241,9 @@ private:
             if (!parameters || entry.step_shift > largest_shift)
                 return std::optional<CoarseLevel>();
             LevelCoder level(plan_, texture_, entry);
-            Result<PassResult> coded = run_pass(level.plan, *parameters, 0, "coarse levels");
-            TESSERA_TRY(coded.status());
-            CoarseLevel result{entry, std::move(coded->tiles), std::move(coded->payloads)};
+            TESSERA_TRY_ASSIGN(PassResult coded,
+                               run_pass(level.plan, *parameters, 0, "coarse levels"));
+            CoarseLevel result{entry, std::move(coded.tiles), std::move(coded.payloads)};
             if (static_cast<double>(result.payload_bytes()) +
                     index_bytes * static_cast<double>(result.tiles.size()) <=
                 bytes * share_tolerance)
@@ -273,12 +271,12 @@ Result<std::vector<CoarseLevel>> make_coarse_levels(const EncodePlan& plan,
     std::vector<CoarseLevel> levels;
     LevelEntry finer{plan.grid.size(), 0, 0, 0};
     for (const double share : level_share) {
-        auto level = chooser.next(finer, share * static_cast<double>(pass.payload_bytes()));
-        TESSERA_TRY(level.status());
-        if (!*level)
+        TESSERA_TRY_ASSIGN(auto level,
+                           chooser.next(finer, share * static_cast<double>(pass.payload_bytes())));
+        if (!level)
             continue;
-        finer = (*level)->entry;
-        levels.push_back(std::move(**level));
+        finer = level->entry;
+        levels.push_back(std::move(*level));
     }
     return levels;
 }

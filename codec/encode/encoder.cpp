@@ -52,9 +52,8 @@ struct LatestLevels {
 
 Result<FileParts> parts_of(const EncodePlan& plan, const PassResult& pass, LatestLevels& latest) {
     if (plan.options.layers && latest.pass != pass.number) {
-        Result<std::vector<CoarseLevel>> levels = make_coarse_levels(plan, pass);
-        TESSERA_TRY(levels.status());
-        latest = {pass.number, std::move(*levels)};
+        TESSERA_TRY_ASSIGN(std::vector<CoarseLevel> levels, make_coarse_levels(plan, pass));
+        latest = {pass.number, std::move(levels)};
     }
     return FileParts{plan, pass, write_coding_parameters(pass.parameters), latest.levels};
 }
@@ -95,9 +94,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
                             const std::function<Status(const ContainerContents&)>& write) {
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc desc = source.desc();
-    const Result<std::uint64_t> texels_that_matter =
-        count_texels_that_matter(options.mask, desc.size, options.threads);
-    TESSERA_TRY(texels_that_matter.status());
+    TESSERA_TRY_ASSIGN(const std::uint64_t texels_that_matter,
+                       count_texels_that_matter(options.mask, desc.size, options.threads));
     TESSERA_TRY_ASSIGN(const ToolSwitches tools, parse_tool_switches(options.tools));
     const EffortSettings effort = EffortSettings::of(options.effort, tools);
     EncodePlan plan{
@@ -111,57 +109,49 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         effort,
         nullptr,
         options.mask,
-        *texels_that_matter,
+        texels_that_matter,
         tools};
     const bool resume = options.journal == JournalUse::resume;
     if (journal != nullptr && resume)
         TESSERA_TRY(journal->may_resume(facts_of(plan)));
-    const Result<Extent4> tile_extent = choose_tile_extent(plan);
-    TESSERA_TRY(tile_extent.status());
-    plan.grid = TileGrid(desc.size, *tile_extent);
+    TESSERA_TRY_ASSIGN(const Extent4 tile_extent, choose_tile_extent(plan));
+    plan.grid = TileGrid(desc.size, tile_extent);
     if (plan.grid.tiles() > max_tiles)
         return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
-    const Result<Sample> sample = read_sample(plan);
-    if (!sample)
-        return sample.status();
-    plan.colour.background = find_background(*sample, desc);
+    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(plan));
+    plan.colour.background = find_background(sample, desc);
     if (journal != nullptr) {
-        TESSERA_TRY(journal->begin(facts_of(plan, *sample), resume));
+        TESSERA_TRY(journal->begin(facts_of(plan, sample), resume));
         plan.journal = journal;
     }
 
     LatestLevels latest;
-    Result<RateOutcome> outcome =
-        control_rate(plan, *sample, [&](const PassResult& pass) -> Result<std::uint64_t> {
-            const Result<FileParts> parts = parts_of(plan, pass, latest);
-            TESSERA_TRY(parts.status());
-            return container_bytes(contents_of(*parts));
-        });
-    if (!outcome)
-        return outcome.status();
-    const PassResult& pass = outcome->pass;
-    const Result<FileParts> parts = parts_of(plan, pass, latest);
-    TESSERA_TRY(parts.status());
-    const ContainerContents contents = contents_of(*parts);
-    const Result<std::uint64_t> bytes = container_bytes(contents);
-    if (!bytes)
-        return bytes.status();
+    TESSERA_TRY_ASSIGN(
+        RateOutcome outcome,
+        control_rate(plan, sample, [&](const PassResult& pass) -> Result<std::uint64_t> {
+            TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, latest));
+            return container_bytes(contents_of(parts));
+        }));
+    const PassResult& pass = outcome.pass;
+    TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, latest));
+    const ContainerContents contents = contents_of(parts);
+    TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
     TESSERA_TRY(write(contents));
 
     EncodeReport report;
-    report.file_bytes = *bytes;
+    report.file_bytes = bytes;
     report.raw_bytes = desc.box_bytes(Box4::whole(desc.size));
     const auto texels = static_cast<double>(texel_count(desc.size));
-    report.bits_per_texel = static_cast<double>(*bytes) * 8.0 / texels;
+    report.bits_per_texel = static_cast<double>(bytes) * 8.0 / texels;
     if (plan.mask != nullptr)
         report.texels_that_matter = plan.texels_that_matter;
     report.psnr = pass.psnr(desc, plan.texels_that_matter);
     report.max_error = pass.totals.max_error;
     report.nan_count = pass.totals.nan_count;
     report.infinity_count = pass.totals.infinity_count;
-    report.passes = outcome->passes;
-    report.note = outcome->note;
-    for (const CoarseLevel& level : parts->levels)
+    report.passes = outcome.passes;
+    report.note = outcome.note;
+    for (const CoarseLevel& level : parts.levels)
         report.coarse_levels.push_back(
             {level.entry.size, level.entry.step_shift, level.payload_bytes()});
     report.seconds =
@@ -172,39 +162,33 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
 Result<EncodeReport> encode_in_memory(TexelSource& source, const std::string& path,
                                       const EncodeOptions& options) {
     // Created first: a folder that cannot be written to should cost no encoding.
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file)
-        return file.status();
+    TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(path));
     return encode(source, options, nullptr, [&file](const ContainerContents& contents) -> Status {
-        FileSink sink(*file);
-        TESSERA_TRY(write_container(contents, sink).status());
-        return file->commit();
+        FileSink sink(file);
+        TESSERA_TRY(write_container(contents, sink));
+        return file.commit();
     });
 }
 
 Result<EncodeReport> encode_with_journal(TexelSource& source, const std::string& path,
                                          const EncodeOptions& options) {
-    Result<std::unique_ptr<Journal>> journal = Journal::open(path);
-    if (!journal)
-        return journal.status();
+    TESSERA_TRY_ASSIGN(std::unique_ptr<Journal> journal, Journal::open(path));
     Result<EncodeReport> report =
-        encode(source, options, journal->get(), [&](const ContainerContents& contents) -> Status {
+        encode(source, options, journal.get(), [&](const ContainerContents& contents) -> Status {
             // Inside the journal, so that a kill leaves nothing else.
-            Result<OutputFile> file = OutputFile::create(path, (*journal)->output_path());
-            if (!file)
-                return file.status();
-            FileSink sink(*file);
-            TESSERA_TRY(write_container(contents, sink).status());
-            return file->commit();
+            TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(path, journal->output_path()));
+            FileSink sink(file);
+            TESSERA_TRY(write_container(contents, sink));
+            return file.commit();
         });
     // Options that cannot be met cannot be met by going on either.
-    const bool hopeless = report.status().code() == ErrorCode::bad_argument && (*journal)->begun();
+    const bool hopeless = report.status().code() == ErrorCode::bad_argument && journal->begun();
     if (report || hopeless)
-        (*journal)->remove();
-    else if ((*journal)->can_resume())
+        journal->remove();
+    else if (journal->can_resume())
         return Status(report.status().code(), report.status().message() +
                                                   "; finished tiles are kept in " +
-                                                  (*journal)->folder());
+                                                  journal->folder());
     return report;
 }
 

@@ -89,28 +89,23 @@ private:
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
         if (plan_.effort.fit_tables || !smooth_ || !filter_) {
             FilterStatistics to_mend;
-            const Result<PassResult> trained =
-                run_pass(plan_, parameters, sample_, filter_ ? nullptr : &to_mend);
-            if (!trained)
-                return trained.status();
+            TESSERA_TRY_ASSIGN(const PassResult trained,
+                               run_pass(plan_, parameters, sample_, filter_ ? nullptr : &to_mend));
             if (!smooth_) {
-                const Result<bool> pays = smooth_copies_pay(plan_, sample_, *trained);
-                if (!pays)
-                    return pays.status();
-                smooth_ = parameters.smooth_copies = *pays;
+                TESSERA_TRY_ASSIGN(const bool pays, smooth_copies_pay(plan_, sample_, trained));
+                smooth_ = parameters.smooth_copies = pays;
             }
             if (!filter_)
                 filter_ = parameters.filter = fit_filter(to_mend);
             if (plan_.effort.fit_tables)
-                TESSERA_TRY(learn(*trained, parameters));
+                TESSERA_TRY(learn(trained, parameters));
         }
         if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
-            const Result<PassResult> first = finished_or(
-                parameters, [&] { return run_pass(plan_, parameters, passes_, stage); });
-            if (!first)
-                return first;
-            parameters.parameters = fit_parameters(first->totals.statistics);
-            drop(*first); // only its tables were wanted
+            TESSERA_TRY_ASSIGN(const PassResult first, finished_or(parameters, [&] {
+                                   return run_pass(plan_, parameters, passes_, stage);
+                               }));
+            parameters.parameters = fit_parameters(first.totals.statistics);
+            drop(first); // only its tables were wanted
         }
         return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, stage); });
     }
@@ -121,9 +116,9 @@ private:
             parameters.parameters = fit_parameters(trained.totals.statistics);
             return {};
         }
-        const Result<Parameters> learnt = learn_tables(plan_, sample_, trained, parameters);
-        TESSERA_TRY(learnt.status());
-        tables_ = parameters.parameters = *learnt;
+        TESSERA_TRY_ASSIGN(const Parameters learnt,
+                           learn_tables(plan_, sample_, trained, parameters));
+        tables_ = parameters.parameters = learnt;
         return {};
     }
 
@@ -134,15 +129,10 @@ private:
         if (plan_.journal != nullptr)
             if (auto totals = plan_.journal->finished(passes_, parameters))
                 return PassResult{passes_, parameters, parameters, {}, nullptr, *totals};
-        Result<PassResult> pass = run();
-        if (!pass)
-            return pass;
-        const Result<std::uint64_t> size = file_bytes_(*pass);
-        if (!size)
-            return size.status();
-        pass->totals.file_bytes = *size;
+        TESSERA_TRY_ASSIGN(PassResult pass, run());
+        TESSERA_TRY_ASSIGN(pass.totals.file_bytes, file_bytes_(pass));
         if (plan_.journal != nullptr)
-            TESSERA_TRY(plan_.journal->finish(passes_, parameters, pass->totals));
+            TESSERA_TRY(plan_.journal->finish(passes_, parameters, pass.totals));
         return pass;
     }
 
@@ -163,10 +153,7 @@ private:
     // come from the journal now.
     Result<RateOutcome> outcome_of(PassResult pass, std::string note = {}) {
         if (pass.payloads == nullptr) {
-            Result<PassResult> again = recoded_pass(pass.walked, pass.number, "encode");
-            if (!again)
-                return again.status();
-            pass = std::move(*again);
+            TESSERA_TRY_ASSIGN(pass, recoded_pass(pass.walked, pass.number, "encode"));
         }
         return RateOutcome{std::move(pass), passes_, std::move(note)};
     }
@@ -182,10 +169,8 @@ private:
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
 
     Result<RateOutcome> single(double step) {
-        Result<PassResult> pass = full_pass(for_step(step), "encode");
-        if (!pass)
-            return pass.status();
-        return outcome_of(std::move(*pass));
+        TESSERA_TRY_ASSIGN(PassResult pass, full_pass(for_step(step), "encode"));
+        return outcome_of(std::move(pass));
     }
 
     // Corrections meet the error whatever the step, so the sample chooses the cheapest one.
@@ -200,8 +185,7 @@ private:
                 parameters.parameters = fit_parameters(pass->totals.statistics);
                 pass = run_pass(plan_, parameters, sample_);
             }
-            if (!pass)
-                return pass.status();
+            TESSERA_TRY(pass);
             if (static_cast<double>(pass->payload_bytes()) < best_bytes) {
                 best_bytes = static_cast<double>(pass->payload_bytes());
                 best_step = width * factor;
@@ -209,10 +193,8 @@ private:
         }
         CodingParameters parameters = for_step(best_step);
         parameters.correction_error = static_cast<std::uint16_t>(error);
-        Result<PassResult> pass = full_pass(parameters, "encode");
-        if (!pass)
-            return pass.status();
-        return outcome_of(std::move(*pass));
+        TESSERA_TRY_ASSIGN(PassResult pass, full_pass(parameters, "encode"));
+        return outcome_of(std::move(pass));
     }
 
     // Sample PSNR or bytes predict a first step; whole passes correct it.
@@ -223,12 +205,10 @@ private:
             static_cast<double>(sample_.texel_count()) / static_cast<double>(texels_);
         const std::uint64_t texels_that_matter = sample_.texels_that_matter();
         for (int i = 0; i < 6; ++i) {
-            const Result<PassResult> pass = run_pass(plan_, at(log_step), sample_);
-            if (!pass)
-                return pass.status();
+            TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(plan_, at(log_step), sample_));
             const double reached =
-                bytes ? -std::log2(static_cast<double>(pass->payload_bytes() + 1) / share + 1000)
-                      : -pass->psnr(plan_.colour.desc, texels_that_matter) / 6.0206;
+                bytes ? -std::log2(static_cast<double>(pass.payload_bytes() + 1) / share + 1000)
+                      : -pass.psnr(plan_.colour.desc, texels_that_matter) / 6.0206;
             points.push_back({log_step, reached});
             if (std::fabs(reached - goal) < 0.02)
                 break;
@@ -263,22 +243,17 @@ private:
         const int most = plan_.source.cheap_to_reread() ? 12 : 3;
         const double low = std::log2(smallest_step);
         const double high = std::log2(largest_step(plan_.colour.desc.type));
-        Result<double> first = first_log_step(goal, bytes);
-        if (!first)
-            return first.status();
-        double log_step = *first;
+        TESSERA_TRY_ASSIGN(double log_step, first_log_step(goal, bytes));
         std::vector<Point> points;
         std::optional<PassResult> best;
         double best_distance = std::numeric_limits<double>::infinity();
         double last_reached = 0;
         double nudge = 0.02; // some 0.1 dB
         for (int i = 0;; ++i) {
-            Result<PassResult> pass = full_pass(at(log_step), "encode");
-            if (!pass)
-                return pass.status();
-            double reached = -pass->psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
+            TESSERA_TRY_ASSIGN(PassResult pass, full_pass(at(log_step), "encode"));
+            double reached = -pass.psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
             if (bytes)
-                reached = -std::log2(static_cast<double>(pass->totals.file_bytes));
+                reached = -std::log2(static_cast<double>(pass.totals.file_bytes));
             last_reached = reached;
             points.push_back({log_step, reached});
             const double distance = std::fabs(reached - goal) + (admissible(reached) ? 0 : 1e6);
@@ -286,9 +261,9 @@ private:
                 best_distance = distance;
                 if (best)
                     drop(*best);
-                best = std::move(*pass);
+                best = std::move(pass);
             } else {
-                drop(*pass);
+                drop(pass);
             }
             if (good(reached) || (log_step >= high && !admissible(reached)))
                 break;

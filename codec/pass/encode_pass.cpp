@@ -268,11 +268,10 @@ namespace {
 // The tiles that a sample holds, ascending. They must not depend on how slabs are cut.
 Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan, std::uint64_t wanted) {
     // Sources that are walked in slabs give the tiles of the middle one.
-    const auto uncut = make_slabs(plan.grid, Box4::whole(plan.grid.size()), plan.source.locality());
-    if (!uncut)
-        return uncut.status();
+    TESSERA_TRY_ASSIGN(const auto uncut, make_slabs(plan.grid, Box4::whole(plan.grid.size()),
+                                                    plan.source.locality()));
     const bool anywhere = plan.source.locality() == Locality::any;
-    const Slab& middle = (*uncut)[uncut->size() / 2];
+    const Slab& middle = uncut[uncut.size() / 2];
     const std::uint64_t available = anywhere ? plan.grid.tiles() : middle.tiles.size();
     wanted = std::min(available, wanted);
     std::vector<std::uint64_t> tiles;
@@ -303,19 +302,14 @@ Result<Sample> read_sample(const EncodePlan& plan) {
 }
 
 Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
-    const auto chosen = choose_sample(plan, wanted);
-    if (!chosen)
-        return chosen.status();
-    const std::vector<std::uint64_t>& numbers = *chosen;
-    const auto slabs = slabs_of(plan);
-    if (!slabs)
-        return slabs.status();
+    TESSERA_TRY_ASSIGN(const std::vector<std::uint64_t> numbers, choose_sample(plan, wanted));
+    TESSERA_TRY_ASSIGN(const auto slabs, slabs_of(plan));
     Sample sample;
     for (const std::uint64_t number : numbers)
         sample.boxes.push_back(plan.grid.box(number));
     sample.tiles.resize(numbers.size());
     std::vector<int> workers(thread_count(plan.options.threads));
-    for (const Slab& slab : *slabs) {
+    for (const Slab& slab : slabs) {
         std::vector<std::size_t> inside; // of `numbers`
         for (std::size_t i = 0; i < numbers.size(); ++i)
             if (std::binary_search(slab.tiles.begin(), slab.tiles.end(), numbers[i]))
@@ -345,20 +339,16 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     std::shared_ptr<TileStore> payloads;
     const JournalTiles* journaled = nullptr;
     if (plan.journal != nullptr) {
-        auto opened = plan.journal->pass(number, parameters, tiles);
-        if (!opened)
-            return opened.status();
-        TESSERA_TRY(count_journaled(crew, **opened));
-        journaled = opened->get();
-        payloads = std::move(*opened);
+        TESSERA_TRY_ASSIGN(auto opened, plan.journal->pass(number, parameters, tiles));
+        TESSERA_TRY(count_journaled(crew, *opened));
+        journaled = opened.get();
+        payloads = std::move(opened);
     } else {
         payloads = std::make_shared<MemoryTileStore>(tiles.size());
     }
-    const auto slabs = slabs_of(plan);
-    if (!slabs)
-        return slabs.status();
+    TESSERA_TRY_ASSIGN(const auto slabs, slabs_of(plan));
     double done = 0;
-    for (const Slab& slab : *slabs) {
+    for (const Slab& slab : slabs) {
         std::vector<std::uint64_t> wanted = slab.tiles;
         if (journaled != nullptr)
             std::erase_if(wanted, [&](std::uint64_t tile) { return journaled->has(tile); });

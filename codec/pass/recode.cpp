@@ -11,10 +11,7 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     fitted.parameters = fit_parameters(pass.totals.statistics);
     std::shared_ptr<TileStore> payloads = pass.payloads; // memory: each in place of the old one
     if (plan.journal != nullptr) {
-        auto scratch = plan.journal->scratch(pass.tiles.size());
-        if (!scratch)
-            return scratch.status();
-        payloads = std::move(*scratch);
+        TESSERA_TRY_ASSIGN(payloads, plan.journal->scratch(pass.tiles.size()));
     }
     const SampleType type = plan.colour.desc.type;
     const int planes = plan.colour.desc.channels;

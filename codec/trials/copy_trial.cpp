@@ -22,14 +22,12 @@ Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
     }
     CodingParameters parameters = plain.walked;
     parameters.smooth_copies = true;
-    const Result<PassResult> smooth = run_pass(plan, parameters, heavy);
-    if (!smooth)
-        return smooth.status();
+    TESSERA_TRY_ASSIGN(const PassResult smooth, run_pass(plan, parameters, heavy));
 
     double saved = 0;
     for (std::size_t i = 0; i < order.size(); ++i)
         saved += lagrangian_cost(plan, parameters, plain.tiles[order[i]]) -
-                 lagrangian_cost(plan, parameters, smooth->tiles[i]);
+                 lagrangian_cost(plan, parameters, smooth.tiles[i]);
     return saved > 0;
 }
 

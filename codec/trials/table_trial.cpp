@@ -52,12 +52,10 @@ Result<Parameters> learn_tables(const EncodePlan& plan, const Sample& sample,
         bits < dense_bits_per_texel * static_cast<double>(sample.texel_count()))
         return usual;
     parameters.parameters = usual;
-    const Result<PassResult> sparse = run_pass(plan, parameters, sample);
-    TESSERA_TRY(sparse.status());
-    const Result<PassResult> dense = settle_densely(plan, parameters, sample);
-    TESSERA_TRY(dense.status());
-    const bool is_dense = lagrangian_cost(plan, *dense) < lagrangian_cost(plan, *sparse);
-    return fit_parameters((is_dense ? dense : sparse)->totals.statistics);
+    TESSERA_TRY_ASSIGN(const PassResult sparse, run_pass(plan, parameters, sample));
+    TESSERA_TRY_ASSIGN(const PassResult dense, settle_densely(plan, parameters, sample));
+    const bool is_dense = lagrangian_cost(plan, dense) < lagrangian_cost(plan, sparse);
+    return fit_parameters((is_dense ? dense : sparse).totals.statistics);
 }
 
 } // namespace tessera

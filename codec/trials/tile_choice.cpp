@@ -40,15 +40,14 @@ Result<Sample> read_patches(const EncodePlan& plan) {
         most_patch_bytes / (2 * texel_count(patch_extent) * plan.colour.desc.texel_bytes());
     const std::uint64_t wanted =
         std::clamp(cut.grid.tiles() / 16, fewest_patches, std::min(most_patches, affordable));
-    Result<Sample> sample = read_sample(cut, 2 * wanted);
-    TESSERA_TRY(sample.status());
+    TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
-    for (const TileTexels& tile : sample->tiles)
+    for (const TileTexels& tile : sample.tiles)
         lively.push_back(liveliness(tile, plan.colour.desc.texel_bytes()));
     Sample patches;
     for (const std::size_t i : largest_values(lively, wanted)) {
-        patches.boxes.push_back(sample->boxes[i]);
-        patches.tiles.push_back(std::move(sample->tiles[i]));
+        patches.boxes.push_back(sample.boxes[i]);
+        patches.tiles.push_back(std::move(sample.tiles[i]));
     }
     return patches;
 }
@@ -90,11 +89,10 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         plan.options.rate.kind == RateTarget::Kind::max_error ||
         (plan.options.layers && TileGrid(desc.size, short_tile).tiles() > most_short_tiles))
         return usual_tile;
-    const Result<Sample> patches = read_patches(plan);
-    TESSERA_TRY(patches.status());
+    TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan));
 
     EncodePlan trial = plan;
-    trial.colour.background = find_background(*patches, desc);
+    trial.colour.background = find_background(patches, desc);
     trial.effort =
         EffortSettings::of(std::min(plan.options.effort, most_effort), plan.tools);
     const RateTarget& rate = plan.options.rate;
@@ -105,10 +103,9 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     Extent4 best = usual_tile;
     double least = 0;
     for (const Extent4& extent : {usual_tile, other_tile}) {
-        const Result<PassResult> pass =
-            run_pass(trial, parameters, cut_into_tiles(*patches, extent, desc));
-        TESSERA_TRY(pass.status());
-        const double cost = lagrangian_cost(trial, *pass);
+        TESSERA_TRY_ASSIGN(const PassResult pass,
+                           run_pass(trial, parameters, cut_into_tiles(patches, extent, desc)));
+        const double cost = lagrangian_cost(trial, pass);
         if (extent == usual_tile || cost < least) {
             least = cost;
             best = extent;

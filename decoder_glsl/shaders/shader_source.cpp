@@ -115,8 +115,7 @@ public:
             const std::string_view line = text.substr(0, end);
             text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
             const Status status = append_line(line, number, source_number, depth);
-            if (!status)
-                return status.with_context(std::string(name) + ":" + std::to_string(number));
+            TESSERA_TRY(status.with_context(std::string(name) + ":" + std::to_string(number)));
         }
         open_.pop_back();
         return {};
