@@ -1,17 +1,46 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything and runs all tests.
-#   tools/test.sh                  Release
-#   tools/test.sh --sanitize       with the address and undefined-behaviour sanitizers as well
+# Installs what is missing, builds everything and runs the tests.
+#   tools/test.sh                     all of them
+#   tools/test.sh --fast              all but the slow ones: while you work
+#   tools/test.sh --sanitize KIND     under a sanitizer: address, undefined, thread or
+#                                     address,undefined; thread runs the tests that have threads
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-install_missing
-build build -- -DTESSERA_TESTS=ON
-say "Testing"
-ctest --test-dir build --output-on-failure -j "$(nproc)"
+usage() {
+    sed -n '3,6s/^# *//p' "${BASH_SOURCE[0]}" >&2
+    stop "$1"
+}
 
-if [ "${1:-}" = "--sanitize" ]; then
-    build build-sanitize -- -DTESSERA_SANITIZE=address,undefined
-    say "Testing under sanitizers"
-    ctest --test-dir build-sanitize --output-on-failure -j "$(nproc)" --timeout 1500
+which=() # tests
+kind=""
+case "${1:-}" in
+"") ;;
+--fast) which=(--label-exclude slow) ;;
+--sanitize)
+    kind=${2:-}
+    case "$kind" in
+    address | undefined | address,undefined | undefined,address) ;;
+    thread) which=(--label-regex threads) ;;
+    *) usage "--sanitize wants address, undefined, thread or address,undefined, not '$kind'" ;;
+    esac
+    ;;
+*) usage "unknown option '$1'" ;;
+esac
+
+install_missing
+if [ -n "$kind" ]; then
+    folder=build-${kind//,/-}
+    # -O1: as much again would go into compiling as into running.
+    build "$folder" -- -DTESSERA_TESTS=ON -DTESSERA_SANITIZE="$kind" -DCMAKE_CXX_FLAGS_RELEASE="-O1"
+    export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1}
+    export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+    # The driver's own threads are not compiled for it, and so every use of them looks like a race.
+    [ "$kind" != thread ] || export TESSERA_NO_GPU=1
+    say "Testing under -fsanitize=$kind"
+    ctest --test-dir "$folder" --output-on-failure -j "$(nproc)" --timeout 3000 "${which[@]}"
+else
+    build build -- -DTESSERA_TESTS=ON
+    say "Testing"
+    ctest --test-dir build --output-on-failure -j "$(nproc)" "${which[@]}"
 fi
 say "All tests passed"
