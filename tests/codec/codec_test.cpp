@@ -569,7 +569,6 @@ TEST(Metadata, AndDescriptionSurvive) {
 }
 
 TEST(Metadata, SaysHowTheFileWasMadeAndNothingThatVaries) {
-    using Kind = RateTarget::Kind;
     MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
     EncodeOptions options;
     options.effort = 1;
@@ -592,7 +591,7 @@ TEST(Metadata, SaysHowTheFileWasMadeAndNothingThatVaries) {
         EXPECT_EQ(
             recorded(rate, 1),
             (Metadata{{"Software", "other"}, {"tessera:rate", text}, {"tessera:effort", "1"}}));
-    options.tools.set(CodingTool::copies, false);
+    options.tools = "-copies";
     const Metadata switched = recorded({Kind::quality, 50}, 1);
     EXPECT_EQ(switched.at("tessera:tools"), "-copies");
     EXPECT_EQ(recorded({Kind::quality, 50}, 2), switched);
