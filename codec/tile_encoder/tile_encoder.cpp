@@ -63,7 +63,6 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
                                            : DisplacementRange{8, 4};
     if (!tools.is_on(CodingTool::copies, effort >= 4))
         settings.search.copies = {};
-    settings.search.copies.both = tools.is_on(CodingTool::both, true);
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.try_smooth =
         settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
