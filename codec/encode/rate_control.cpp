@@ -89,12 +89,14 @@ private:
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
         if (plan_.effort.fit_tables || !smooth_ || !filter_) {
             FilterStatistics to_mend;
+            EncodePlan plan = plan_;
+            plan.effort = plan.effort.for_samples();
             const Result<PassResult> trained =
-                run_pass(plan_, parameters, sample_, filter_ ? nullptr : &to_mend);
+                run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend);
             if (!trained)
                 return trained.status();
             if (!smooth_) {
-                const Result<bool> pays = smooth_copies_pay(plan_, sample_, *trained);
+                const Result<bool> pays = smooth_copies_pay(plan, sample_, *trained);
                 if (!pays)
                     return pays.status();
                 smooth_ = parameters.smooth_copies = *pays;
@@ -102,7 +104,7 @@ private:
             if (!filter_)
                 filter_ = parameters.filter = fit_filter(to_mend);
             if (plan_.effort.fit_tables)
-                TESSERA_TRY(learn(*trained, parameters));
+                TESSERA_TRY(learn(plan, *trained, parameters));
         }
         if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
             const Result<PassResult> first = finished_or(
@@ -116,12 +118,12 @@ private:
     }
 
     // Tables for a whole pass, from the sample's. The first ones are where later passes start from.
-    Status learn(const PassResult& trained, CodingParameters& parameters) {
+    Status learn(const EncodePlan& plan, const PassResult& trained, CodingParameters& parameters) {
         if (tables_) {
             parameters.parameters = fit_parameters(trained.totals.statistics);
             return {};
         }
-        const Result<Parameters> learnt = learn_tables(plan_, sample_, trained, parameters);
+        const Result<Parameters> learnt = learn_tables(plan, sample_, trained, parameters);
         TESSERA_TRY(learnt.status());
         tables_ = parameters.parameters = *learnt;
         return {};

@@ -15,7 +15,7 @@ namespace {
 constexpr Extent4 size{128, 64, 16, 16};
 constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
-Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = 3) {
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = 1) {
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = effort;
     Bytes file;
@@ -91,7 +91,7 @@ TEST(TileChoice, LayersOfTheLargestTexturesKeepTheIndexSmall) {
     options.layers = true;
     const auto choose = [&](const Extent4& extent) {
         Unreadable source(extent);
-        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(2)};
+        EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(1)};
         return choose_tile_extent(plan);
     };
     const auto largest = choose({1024, 512, 128, 128});

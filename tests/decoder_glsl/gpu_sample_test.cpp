@@ -57,7 +57,7 @@ Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool la
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = tile;
-    options.effort = 3; // predictions have tests of their own
+    options.effort = 1; // predictions have tests of their own
     options.threads = 2;
     options.layers = layers;
     Bytes file;

@@ -317,7 +317,7 @@ protected:
 
     std::string encode(const std::string& scene, const std::string& name, bool on_sphere = true) {
         EncodeOptions options;
-        options.effort = 3; // no copies: every way of sampling
+        options.effort = 1; // no copies: every way of sampling
         options.metadata = {{"Scene", scene}, {"Samples per texel", "2"}, {"Seed", "1"}};
         if (on_sphere) {
             options.description.proxy = Proxy::sphere;
@@ -444,7 +444,7 @@ protected:
     }
 
     // A file in small tiles, so that the borders of many cross the picture.
-    static std::vector<std::byte> small_tiles(const std::string& scene, int effort = 5) {
+    static std::vector<std::byte> small_tiles(const std::string& scene, int effort = usual_effort) {
         const auto source = bake(scene, {64, 32, 16, 12}, 1);
         EncodeOptions options;
         options.tile_extent = {16, 8, 8, 8};
@@ -608,7 +608,7 @@ protected:
         EncodeOptions options;
         options.layers = true;
         options.tile_extent = {16, 16, 8, 8};
-        options.effort = 2;
+        options.effort = 1;
         options.rate = {RateTarget::Kind::quality, 60};
         options.description.proxy = Proxy::sphere;
         options.description.sphere_radius = 3.5f;

@@ -87,7 +87,7 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         "Examples:\n"
         "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
         "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
-        "  tessera encode views/ -o views.tess --max-error 2 --effort 9\n"
+        "  tessera encode views/ -o views.tess --max-error 2 --effort 5\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);
 }
