@@ -39,11 +39,11 @@ constexpr std::array<Level, most_effort + 1> levels = {{
     {seven, on, on, on, 0, 0, 0, off, 0, off, off},
     {seven, on, on, on, 8, 4, 1, off, 0, off, off},
     {all, on, on, on, 16, 6, 1, on, 1, on, off},
-    {all, on, on, on, 16, 6, 2, on, 1, on, off},
+    {all, on, on, on, 16, 6, 2, on, 1, off, off},
     {all, on, on, on, 24, 10, 4, on, 2, off, on},
 }};
-constexpr DisplacementRange usual_range{8,
-                                        4}; // where a tool brings copies to an effort without them
+// Where a tool switch brings copies to an effort that has none.
+constexpr DisplacementRange usual_range{8, 4};
 
 } // namespace
 
