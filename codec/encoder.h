@@ -42,9 +42,12 @@ enum class JournalUse {
 // 32x32x4x4); always the former under a maximum error.
 constexpr Extent4 tile_by_trial{0, 0, 0, 0};
 
+// What each effort does and costs: codec/DECISIONS.md.
+constexpr int usual_effort = 3, most_effort = 5;
+
 struct EncodeOptions {
     RateTarget rate;
-    int effort = 5;                    // 0 fastest .. 9 smallest
+    int effort = usual_effort;         // 0 fastest .. most_effort smallest
     // Coding tools to switch on (+) or off (-) on top of the effort, for experiments: "-copies,+refine";
     // "none" and "all" stand for every tool, later words win. Their names: coding_tools_help().
     std::string tools;

@@ -10,6 +10,6 @@ inline constexpr const char* library_version = "0.1.0";
 
 // Version of FORMAT.md that is written, and the only one that is read.
 inline constexpr std::uint16_t format_version_major = 0;
-inline constexpr std::uint16_t format_version_minor = 1;
+inline constexpr std::uint16_t format_version_minor = 2;
 
 } // namespace tessera

@@ -145,8 +145,8 @@ Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) 
 Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
     TESSERA_TRY(check_desc(desc));
     TESSERA_TRY(check_mask(options.mask, desc.size));
-    if (options.effort < 0 || options.effort > 9)
-        return refused("effort must be 0 to 9");
+    if (options.effort < 0 || options.effort > most_effort)
+        return refused("effort must be 0 to " + std::to_string(most_effort));
     TESSERA_TRY(check_coding_tools(options.tools));
     TESSERA_TRY(check_tile(options));
     TESSERA_TRY(check_tile_count(desc, options));

@@ -89,16 +89,18 @@ private:
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
         if (plan_.effort.fit_tables || !smooth_ || !filter_) {
             FilterStatistics to_mend;
+            EncodePlan plan = plan_;
+            plan.effort = plan.effort.for_samples();
             TESSERA_TRY_ASSIGN(const PassResult trained,
-                               run_pass(plan_, parameters, sample_, filter_ ? nullptr : &to_mend));
+                               run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend));
             if (!smooth_) {
-                TESSERA_TRY_ASSIGN(const bool pays, smooth_copies_pay(plan_, sample_, trained));
+                TESSERA_TRY_ASSIGN(const bool pays, smooth_copies_pay(plan, sample_, trained));
                 smooth_ = parameters.smooth_copies = pays;
             }
             if (!filter_)
                 filter_ = parameters.filter = fit_filter(to_mend);
             if (plan_.effort.fit_tables)
-                TESSERA_TRY(learn(trained, parameters));
+                TESSERA_TRY(learn(plan, trained, parameters));
         }
         if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
             TESSERA_TRY_ASSIGN(const PassResult first, finished_or(parameters, [&] {
@@ -111,13 +113,13 @@ private:
     }
 
     // Tables for a whole pass, from the sample's. The first ones are where later passes start from.
-    Status learn(const PassResult& trained, CodingParameters& parameters) {
+    Status learn(const EncodePlan& plan, const PassResult& trained, CodingParameters& parameters) {
         if (tables_) {
             parameters.parameters = fit_parameters(trained.totals.statistics);
             return {};
         }
         TESSERA_TRY_ASSIGN(const Parameters learnt,
-                           learn_tables(plan_, sample_, trained, parameters));
+                           learn_tables(plan, sample_, trained, parameters));
         tables_ = parameters.parameters = learnt;
         return {};
     }

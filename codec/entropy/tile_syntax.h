@@ -145,19 +145,18 @@ private:
             return;
         visitor_.prediction(context, prediction_symbol(prediction.from, context));
         predictions_.remember(prediction.copies());
-        for (int direction = 0; direction < copy_directions; ++direction) {
-            if (!prediction.copies_along(direction))
-                continue;
-            const Displacement& to = prediction.displacement[static_cast<std::size_t>(direction)];
-            const int kind = predictions_.kind_of(direction, to);
-            visitor_.displacement_kind(direction, kind);
-            const Displacement from = predictions_.known(direction, 0);
-            if (kind == 2) {
-                walk_component(displacement_class(direction, 0), to.u - from.u);
-                walk_component(displacement_class(direction, 1), to.v - from.v);
-            }
-            predictions_.remember(direction, to);
+        if (!prediction.copies())
+            return;
+        const int direction = prediction.direction();
+        const Displacement& to = prediction.displacement;
+        const int kind = predictions_.kind_of(direction, to);
+        visitor_.displacement_kind(direction, kind);
+        const Displacement from = predictions_.known(direction, 0);
+        if (kind == 2) {
+            walk_component(displacement_class(direction, 0), to.u - from.u);
+            walk_component(displacement_class(direction, 1), to.v - from.v);
         }
+        predictions_.remember(direction, to);
     }
 
     void walk_component(int table, int difference) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 namespace tessera {
 namespace {
@@ -44,36 +43,26 @@ private:
     std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
 
-int shift_of(const BlockPrediction& prediction, bool smooth) {
-    return copy_shift(smooth) + (prediction.from == CopyFrom::both ? 1 : 0);
-}
-
-// Calls visit(sums, s, t, v) for every row of a block; sums >> shift_of() are its predicted values.
+// Calls visit(sums, s, t, v) for every row of a block; sums >> copy_shift() are its predicted values.
 template <class Visit>
 void for_each_row(const Block& block, const BlockPrediction& prediction, bool smooth,
                   const BlockShape& tile, const std::vector<std::int32_t>& plane, Visit visit) {
     const auto& n = block.shape.n;
     const int page = tile.n[0] * tile.n[1];
-    const std::int32_t rounding = 1 << (shift_of(prediction, smooth) - 1);
+    const std::int32_t rounding = 1 << (copy_shift(smooth) - 1);
+    const Displacement& d = prediction.displacement;
     std::array<std::int32_t, max_tile_side> sums;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s) {
-            const int at_s = block.origin[2] + s, at_t = block.origin[3] + t;
-            const auto view = [&](int from_s, int from_t, int steps, const Displacement& d) {
-                return MovedView(plane.data() + (from_t * tile.n[2] + from_s) * page, tile,
-                                 steps * d.u, steps * d.v, smooth);
-            };
-            std::optional<MovedView> along_s, along_t;
-            if (prediction.copies_along(0))
-                along_s.emplace(view(block.origin[2] - 1, at_t, s + 1, prediction.displacement[0]));
-            if (prediction.copies_along(1))
-                along_t.emplace(view(at_s, block.origin[3] - 1, t + 1, prediction.displacement[1]));
+            const bool along_s = prediction.from == CopyFrom::along_s;
+            const int from_s = block.origin[2] + (along_s ? -1 : s);
+            const int from_t = block.origin[3] + (along_s ? t : -1);
+            const int steps = (along_s ? s : t) + 1;
+            MovedView view(plane.data() + (from_t * tile.n[2] + from_s) * page, tile, steps * d.u,
+                           steps * d.v, smooth);
             for (int v = 0; v < n[1]; ++v) {
                 sums.fill(rounding);
-                if (along_s)
-                    along_s->add_row(block.origin[0], block.origin[1] + v, n[0], sums.data());
-                if (along_t)
-                    along_t->add_row(block.origin[0], block.origin[1] + v, n[0], sums.data());
+                view.add_row(block.origin[0], block.origin[1] + v, n[0], sums.data());
                 visit(sums.data(), s, t, v);
             }
         }
@@ -85,7 +74,7 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
                    const BlockShape& tile, const std::vector<std::int32_t>& plane,
                    std::vector<std::int32_t>& out) {
     const bool smooth = coding.parameters.smooth_copies;
-    const int n = block.shape.n[0], shift = shift_of(prediction, smooth);
+    const int n = block.shape.n[0], shift = copy_shift(smooth);
     out.resize(static_cast<std::size_t>(block.shape.texels()));
     std::int32_t* to = out.data();
     for_each_row(block, prediction, smooth, tile, plane,
@@ -116,7 +105,7 @@ void finish_predicted(const Block& block, const BlockPrediction& prediction,
         return;
     }
     const bool smooth = coding.parameters.smooth_copies;
-    const int shift = shift_of(prediction, smooth);
+    const int shift = copy_shift(smooth);
     for_each_row(block, prediction, smooth, tile, plane,
                  [&](const std::int32_t* sums, int s, int t, int v) {
                      std::int32_t* to = row(s, t, v);

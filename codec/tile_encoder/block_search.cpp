@@ -299,7 +299,7 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
     }
 }
 
-// One direction, the other, both.
+// One direction, then the other.
 void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
                              const std::array<Match, copy_directions>& match,
                              const TilePlanes& reconstructed) {
@@ -311,23 +311,12 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     }
     const std::size_t i = grid.index(c);
     const float scale = inverse_step_[0] * inverse_step_[0];
-    for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t, CopyFrom::both}) {
-        if (from == CopyFrom::both && !options_.copies.both)
+    for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
+        const Match& found = match[from == CopyFrom::along_s ? 0 : 1];
+        if (found.error * scale >= grid.activity[i] + grid.mean_cost[i])
             continue;
-        BlockPrediction prediction{from, {}};
-        float bits = copy_bits;
-        bool promising = true;
-        for (int direction = 0; direction < copy_directions; ++direction)
-            if (prediction.copies_along(direction)) {
-                const auto d = static_cast<std::size_t>(direction);
-                prediction.displacement[d] = match[d].displacement;
-                bits += match[d].bits;
-                promising =
-                    promising && match[d].error * scale < grid.activity[i] + grid.mean_cost[i];
-            }
-        if (!promising)
-            continue;
-        const float cost = options_.lambda * (block_overhead_bits + bits) +
+        const BlockPrediction prediction{from, found.displacement};
+        const float cost = options_.lambda * (block_overhead_bits + copy_bits + found.bits) +
                            copy_cost(block, prediction, reconstructed);
         if (cost < grid.cost[i]) {
             grid.cost[i] = cost;

@@ -17,7 +17,6 @@ namespace tessera {
 struct DisplacementRange {
     int along = 0, across = 0; // along 0: copying is not tried at all
     bool half = true;          // half texels, too; else only whole ones
-    bool both = true;          // copies along s and t at once, too
 };
 
 // The displacement chosen for one cell, what it leaves (squared error, in the source's units) and

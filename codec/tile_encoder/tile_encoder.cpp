@@ -29,50 +29,7 @@ void sort_levels(TileLevels& tile) {
     tile.nonzeros.swap(sorted);
 }
 
-constexpr std::uint64_t grid(int spatial, int angular) {
-    return std::uint64_t{1} << (spatial * 8 + angular);
-}
-
 } // namespace
-
-EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
-    EffortSettings settings;
-    // Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene);
-    // other sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
-    const std::uint64_t diagonal = grid(1, 1) | grid(2, 2) | grid(3, 3);
-    if (!tools.is_on(CodingTool::grids, effort > 0))
-        settings.search.grids = diagonal;
-    else if (tools.is_on(CodingTool::grids, false) || effort > 4)
-        settings.search.grids = ~std::uint64_t{0};
-    else if (effort <= 2)
-        settings.search.grids = diagonal | grid(0, 0);
-    else
-        settings.search.grids = diagonal | grid(0, 0) | grid(0, 1) | grid(1, 2) | grid(2, 3);
-    settings.ycocg = tools.is_on(CodingTool::ycocg, true);
-    settings.rotate_colours = settings.ycocg && tools.is_on(CodingTool::rotation, effort >= 2);
-    settings.search.rotated_colours = tools.is_on(CodingTool::rotated_search, effort >= 3);
-    settings.quantizer.optimise = tools.is_on(CodingTool::rdo, true);
-    settings.dependent =
-        settings.quantizer.optimise && tools.is_on(CodingTool::dependent, effort >= 2);
-    settings.fit_tables = tools.is_on(CodingTool::fitted_tables, true);
-    settings.try_dense = tools.is_on(CodingTool::dense_tables, effort >= 5);
-    settings.recode = tools.is_on(CodingTool::fitted_tables, effort >= 2);
-    // Half texels a view. Parallax in the peers' texture is a few texels; larger textures have more.
-    settings.search.copies = effort >= 9   ? DisplacementRange{24, 10}
-                             : effort >= 5 ? DisplacementRange{16, 6}
-                                           : DisplacementRange{8, 4};
-    if (!tools.is_on(CodingTool::copies, effort >= 4))
-        settings.search.copies = {};
-    settings.search.copies.both = tools.is_on(CodingTool::both, true);
-    settings.search.copies.half = tools.is_on(CodingTool::half, true);
-    settings.try_smooth =
-        settings.search.copies.along > 0 && tools.is_on(CodingTool::smooth, effort >= 4);
-    settings.filter = tools.is_on(CodingTool::filter, effort >= 4);
-    settings.copy_rounds = effort >= 7 ? 4 : effort >= 6 ? 3 : effort >= 5 ? 2 : 1;
-    settings.refinements = !tools.is_on(CodingTool::refine, effort >= 5) ? 0 : effort >= 7 ? 2 : 1;
-    settings.second_pass = effort >= 8 && settings.fit_tables;
-    return settings;
-}
 
 void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);

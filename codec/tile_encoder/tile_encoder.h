@@ -4,34 +4,14 @@
 #include "codec/tile_encoder/block_quantizer.h"
 #include "codec/tile_encoder/block_search.h"
 #include "codec/tile_encoder/dont_care.h"
+#include "codec/tile_encoder/effort_settings.h"
 #include "codec/reconstruct/reconstruct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 #include "codec/tile/tile_texels.h"
-#include "codec/tile_encoder/tool_switches.h"
 #include "codec/tile_encoder/tree_edits.h"
 
 namespace tessera {
-
-// What an effort level switches on; figures in tests/regression/results.csv.
-struct EffortSettings {
-    SearchOptions search;
-    QuantizerOptions quantizer;
-    bool recode =
-        true; // code again under tables fitted to all tiles; else those of the sample stay
-    bool dependent = true;      // quantise by a trellis
-    bool rotate_colours = true; // try rotated colour axes for every block
-    bool ycocg = true;          // code YCoCg, not RGB
-    bool fit_tables = true;     // to the sample, and to all tiles
-    bool filter = true;         // decoded tiles, where that is worth it
-    bool try_smooth = true;     // whether copies are smoothed is found by a trial
-    bool try_dense = true;      // whether tables start from those of dense textures, likewise
-    int copy_rounds = 1;        // of the search for blocks that copy
-    int refinements = 1;        // rounds of splitting and merging at what coding really costs
-    bool second_pass = false;   // decide again under the tables of the first pass
-
-    static EffortSettings of(int effort, const ToolSwitches& tools = {}); // effort 0..9
-};
 
 // Encodes tiles of one file. Holds scratch memory: one per thread.
 class TileEncoder {

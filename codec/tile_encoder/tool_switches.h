@@ -13,7 +13,6 @@ namespace tessera {
 
 enum class CodingTool : std::uint8_t {
     copies,
-    both,
     half,
     rotation,
     ycocg,
@@ -34,9 +33,8 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
-    {CodingTool::both, "both", "... from two directions at once"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
     {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
     {CodingTool::ycocg, "ycocg", "YCoCg, not RGB; without it no rotation either"},

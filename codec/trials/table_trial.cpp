@@ -11,7 +11,7 @@ namespace {
 constexpr double dense_bits_per_texel = 0.25;
 // Tables and quantiser settle slowly. Most of the way they go at this effort, without copies: ten such
 // rounds take less time than one with all tools.
-constexpr int quick_effort = 3;
+constexpr int quick_effort = 1;
 constexpr int quick_rounds = 10;
 constexpr int whole_rounds = 2;
 

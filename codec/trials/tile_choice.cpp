@@ -18,7 +18,7 @@ constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 static_assert(most_patch_bytes >= 2 * fewest_patches * texel_count(patch_extent) * 8);
-constexpr int most_effort = 5;
+constexpr int most_effort_of_trial = 2;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
 // How much texels that matter change from one to the next.
@@ -94,7 +94,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     EncodePlan trial = plan;
     trial.colour.background = find_background(patches, desc);
     trial.effort =
-        EffortSettings::of(std::min(plan.options.effort, most_effort), plan.tools);
+        EffortSettings::of(std::min(plan.options.effort, most_effort_of_trial), plan.tools);
     const RateTarget& rate = plan.options.rate;
     const CodingParameters parameters = coding_parameters(
         step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,

@@ -61,7 +61,9 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     at = tsr_t_kind;
     for (const auto& table : tables.colour)
         put_symbols(table, words, at++, 1);
-    put(tables.prediction, tsr_t_prediction);
+    at = tsr_t_prediction;
+    for (const auto& table : tables.prediction)
+        put_symbols(table, words, at++, 1);
     put(tables.displacement, tsr_t_displacement);
     at = tsr_t_displacement_kind;
     for (const auto& table : tables.displacement_kind)

@@ -48,23 +48,18 @@ public:
         size.too_deep = depths.largest > max_copy_depth;
         size.waves = 1 + static_cast<std::uint32_t>(depths.largest);
         for (std::size_t i = 0; i < blocks_.size(); ++i)
-            size.copies.insert(size.copies.end(),
-                               {static_cast<std::uint32_t>(predictions_[i].from) |
-                                    std::uint32_t{depths.depth[i]} << 8,
-                                move_word(predictions_[i])});
+            size.copies.push_back(copy_word(predictions_[i], depths.depth[i]));
     }
 
     TreeSize size{.blocks = 0, .items = 0};
 
 private:
-    static std::uint32_t move_word(const BlockPrediction& prediction) {
-        std::uint32_t word = 0;
-        for (unsigned i = 0; i < copy_directions; ++i) {
-            const Displacement& d = prediction.displacement[i];
-            word |= std::uint32_t{static_cast<std::uint8_t>(d.u)} << (16 * i);
-            word |= std::uint32_t{static_cast<std::uint8_t>(d.v)} << (16 * i + 8);
-        }
-        return word;
+    // See tsr_copy_words.
+    static std::uint32_t copy_word(const BlockPrediction& prediction, std::uint8_t depth) {
+        const Displacement& d = prediction.displacement;
+        return static_cast<std::uint32_t>(prediction.from) | std::uint32_t{depth} << 8 |
+               std::uint32_t{static_cast<std::uint8_t>(d.u)} << 16 |
+               std::uint32_t{static_cast<std::uint8_t>(d.v)} << 24;
     }
 
     // False for a prediction that the format forbids.

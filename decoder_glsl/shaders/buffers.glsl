@@ -83,13 +83,12 @@ uint tsr_item_at(uint item) {
         return tsr_nowhere;
     return tsr_header(tsr_b_items_at) + item * uint(tsr_item_words);
 }
-// A word of what a block copies; 0 in a tile that is not predicted.
-uint tsr_copy(uint tile, uint block, int field) {
+// What a block copies, see tsr_copy_words; 0 in a tile that is not predicted.
+uint tsr_copy(uint tile, uint block) {
     uint copies = tsr_tile(tile, tsr_tile_copies);
     if (copies == tsr_none)
         return 0u;
-    return tsr_batch_word(tsr_header(tsr_b_copies_at) + copies + block * uint(tsr_copy_words) +
-                          uint(field));
+    return tsr_batch_word(tsr_header(tsr_b_copies_at) + copies + block * uint(tsr_copy_words));
 }
 void tsr_damage(uint tile, uint what) {
     uint at = tsr_state_at(tile) + uint(tsr_st_damaged);

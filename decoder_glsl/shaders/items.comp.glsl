@@ -48,7 +48,7 @@ void tsr_cut_tile(uint tile, uint lane) {
     uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
     for (uint block = lane; block < blocks; block += 64u) {
         TSR_LOOP;
-        if (predicted && tsr_copy(tile, block, tsr_copy_how) >> 8 != wave)
+        if (predicted && ((tsr_copy(tile, block) >> 8) & 255u) != wave)
             continue;
         uint at = tsr_block_at(tile, block);
         tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_place)),

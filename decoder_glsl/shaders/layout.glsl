@@ -38,13 +38,13 @@ const int tsr_t_split = 6416;        // [depth classes][depth classes] words c[1
 const int tsr_t_kind = 6452;         // [2] likewise: the kind of a block's colour
 const int tsr_t_rotation = 6456;     // [49][9] signed
 const int tsr_t_basis = 6904;        // b(n, k, x) of n <= 32, signed: see tsr_basis_of
-const int tsr_t_prediction = 18344;        // [6] symbol tables
-const int tsr_t_displacement = 18416;      // [2]
-const int tsr_t_displacement_kind = 18440; // [2] words c[1] | c[2] << 16
-const int tsr_t_copying_length = 18442;    // [9] tsr_t_first_length of blocks that copy something
-const int tsr_t_wide_basis = 18550;        // b(n, k, x) of n = 33..64, the coded frequencies only
-const int tsr_t_filter = 68214;      // of planes 0..3, for each of 3 rings: slope | strength << 16
-const int tsr_t_end = 68226;         // shape records and their scans follow
+const int tsr_t_prediction = 18344;        // [6] words c[1] | c[2] << 16
+const int tsr_t_displacement = 18350;      // [2]
+const int tsr_t_displacement_kind = 18374; // [2] words c[1] | c[2] << 16
+const int tsr_t_copying_length = 18376;    // [9] tsr_t_first_length of blocks that copy something
+const int tsr_t_wide_basis = 18484;        // b(n, k, x) of n = 33..64, the coded frequencies only
+const int tsr_t_filter = 68148;      // of planes 0..3, for each of 3 rings: slope | strength << 16
+const int tsr_t_end = 68160;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
 // neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
@@ -98,9 +98,8 @@ const int tsr_tile_copies = 10; // word of its first copy record, from tsr_b_cop
 const int tsr_tile_values = 11; // word of its values, from tsr_b_values_at; or none
 
 // A copy record, one a block of a predicted tile (FORMAT.md 4.6).
-const int tsr_copy_words = 2;
-const int tsr_copy_how = 0;  // bit 0: along s, bit 1: along t | depth << 8
-const int tsr_copy_move = 1; // displacements in half texels, signed bytes: u, v along s; u, v along t
+// 1 along s, 2 along t | depth << 8 | displacement in half texels, signed bytes: u << 16 | v << 24.
+const int tsr_copy_words = 1;
 
 const int tsr_segment_words = 7;
 const int tsr_seg_tile = 0;

@@ -120,7 +120,7 @@ void tsr_block_colour(TSR_INOUT(TsrSegmentWalk) w) {
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
     if (w.plane == 0) {
-        w.copies = (tsr_copy(w.tile, w.block, tsr_copy_how) & 3u) != 0u;
+        w.copies = (tsr_copy(w.tile, w.block) & 3u) != 0u;
         table = uint(w.copies ? tsr_t_copying_length : tsr_t_first_length) +
                 tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words);
     }

@@ -23,8 +23,7 @@ struct TsrItem {
     int positions;
     TsrPatch patch_of;
     ivec4 origin;      // of the block in the tile
-    uint copies;       // directions, as in tsr_copy_how
-    uint move;         // displacements, as in tsr_copy_move
+    uint copies;       // as in tsr_copy_words
     uint coefficients; // the first one
     uint colour_count;
     uint alpha_count;
@@ -51,8 +50,7 @@ TsrItem tsr_item(uint number) {
     item.first = min(range & 0xFFFFu, uint(tsr_max_spatial_side * tsr_max_spatial_side - 1));
     item.positions = min(int(range >> 16), item.patch_of.positions);
     item.origin = tsr_origin_of(place);
-    item.copies = tsr_copy(item.tile, item.block, tsr_copy_how) & 3u;
-    item.move = tsr_copy(item.tile, item.block, tsr_copy_move);
+    item.copies = tsr_copy(item.tile, item.block);
     uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);
     item.coefficients =
         tsr_segment(segment, tsr_seg_raw) + tsr_work_word(block + uint(tsr_k_first));
@@ -239,10 +237,10 @@ void tsr_sum_s(TsrItem item, int lane) {
 }
 
 // What `steps` displacements away in the view (s, t) lies, times 4 or, smooth, 16 (C of FORMAT.md 4.6);
-// `move`: u, v in signed bytes. First come the texels that it lies on or between, then those beside.
+// `move`: u, v in the signed high bytes. First come the texels that it lies on or between, then those beside.
 ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
-    int x = 2 * u + steps * (int(move << 24u) >> 24);
-    int y = 2 * v + steps * (int(move << 16u) >> 24);
+    int x = 2 * u + steps * (int(move << 8u) >> 24);
+    int y = 2 * v + steps * (int(move) >> 24);
     int f = x & 1;
     int g = y & 1;
     int halves = f + g;
@@ -270,14 +268,16 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
 
 // The values of a texel of a predicted tile: with what its block copies, clamped, and kept for others.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
-    ivec4 sum = ivec4(0);
-    if ((item.copies & 1u) != 0u)
-        sum += tsr_moved(item, item.move, s - item.origin.z + 1, u, v, max(item.origin.z - 1, 0), t);
-    if ((item.copies & 2u) != 0u)
-        sum += tsr_moved(item, item.move >> 16, t - item.origin.w + 1, u, v, s,
-                         max(item.origin.w - 1, 0));
-    int shift = (item.format.smooth_copies ? 4 : 2) + (item.copies == 3u ? 1 : 0);
-    ivec4 copied = (sum + (1 << (shift - 1))) >> shift;
+    ivec4 copied = ivec4(0);
+    if ((item.copies & 3u) != 0u) {
+        bool along_s = (item.copies & 3u) == 1u;
+        int steps = along_s ? s - item.origin.z + 1 : t - item.origin.w + 1;
+        int from_s = along_s ? max(item.origin.z - 1, 0) : s;
+        int from_t = along_s ? t : max(item.origin.w - 1, 0);
+        int shift = item.format.smooth_copies ? 4 : 2;
+        ivec4 sum = tsr_moved(item, item.copies, steps, u, v, from_s, from_t);
+        copied = (sum + (1 << (shift - 1))) >> shift;
+    }
     int limit = tsr_value_limit(item.format);
     ivec4 value = clamp(values + copied, -limit, limit - 1);
     tsr_keep_value(item.format, item.target, value, u, v, s, t);

@@ -54,12 +54,10 @@ void tsr_pass_prediction(TSR_INOUT(TsrRans) r, uint place, TSR_INOUT(bool) copie
     if (!along_s && !along_t)
         return;
     int context = (along_s ? (along_t ? 4 : 0) : 2) + (copies ? 1 : 0);
-    int symbol = tsr_symbol(r, uint(tsr_t_prediction + context * tsr_symbol_words));
+    int symbol = tsr_symbol3(r, uint(tsr_t_prediction + context));
     copies = symbol != 0;
-    if (copies && along_s && symbol != 2)
-        tsr_pass_displacement(r, 0);
-    if (copies && along_t && (!along_s || symbol > 1))
-        tsr_pass_displacement(r, 1);
+    if (copies)
+        tsr_pass_displacement(r, along_s && symbol == 1 ? 0 : 1);
 }
 
 void tsr_decode_tree(uint tile) {

@@ -1,4 +1,4 @@
-// Normative bounds of version 0.1 that decoders may size their memory by (FORMAT.md 3.1).
+// Normative bounds of version 0.2 that decoders may size their memory by (FORMAT.md 3.1).
 #pragma once
 
 #include <cstddef>

@@ -68,12 +68,8 @@ bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block&
         return false;
     out.from = static_cast<CopyFrom>(from);
     memory.remember(from != 0);
-    for (int direction = 0; direction < copy_directions; ++direction)
-        if (out.copies_along(direction) &&
-            !decode_displacement(rans, tables, direction, memory,
-                                 out.displacement[static_cast<std::size_t>(direction)]))
-            return false;
-    return true;
+    return !out.copies() ||
+           decode_displacement(rans, tables, out.direction(), memory, out.displacement);
 }
 
 CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
@@ -118,10 +114,10 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
         const int s = block.origin[2], s_end = s + block.shape.n[2];
         const int t = block.origin[3], t_end = t + block.shape.n[3];
         int depth = 0;
-        if (predictions[i].copies_along(0) && s > 0)
-            depth = std::max(depth, 1 + deepest(s - 1, s, t, t_end));
-        if (predictions[i].copies_along(1) && t > 0)
-            depth = std::max(depth, 1 + deepest(s, s_end, t - 1, t));
+        if (predictions[i].from == CopyFrom::along_s && s > 0)
+            depth = 1 + deepest(s - 1, s, t, t_end);
+        else if (predictions[i].from == CopyFrom::along_t && t > 0)
+            depth = 1 + deepest(s, s_end, t - 1, t);
         result.largest = std::max(result.largest, depth);
         result.depth[i] = static_cast<std::uint8_t>(std::min(depth, max_copy_depth + 1));
         for (int y = t; y < t_end; ++y)

@@ -2,8 +2,7 @@
 // (FORMAT.md 3.5 and 4.5).
 //
 // A view of a light field is its neighbour displaced, by an amount that depends on depth. A block
-// may copy the view before its first one along s, along t, or the mean of both; only the difference
-// is then coded. This is the motion compensation of video coders turned to the angular axes, but
+// may copy the view before its first one along s or along t; only the difference is then coded. This is the motion compensation of video coders turned to the angular axes, but
 // inside one tile, so that tiles stay independent.
 #pragma once
 
@@ -17,8 +16,8 @@
 
 namespace tessera {
 
-// Directions that a block's copies come from.
-enum class CopyFrom : std::uint8_t { nothing = 0, along_s = 1, along_t = 2, both = 3 };
+// The direction that a block's copies come from.
+enum class CopyFrom : std::uint8_t { nothing = 0, along_s = 1, along_t = 2 };
 constexpr int copy_directions = 2; // s, t
 
 // How far the copied content moves from one view to the next, in half texels.
@@ -30,12 +29,11 @@ constexpr int max_displacement = 127;
 
 struct BlockPrediction {
     CopyFrom from = CopyFrom::nothing;
-    std::array<Displacement, copy_directions> displacement; // of the directions in use, else 0, 0
+    Displacement displacement; // 0, 0 of a block that copies nothing
 
     bool copies() const { return from != CopyFrom::nothing; }
-    bool copies_along(int direction) const {
-        return (static_cast<int>(from) >> direction & 1) != 0;
-    }
+    // 0 along s, 1 along t, -1 nothing.
+    int direction() const { return static_cast<int>(from) - 1; }
     bool operator==(const BlockPrediction&) const = default;
 };
 
@@ -77,7 +75,7 @@ constexpr int prediction_symbol(CopyFrom from, int context) {
     const int value = static_cast<int>(from);
     return context / 2 == 1 && value == 2 ? 1 : value;
 }
-// nothing, along_s, along_t or both; -1: no symbol of this context.
+// nothing, along_s or along_t; -1: no symbol of this context.
 constexpr int copy_from_symbol(int symbol, int context) {
     const int place = context / 2;
     return place == 2 ? symbol : symbol > 1 ? -1 : symbol * (place + 1);

@@ -90,7 +90,7 @@ static tessera_encode_options lossless(void) {
     tessera_encode_options_init(&options);
     options.rate_kind = TESSERA_MAX_ERROR;
     options.rate_value = 0;
-    options.effort = 1;
+    options.effort = 0;
     options.threads = 2;
     options.tile[0] = options.tile[1] = 4; /* several tiles, so that there is something to stop */
     options.tile[2] = options.tile[3] = 2;
@@ -466,7 +466,7 @@ static int test_levels_parts_and_damage(void) {
     source.texel_bytes = big_bytes;
     tessera_encode_options_init(&options);
     options.rate_value = 95; /* the grain makes it longer than what is read to open it */
-    options.effort = 1;
+    options.effort = 0;
     options.layers = 1;
     options.tile[0] = options.tile[1] = 16;
     options.tile[2] = options.tile[3] = 8;
@@ -800,11 +800,11 @@ static int test_structures_that_grow(void) {
     CHECK(older.struct_size == offsetof(tessera_encode_options, threads));
     CHECK(older.rate_kind == TESSERA_QUALITY && older.rate_value == 75);
     CHECK(older.threads == 0xEEEEEEEEu); /* nothing beyond was written */
-    older.effort = 1;
+    older.effort = 0;
     CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &older, NULL) == 0);
     tessera_free(file);
     tessera_encode_options_init(&older);
-    older.effort = 1;
+    older.effort = 0;
     CHECK(tessera_encode_to_memory(&source, &file, &full_bytes, &older, NULL) == 0);
     CHECK(file_bytes == full_bytes);
 

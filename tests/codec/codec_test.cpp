@@ -186,7 +186,7 @@ TEST(Codec, CoefficientsBeyondTheLengthLimitAreNotCountedOn) {
 TEST(Codec, EveryEffortRoundTrips) {
     const TextureDesc desc = describe({25, 14, 9, 5}, SampleType::unorm8, 4);
     MemoryTexture texture = named_texture(desc, "smooth");
-    for (int effort = 0; effort <= 9; ++effort) {
+    for (int effort = 0; effort <= most_effort; ++effort) {
         const Encoded encoded = encode(texture, options_for({Kind::quality, 80}, effort));
         const Difference d = difference(texture.texels, decode_all(encoded.file, desc), desc.type);
         EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << effort;
@@ -252,7 +252,7 @@ TEST(Tools, OnTopOfAnyEffort) {
         options.tools = "none";
         return encode(texture, options).file;
     };
-    EXPECT_EQ(without(0), without(9)); // nothing is left for an effort to choose
+    EXPECT_EQ(without(0), without(most_effort)); // nothing is left for an effort to choose
     const Encoded fastest = encode(texture, options_for({Kind::quality, 70}, 0));
     for (const char* tools : {"+copies", "+rotation", "+dependent", "+fitted-tables", "+grids"}) {
         EncodeOptions options = options_for({Kind::quality, 70}, 0);
@@ -374,7 +374,7 @@ TEST(Rate, TargetsOutOfRangeAreRefused) {
         EXPECT_EQ(encode_memory(texture, out, options_for(rate)).status().code(),
                   ErrorCode::bad_argument)
             << static_cast<int>(rate.kind) << " " << rate.value;
-    for (const int effort : {-1, 10})
+    for (const int effort : {-1, most_effort + 1})
         EXPECT_EQ(encode_memory(texture, out, options_for({}, effort)).status().code(),
                   ErrorCode::bad_argument);
 }
@@ -384,10 +384,10 @@ TEST(Rate, TargetsOutOfRangeAreRefused) {
 TEST(SameBytes, ForAnyNumberOfThreads) {
     for (const SampleType type : types)
         for (const auto& [rate, effort] : {std::pair{RateTarget{Kind::quality, 70}, 0},
-                                           {RateTarget{Kind::quality, 90}, 5},
-                                           {RateTarget{Kind::quality, 50}, 9},
-                                           {RateTarget{Kind::max_error, 1}, 3},
-                                           {RateTarget{Kind::bytes, 3000}, 4}}) {
+                                           {RateTarget{Kind::quality, 90}, 3},
+                                           {RateTarget{Kind::quality, 50}, 5},
+                                           {RateTarget{Kind::max_error, 1}, 1},
+                                           {RateTarget{Kind::bytes, 3000}, 2}}) {
             if (type == SampleType::half16 && rate.kind != Kind::quality)
                 continue;
             MemoryTexture texture = named_texture(describe({29, 20, 9, 8}, type), "smooth");
@@ -415,7 +415,7 @@ TEST(SameBytes, WhateverTileCameBefore) {
                        0.12 * (random.unit() - 0.5));
     });
     const TileGrid grid(desc.size, {16, 16, 4, 4});
-    const EffortSettings effort = EffortSettings::of(5);
+    const EffortSettings effort = EffortSettings::of(usual_effort);
     const ColourCoding colour{desc, ColourTransform::ycocg_r, {}};
     for (const double quality : {35., 36.}) {
         const TileCoding coding(

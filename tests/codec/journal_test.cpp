@@ -34,7 +34,7 @@ protected:
     void SetUp() override {
         folder_ = test::make_test_folder("journal");
         options_.tile_extent = {8, 8, 4, 4};
-        options_.effort = 2;
+        options_.effort = 1;
         options_.threads = 1;
         options_.journal = JournalUse::start;
     }
@@ -90,7 +90,7 @@ TEST_F(Journals, GoOnFromEveryQuestion) {
           std::pair(RateTarget::Kind::max_error, 3.0)}) {
         options_.rate = {kind, value};
         const bool slow = kind == RateTarget::Kind::psnr;
-        options_.effort = slow ? 8 : 2; // 8: two walks a pass
+        options_.effort = slow ? 5 : 1; // 5: two walks a pass
         const std::string bytes = expected(options_);
         int stops = 0;
         const int step = kind == RateTarget::Kind::quality ? 5 : slow ? 171 : 59;

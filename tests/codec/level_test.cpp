@@ -213,7 +213,7 @@ Result<Layered> encode_scene(const char* scene, const Extent4& size, bool layers
 EncodeOptions quick(double quality = 60, unsigned threads = 0) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
-    options.effort = 2;
+    options.effort = 1;
     options.threads = threads;
     options.tile_extent = {16, 16, 4, 4};
     return options;
@@ -516,7 +516,7 @@ Bytes layered_file(const Extent4& size, const Extent4& tile) {
     EncodeOptions options;
     options.layers = true;
     options.tile_extent = tile;
-    options.effort = 2;
+    options.effort = 1;
     options.rate = {RateTarget::Kind::quality, 90};
     Bytes file;
     EXPECT_TRUE(encode_memory(**source, file, options).ok());

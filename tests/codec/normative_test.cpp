@@ -469,7 +469,7 @@ TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
             parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
             ++left_out;
         }
-    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 18 + 4 + 16); // FORMAT.md 3.5
+    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16); // FORMAT.md 3.5
     EXPECT_EQ(write_coding_parameters(coding).size(), write_coding_parameters({}).size());
     coding.prediction = true;
     const Result<CodingParameters> got = read_coding_parameters(write_coding_parameters(coding));

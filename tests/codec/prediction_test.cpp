@@ -81,7 +81,7 @@ TileLevels chain(int views, int copying) {
     for (const Block& block : tile.blocks) {
         tile.predictions.emplace_back();
         if (block.origin[2] > 0 && block.origin[2] <= copying)
-            tile.predictions.back() = {CopyFrom::along_s, {{{1, -1}, {}}}};
+            tile.predictions.back() = {CopyFrom::along_s, {1, -1}};
     }
     tile.colours.assign(tile.blocks.size(), 0);
     tile.planes.assign(tile.blocks.size(), {});
@@ -106,7 +106,7 @@ TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
     cut_into_views(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0});
     tile.predictions.resize(4);
     tile.predictions[1].from = CopyFrom::along_s;
-    tile.predictions[3].from = CopyFrom::both;
+    tile.predictions[3].from = CopyFrom::along_t;
     const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
     EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 0, 2}));
 }
@@ -222,7 +222,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
 TEST(EncodeCopies, ErrorBoundsGoWithoutThem) {
     test::MemoryTexture source = moving_picture({4, 0}, {0, 4}, {16, 16, 8, 8});
     EncodeOptions options;
-    options.effort = 9;
+    options.effort = most_effort;
     options.rate = {RateTarget::Kind::max_error, 1};
     Bytes file;
     const auto encoded = encode_memory(source, file, options);

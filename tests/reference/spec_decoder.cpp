@@ -102,7 +102,7 @@ Header read_header(Bytes file) {
     require(file.size() >= header_bytes, "header: cut short");
     const uint8_t identifier[12] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', 13, 10, 0x1A, 10};
     require(std::memcmp(file.data(), identifier, 12) == 0, "header: identifier");
-    require(u16(file, 12) == 0 && u16(file, 14) == 1, "header: version");
+    require(u16(file, 12) == 0 && u16(file, 14) == 2, "header: version");
 
     Header h;
     h.section_count = u16(file, 44);
@@ -542,7 +542,7 @@ private:
 constexpr uint8_t default_parameter_list[] = {
 #include "tests/reference/default_parameters.inc"
 };
-constexpr size_t parameter_count = 5804;
+constexpr size_t parameter_count = 5798;
 static_assert(std::size(default_parameter_list) == parameter_count);
 
 struct Step {
@@ -704,7 +704,7 @@ Code read_code(Bytes section) {
     for (Table& t : code.colour)
         t = table(2, 3);
     for (Table& t : code.prediction)
-        t = table(3, 4);
+        t = table(2, 3);
     for (Table& t : code.displacement_kind)
         t = table(2, 3);
     for (Table& t : code.displacement)
@@ -828,10 +828,10 @@ struct Block {
     Vector4 begin; // in the tile
     Vector4 size;
     int rotation = -1; // -1: plain
-    // The displacement (du, dv) along s and along t, where the block copies.
-    std::array<std::optional<std::array<int, 2>>, 2> copy{};
+    std::optional<size_t> copies_along; // 0 s, 1 t
+    std::array<int, 2> displacement{};  // du, dv, where it copies
     int depth = -1; // 4.6; -1: not known yet
-    bool copies() const { return copy[0] || copy[1]; }
+    bool copies() const { return copies_along.has_value(); }
     // Levels in scan order, a vector as long as the coded length for each plane.
     std::array<std::vector<int32_t>, 4> levels;
 };
@@ -902,7 +902,7 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
     const int split = stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
-        blocks_.push_back({begin, size, -1, {}, -1, {}});
+        blocks_.push_back({begin, size, -1, {}, {}, -1, {}});
         if (code_.has_predictions)
             read_prediction(stream, blocks_.back());
         return;
@@ -932,30 +932,28 @@ void TileDecoder::read_prediction(Stream& stream, Block& block) {
     const int symbol = stream.symbol(code_.prediction[2 * w + last_block_copied_]);
     require(w == 2 || symbol <= 1, "tile: prediction symbol");
     last_block_copied_ = symbol != 0;
-    const bool along[2] = {w == 0 ? symbol == 1 : w == 2 && (symbol == 1 || symbol == 3),
-                           w == 1 ? symbol == 1 : w == 2 && symbol >= 2};
-    for (size_t direction = 0; direction < 2; ++direction) {
-        if (!along[direction])
-            continue;
-        auto& known = displacement_[direction];
-        const int kind = stream.symbol(code_.displacement_kind[direction]);
-        std::array<int, 2> d = known[kind == 1 ? 1 : 0];
-        if (kind == 2)
-            for (size_t component = 0; component < 2; ++component) {
-                const int k = stream.symbol(code_.displacement[component == direction ? 0 : 1]);
-                if (k == 0)
-                    continue;
-                const int m = static_cast<int>(stream.raw(k - 1));
-                const int magnitude = (1 << (k - 1)) + m;
-                d[component] += stream.raw(1) ? -magnitude : magnitude;
-                require(std::abs(d[component]) <= 127, "tile: displacement");
-            }
-        if (d != known[0]) {
-            known[1] = known[0];
-            known[0] = d;
+    if (symbol == 0)
+        return;
+    const size_t direction = w == 1 || symbol == 2 ? 1 : 0;
+    auto& known = displacement_[direction];
+    const int kind = stream.symbol(code_.displacement_kind[direction]);
+    std::array<int, 2> d = known[kind == 1 ? 1 : 0];
+    if (kind == 2)
+        for (size_t component = 0; component < 2; ++component) {
+            const int k = stream.symbol(code_.displacement[component == direction ? 0 : 1]);
+            if (k == 0)
+                continue;
+            const int m = static_cast<int>(stream.raw(k - 1));
+            const int magnitude = (1 << (k - 1)) + m;
+            d[component] += stream.raw(1) ? -magnitude : magnitude;
+            require(std::abs(d[component]) <= 127, "tile: displacement");
         }
-        block.copy[direction] = d;
+    if (d != known[0]) {
+        known[1] = known[0];
+        known[0] = d;
     }
+    block.copies_along = direction;
+    block.displacement = d;
 }
 
 // 4.6. What a block copies from lies earlier along the angular splits, so the recursion ends.
@@ -963,10 +961,8 @@ int TileDecoder::depth_of(Block& block) {
     if (block.depth >= 0)
         return block.depth;
     int depth = 0;
-    for (size_t direction = 0; direction < 2; ++direction) {
-        if (!block.copy[direction])
-            continue;
-        const size_t axis = 2 + direction, other = 3 - direction;
+    if (block.copies()) {
+        const size_t axis = 2 + *block.copies_along, other = 3 - *block.copies_along;
         for (Block& from : blocks_)
             if (from.begin[axis] < block.begin[axis] &&
                 from.begin[axis] + from.size[axis] >= block.begin[axis] &&
@@ -978,47 +974,44 @@ int TileDecoder::depth_of(Block& block) {
     return block.depth = depth;
 }
 
-// The prediction of a texel, in place `at` of the block.
+// The prediction of a texel, in place `at` of a block that copies.
 std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4& at) const {
     std::array<int64_t, 4> sums{};
-    for (size_t direction = 0; direction < 2; ++direction) {
-        if (!block.copy[direction])
-            continue;
-        const int k = at[2 + direction] + 1;
-        const int x = 2 * (block.begin[0] + at[0]) + k * (*block.copy[direction])[0];
-        const int y = 2 * (block.begin[1] + at[1]) + k * (*block.copy[direction])[1];
-        Vector4 from{};
-        for (size_t a = 2; a < 4; ++a)
-            from[a] = a == 2 + direction ? block.begin[a] - 1 : block.begin[a] + at[a];
-        const auto i = static_cast<int>(floor_div(x, 2)), j = static_cast<int>(floor_div(y, 2));
-        const int f = x - 2 * i, g = y - 2 * j;
-        const auto add = [&](int weight, int a, int b) {
-            from[0] = std::clamp(a, 0, size_[0] - 1);
-            from[1] = std::clamp(b, 0, size_[1] - 1);
-            for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p)
-                sums[p] += weight * plane_values_[p][place(from, size_)];
-        };
-        if (!code_.smooth_copies) {
-            for (int b = 0; b < 2; ++b)
-                for (int a = 0; a < 2; ++a)
-                    add((a == 0 ? 2 - f : f) * (b == 0 ? 2 - g : g), i + a, j + b);
-        } else if (f == 0 && g == 0) {
-            add(8, i, j);
-            for (const int step : {-1, 1}) {
-                add(2, i + step, j);
-                add(2, i, j + step);
-            }
-        } else if (f == 1 && g == 1) {
-            for (const int b : {j, j + 1})
-                for (const int a : {i, i + 1})
-                    add(4, a, b);
-        } else {
-            for (const int half : {0, 1})
-                for (const int step : {-1, 0, 1})
-                    add(step == 0 ? 6 : 1, i + (f == 1 ? half : step), j + (f == 1 ? step : half));
+    const size_t direction = *block.copies_along;
+    const int k = at[2 + direction] + 1;
+    const int x = 2 * (block.begin[0] + at[0]) + k * block.displacement[0];
+    const int y = 2 * (block.begin[1] + at[1]) + k * block.displacement[1];
+    Vector4 from{};
+    for (size_t a = 2; a < 4; ++a)
+        from[a] = a == 2 + direction ? block.begin[a] - 1 : block.begin[a] + at[a];
+    const auto i = static_cast<int>(floor_div(x, 2)), j = static_cast<int>(floor_div(y, 2));
+    const int f = x - 2 * i, g = y - 2 * j;
+    const auto add = [&](int weight, int a, int b) {
+        from[0] = std::clamp(a, 0, size_[0] - 1);
+        from[1] = std::clamp(b, 0, size_[1] - 1);
+        for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p)
+            sums[p] += weight * plane_values_[p][place(from, size_)];
+    };
+    if (!code_.smooth_copies) {
+        for (int b = 0; b < 2; ++b)
+            for (int a = 0; a < 2; ++a)
+                add((a == 0 ? 2 - f : f) * (b == 0 ? 2 - g : g), i + a, j + b);
+    } else if (f == 0 && g == 0) {
+        add(8, i, j);
+        for (const int step : {-1, 1}) {
+            add(2, i + step, j);
+            add(2, i, j + step);
         }
+    } else if (f == 1 && g == 1) {
+        for (const int b : {j, j + 1})
+            for (const int a : {i, i + 1})
+                add(4, a, b);
+    } else {
+        for (const int half : {0, 1})
+            for (const int step : {-1, 0, 1})
+                add(step == 0 ? 6 : 1, i + (f == 1 ? half : step), j + (f == 1 ? step : half));
     }
-    const int parts = (code_.smooth_copies ? 16 : 4) * (block.copy[0] && block.copy[1] ? 2 : 1);
+    const int parts = code_.smooth_copies ? 16 : 4;
     for (int64_t& sum : sums)
         sum = floor_div(sum + parts / 2, parts);
     return sums;

@@ -1,14 +1,20 @@
 // Measures what each coding tool is worth: encodes without it, and writes tables between the two
 // marks in ablation.md. tools/scripts/ablation.sh builds and runs it.
-//   ablation ablation.md [PEERS.rgb]
+//   ablation ablation.md [--size UxVxSxT] [--scenes NAME,...] [--tools NAME,... | --efforts N,...]
+//            [TEXTURE_UxVxSxT.rgb[:Q,Q,Q]]...
+// Baked scenes of that size, and textures from elsewhere: raw 8-bit RGB whose name ends in their size,
+// with the qualities that give about 33 to 42 dB. Without --tools all tools, and none of them at all.
+// --efforts compares efforts instead, with the first of them, between marks of their own.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "codec/tile_encoder/tool_switches.h"
+#include "format/texture.h"
 #include "tests/regression/textures.h"
 #include "tools/rd/bd_rate.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <sstream>
 
@@ -16,10 +22,13 @@ using namespace tessera;
 
 namespace {
 
-constexpr int effort = 5;
 constexpr unsigned threads = 0; // all cores; times are summed over them
-constexpr const char* begin_mark = "<!-- tables -->\n";
-constexpr const char* end_mark = "<!-- end of tables -->\n";
+
+struct Marks {
+    const char *begin, *end;
+};
+constexpr Marks tool_marks{"<!-- tables -->\n", "<!-- end of tables -->\n"};
+constexpr Marks effort_marks{"<!-- efforts -->\n", "<!-- end of efforts -->\n"};
 
 // Of the processor, not of the wall: machines are shared.
 double seconds() {
@@ -32,20 +41,26 @@ struct Task {
     std::vector<double> qualities;
 };
 
+struct Experiment {
+    std::string name;
+    std::string tools{};
+    int effort = EncodeOptions().effort;
+};
+
 struct Curve {
     std::vector<RatePoint> points;
     double encode_seconds = 0, decode_seconds = 0; // of all points
 };
 
-Result<Curve> measure(const Task& task, const std::string& tools) {
+Result<Curve> measure(const Task& task, const Experiment& experiment) {
     Curve curve;
     MemorySource source(task.texture.desc, task.texture.texels);
     std::vector<std::byte> texels(task.texture.texels.size());
     for (const double quality : task.qualities) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, quality};
-        options.effort = effort;
-        options.tools = tools;
+        options.effort = experiment.effort;
+        options.tools = experiment.tools;
         options.threads = threads;
         std::vector<std::byte> file;
         const double begun = seconds();
@@ -69,15 +84,39 @@ Result<Curve> measure(const Task& task, const std::string& tools) {
     return curve;
 }
 
-struct Experiment {
-    std::string tools; // also its name
+struct Request {
+    Extent4 scene_size{128, 64, 16, 16};
+    std::vector<std::string> scenes; // empty: all
+    std::vector<std::string> tools;  // empty: all
+    std::vector<int> efforts;        // in place of tools
+    std::vector<Task> textures;      // beside the scenes
 };
 
-std::vector<Experiment> experiments() {
+bool is_wanted(const std::vector<std::string>& names, const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// What the others are compared with.
+Experiment anchor_of(const Request& request) {
+    if (request.efforts.empty())
+        return {"all tools", {}};
+    return {"effort " + std::to_string(request.efforts[0]), {}, request.efforts[0]};
+}
+
+std::vector<Experiment> experiments(const Request& request) {
     std::vector<Experiment> all;
-    for (const CodingToolInfo& info : coding_tools)
-        all.push_back({std::string("-") + info.name});
-    all.push_back({"none"});
+    for (std::size_t i = 1; i < request.efforts.size(); ++i)
+        all.push_back({std::to_string(request.efforts[i]), {}, request.efforts[i]});
+    if (!request.efforts.empty())
+        return all;
+    for (const CodingToolInfo& info : coding_tools) {
+        if (!is_wanted(request.tools, info.name))
+            continue;
+        const std::string without = std::string("-") + info.name;
+        all.push_back({without, without});
+    }
+    if (request.tools.empty())
+        all.push_back({"none", "none"});
     return all;
 }
 
@@ -94,8 +133,9 @@ std::string number(const char* format, double value) {
     return text;
 }
 
-Status add_table(const Task& task, std::string& text) {
-    const Result<Curve> full = measure(task, {});
+Status add_table(const Task& task, const Request& request, std::string& text) {
+    const Experiment anchor = anchor_of(request);
+    const Result<Curve> full = measure(task, anchor);
     if (!full)
         return full.status();
     std::string psnrs, qualities;
@@ -106,17 +146,18 @@ Status add_table(const Task& task, std::string& text) {
     const double megabytes =
         static_cast<double>(task.texture.texels.size() * task.qualities.size()) / 1e6;
     add_line(text, "\n**" + task.texture.name + "**, qualities " + qualities + ": " + psnrs +
-                       " dB with all tools, encoding " +
+                       " dB with " + anchor.name + ", encoding " +
                        number("%.2f", megabytes / full->encode_seconds) + " MB/s, decoding " +
-                       number("%.0f", megabytes / full->decode_seconds) +
-                       " MB/s\n\n| tools | BD-rate % | decoding speed | encoding time |\n"
+                       number("%.0f", megabytes / full->decode_seconds) + " MB/s\n\n| " +
+                       (request.efforts.empty() ? "tools" : "effort") +
+                       " | BD-rate % | decoding speed | encoding time |\n"
                        "|---|---:|---:|---:|\n");
-    for (const Experiment& experiment : experiments()) {
-        const Result<Curve> curve = measure(task, experiment.tools);
+    for (const Experiment& experiment : experiments(request)) {
+        const Result<Curve> curve = measure(task, experiment);
         if (!curve)
-            return curve.status().with_context(experiment.tools);
+            return curve.status().with_context(experiment.name);
         const auto rate = bd_rate(full->points, curve->points);
-        add_line(text, "| " + experiment.tools + " | " +
+        add_line(text, "| " + experiment.name + " | " +
                            (rate ? number("%+.1f", rate->percent) : "no overlap") + " | " +
                            number("x %.2f", full->decode_seconds / curve->decode_seconds) + " | " +
                            number("x %.2f", curve->encode_seconds / full->encode_seconds) + " |\n");
@@ -124,61 +165,115 @@ Status add_table(const Task& task, std::string& text) {
     return {};
 }
 
-// The middle 16x16 views: as many texels as the baked scenes have.
-Result<Texture> load_middle_of_peers(const char* path) {
-    Result<Texture> whole = load_peers(path);
-    if (!whole)
-        return whole;
-    const Box4 box{{0, 0, 8, 8}, {128, 64, 24, 24}};
-    Texture middle{"peers_composed, views 8..23", whole->desc, {}};
-    middle.desc.size = {128, 64, 16, 16};
-    middle.texels.resize(middle.desc.box_bytes(Box4::whole(middle.desc.size)));
-    TESSERA_TRY(MemorySource(whole->desc, whole->texels).read(box, middle.texels));
-    return middle;
+bool parse_size(const char* text, Extent4& size) {
+    return std::sscanf(text, "%ux%ux%ux%u", &size[0], &size[1], &size[2], &size[3]) == 4 &&
+           size[0] > 0 && size[1] > 0 && size[2] > 0 && size[3] > 0;
 }
 
-Status run(const std::string& path, const char* peers) {
+std::vector<std::string> split_at_commas(const std::string& text) {
+    std::vector<std::string> parts;
+    std::istringstream in(text);
+    for (std::string part; std::getline(in, part, ',');)
+        parts.push_back(part);
+    return parts;
+}
+
+// TEXTURE_UxVxSxT.rgb[:Q,Q,Q]
+Result<Task> load(const std::string& argument) {
+    const std::size_t colon = argument.rfind(':');
+    const std::string path = argument.substr(0, colon);
+    const std::size_t name = path.rfind('/') + 1, last = path.rfind('_'), dot = path.rfind('.');
+    Task task{{}, {48, 58, 67}};
+    TextureDesc& desc = task.texture.desc;
+    desc = {{}, SampleType::unorm8, 3};
+    if (last == std::string::npos || dot == std::string::npos || dot < last ||
+        !parse_size(path.c_str() + last + 1, desc.size))
+        return Status(ErrorCode::bad_argument, path + ": a name like a_128x128x9x9.rgb is needed");
+    if (colon != std::string::npos) {
+        task.qualities.clear();
+        for (const std::string& quality : split_at_commas(argument.substr(colon + 1)))
+            task.qualities.push_back(std::atof(quality.c_str()));
+    }
+    task.texture.name = path.substr(name, dot - name);
+    task.texture.texels.resize(desc.box_bytes(Box4::whole(desc.size)));
+    std::ifstream file(path, std::ios::binary);
+    if (!file.read(reinterpret_cast<char*>(task.texture.texels.data()),
+                   static_cast<std::streamsize>(task.texture.texels.size())))
+        return Status(ErrorCode::io, path + ": cannot read as many bytes as its name says");
+    return task;
+}
+
+Status run(const std::string& path, const Request& request) {
     std::ifstream in(path, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::size_t begin = text.find(begin_mark), end = text.find(end_mark);
+    const Marks& marks = request.efforts.empty() ? tool_marks : effort_marks;
+    const std::size_t begin = text.find(marks.begin), end = text.find(marks.end);
     if (begin == std::string::npos || end == std::string::npos || end < begin)
         return {ErrorCode::io, path + ": lacks the marks between which tables stand"};
     std::string tables;
     const double start = seconds();
-    const Extent4 size{128, 64, 16, 16};
     const std::vector<std::pair<const char*, std::vector<double>>> scenes = {
         {"composed", {46, 58, 68}},
         {"gallery", {50, 61, 71}},
         {"mirror", {58, 67, 75}},
         {"aliasing-near", {36, 46, 56}}};
     for (const auto& [scene, qualities] : scenes) {
-        Result<Texture> texture = bake(scene, size);
+        if (!is_wanted(request.scenes, scene))
+            continue;
+        Result<Texture> texture = bake(scene, request.scene_size);
         if (!texture)
             return texture.status();
-        TESSERA_TRY(add_table({std::move(*texture), qualities}, tables));
+        TESSERA_TRY(add_table({std::move(*texture), qualities}, request, tables));
     }
-    if (peers != nullptr) {
-        Result<Texture> texture = load_middle_of_peers(peers);
-        if (!texture)
-            return texture.status();
-        TESSERA_TRY(add_table({std::move(*texture), {48, 58, 67}}, tables));
-    }
+    for (const Task& task : request.textures)
+        TESSERA_TRY(add_table(task, request, tables));
     add_line(tables, "\nAll in one run of " + number("%.0f", (seconds() - start) / 60) +
                          " minutes of processor time.\n\n");
-    text.replace(begin, end - begin, begin_mark + tables);
+    text.replace(begin, end - begin, marks.begin + tables);
     std::ofstream out(path, std::ios::binary);
     out << text;
     return out.flush() ? Status() : Status(ErrorCode::io, "cannot write " + path);
 }
 
+Result<Request> parse(int argc, char** argv) {
+    Request request;
+    for (int i = 2; i < argc; ++i) {
+        const bool has_value = i + 1 < argc;
+        if (std::strcmp(argv[i], "--size") == 0 && has_value) {
+            if (!parse_size(argv[++i], request.scene_size))
+                return Status(ErrorCode::bad_argument, "--size: UxVxSxT is needed");
+        } else if (std::strcmp(argv[i], "--scenes") == 0 && has_value) {
+            request.scenes = split_at_commas(argv[++i]);
+        } else if (std::strcmp(argv[i], "--tools") == 0 && has_value) {
+            request.tools = split_at_commas(argv[++i]);
+            for (const std::string& name : request.tools)
+                if (std::none_of(coding_tools.begin(), coding_tools.end(),
+                                 [&](const CodingToolInfo& info) { return name == info.name; }))
+                    return Status(ErrorCode::bad_argument, "--tools: there is no " + name);
+        } else if (std::strcmp(argv[i], "--efforts") == 0 && has_value) {
+            for (const std::string& effort : split_at_commas(argv[++i]))
+                request.efforts.push_back(std::atoi(effort.c_str()));
+        } else {
+            Result<Task> task = load(argv[i]);
+            if (!task)
+                return task.status();
+            request.textures.push_back(std::move(*task));
+        }
+    }
+    return request;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2 || argc > 3) {
-        std::fprintf(stderr, "usage: ablation ablation.md [PEERS.rgb]\n");
+    if (argc < 2) {
+        std::fprintf(stderr, "usage: ablation ablation.md [--size UxVxSxT] [--scenes NAME,...] "
+                             "[--tools NAME,... | --efforts N,...] "
+                             "[TEXTURE_UxVxSxT.rgb[:Q,Q,Q]]...\n");
         return 1;
     }
-    const Status status = run(argv[1], argc > 2 ? argv[2] : nullptr);
+    const Result<Request> request = parse(argc, argv);
+    const Status status = request ? run(argv[1], *request) : request.status();
     if (!status.ok())
         std::fprintf(stderr, "ablation: error: %s\n", status.message().c_str());
     return static_cast<int>(status.code());

@@ -112,15 +112,16 @@ int main(int argc, char** argv) {
         return fail(peers.status());
     for (const double psnr : {35.0, 38.0, 41.0})
         if (const int bad =
-                add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)), {Kind::psnr, psnr}, 5))
+                add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)), {Kind::psnr, psnr},
+                              usual_effort))
             return bad;
-    for (int effort = 0; effort <= 9; effort += quick ? 4 : 1)
+    for (int effort = 0; effort <= most_effort; effort += quick ? 3 : 1)
         if (const int bad = add(*peers, "quality62", {Kind::quality, 62}, effort))
             return bad;
     if (!quick) {
         for (const double error : {0.0, 1.0, 4.0})
             if (const int bad = add(*peers, "max_error" + std::to_string(static_cast<int>(error)),
-                                    {Kind::max_error, error}, 5))
+                                    {Kind::max_error, error}, usual_effort))
                 return bad;
         for (const char* scene : {"composed", "aliasing-near", "aliasing-far", "gallery", "mirror",
                                   "lamps", "lambert", "hard"}) {
@@ -130,7 +131,7 @@ int main(int argc, char** argv) {
             for (const double quality : {50.0, 62.0, 75.0})
                 if (const int bad =
                         add(*texture, "quality" + std::to_string(static_cast<int>(quality)),
-                            {Kind::quality, quality}, 5))
+                            {Kind::quality, quality}, usual_effort))
                     return bad;
         }
     }

@@ -29,10 +29,9 @@ private:
         BlockPrediction prediction;
         if (!random_.chance(chance_))
             return prediction;
-        prediction.from = static_cast<CopyFrom>(random_.range(0, 3) & before);
-        for (int direction = 0; direction < copy_directions; ++direction)
-            if (prediction.copies_along(direction))
-                prediction.displacement[static_cast<std::size_t>(direction)] = displacement();
+        prediction.from = static_cast<CopyFrom>(random_.range(0, 2) & before);
+        if (prediction.copies())
+            prediction.displacement = displacement();
         return prediction;
     }
     Displacement displacement() {

@@ -103,7 +103,7 @@ protected:
     EncodeOptions options() const {
         EncodeOptions o;
         o.tile_extent = {8, 8, 6, 5};
-        o.effort = 2;
+        o.effort = 1;
         o.threads = 2;
         return o;
     }

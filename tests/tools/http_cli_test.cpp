@@ -15,7 +15,7 @@ protected:
     void SetUp() override {
         CliFixture::SetUp();
         ::setenv("no_proxy", "127.0.0.1", 1);
-        succeed("bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 99 --effort 2");
+        succeed("bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 99 --effort 1");
         fs::create_directory(base_ / "served");
         fs::copy_file(at("a.tess"), base_ / "served" / "a.tess");
         start();
@@ -105,11 +105,11 @@ TEST_F(HttpCli, ComparesTranscodesDraws) {
     succeed("render -q --size 32x24 -o far.png " + url_);
     succeed("render -q --size 32x24 -o near.png a.tess");
     EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
-    succeed("encode -q --effort 1 -o far.tess " + url_);
-    succeed("encode -q --effort 1 -o near.tess a.tess");
+    succeed("encode -q --effort 0 -o far.tess " + url_);
+    succeed("encode -q --effort 0 -o near.tess a.tess");
     EXPECT_EQ(slurp(at("far.tess")), slurp(at("near.tess")));
     succeed("sheet -q -o far.png a.tess " + url_);
-    succeed("rd -q --rivals none --quick --quality 40 --efforts 1 -o report " + url_);
+    succeed("rd -q --rivals none --quick --quality 40 --efforts 0 -o report " + url_);
     const Outcome bench = run("bench gpu --size 99999x1 " + url_);
     EXPECT_NE(bench.code, 2) << "it was opened\n" << bench.err;
 }

@@ -40,7 +40,7 @@ protected:
         auto baked = corpus::make_baked_source("composed", size, 1, 1);
         ASSERT_TRUE(baked.ok());
         EncodeOptions options;
-        options.effort = 1;
+        options.effort = 0;
         options.tile_extent = {16, 16, 8, 8};
         ASSERT_TRUE(encode_memory(**baked, coded_, options));
     }
@@ -97,7 +97,7 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
             auto opened = open_texture((folder_ / kind.name).string(), hints);
             TESSERA_TRY(opened.status());
             EncodeOptions options;
-            options.effort = 1;
+            options.effort = 0;
             options.tile_extent = {16, 16, 8, 8};
             options.slab_bytes = slab_bytes;
             options.threads = 2;

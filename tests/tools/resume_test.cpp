@@ -120,13 +120,13 @@ protected:
 
 TEST_F(Resume, BakeSurvivesFiftyKills) {
     const int hits =
-        torture("bake composed --size 40x24x16x8 --spp 1 --tile 8x8x8x8 --effort 3 -q", 50, 1);
+        torture("bake composed --size 40x24x16x8 --spp 1 --tile 8x8x8x8 --effort 1 -q", 50, 1);
     EXPECT_GE(hits, 20);
 }
 
 TEST_F(Resume, PassesOfRateControlSurviveKills) {
     ASSERT_EQ(run("bake gallery --size 24x16x12x8 --spp 1 -q -o in.rgb"), 0);
-    const std::string encode = "encode in.rgb --size 24x16x12x8 -q --effort 2 --tile 8x8x8x4 ";
+    const std::string encode = "encode in.rgb --size 24x16x12x8 -q --effort 1 --tile 8x8x8x4 ";
     EXPECT_GE(torture(encode + "--target-psnr 41.3", 25, 2), 8);
     EXPECT_GE(torture(encode + "--target-bytes 5000", 15, 3), 5);
 }
@@ -136,8 +136,8 @@ TEST_F(Resume, SecondPassAndCorrectionsSurviveKills) {
     fs::rename(at("in.rgb16f"), at("in.rgb")); // torture counts one input of this name
     const std::string encode = "encode in.rgb --size 12x10x8x8 --type half --tile 4x8x8x4 -q ";
     // .rgb says unorm8; --type overrules it
-    EXPECT_GE(torture(encode + "--effort 8 --quality 40", 10, 4), 3);
-    EXPECT_GE(torture(encode + "--effort 3 --max-error 40", 10, 5), 3);
+    EXPECT_GE(torture(encode + "--effort 5 --quality 40", 10, 4), 3);
+    EXPECT_GE(torture(encode + "--effort 1 --max-error 40", 10, 5), 3);
 }
 
 // Many tiles, so that a signal after the first ones comes before the last.
@@ -171,7 +171,7 @@ TEST_F(Resume, RefusesOtherOptions) {
     };
     const std::string same = "bake " + scene + " ";
     refused(same + "--quality 74", "rate was 'quality 75' and is 'quality 74'");
-    refused(same + "--effort 2", "effort");
+    refused(same + "--effort 1", "effort");
     refused(same + "--seed 2", "seed");
     refused(same + "--tools -copies", "list of tools");
     refused(same + "--strict", "strictness");

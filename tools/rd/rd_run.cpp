@@ -21,7 +21,8 @@ namespace {
 const std::vector<double> usual_psnrs = {35, 38, 41, 44};
 // Other efforts are measured once, for the table of speeds. About 39 dB on the composed scene.
 constexpr const char* speed_setting = "quality 62";
-const std::vector<int> speed_efforts = {1, 5, 9}, quick_speed_efforts = {0, 1, 3};
+const std::vector<int> speed_efforts = {0, usual_effort, most_effort},
+                       quick_speed_efforts = {0, 1, 2};
 
 std::string trimmed(double value) {
     std::string text = format_number(value, 2);
@@ -44,7 +45,7 @@ std::vector<std::string> tessera_settings(const RdOptions& o) {
 std::vector<int> swept_efforts(const RdOptions& o) {
     if (!o.efforts.empty())
         return o.efforts;
-    return {o.quick ? 1 : 5};
+    return {o.quick ? 1 : usual_effort};
 }
 
 // Ours first: curves for the efforts asked for; where none were, a single point of others for the

@@ -13,7 +13,7 @@ struct RdOptions {
     std::vector<std::string> textures; // files or scenes
     std::string output;                // folder of the report
     std::vector<double> psnr, quality; // both empty: the usual PSNRs
-    std::vector<int> efforts;          // empty: 5
+    std::vector<int> efforts;          // empty: the usual one
     std::string tools;                 // coding tools switched on top of the effort, as --tools
     std::string rivals;                // empty: all, or with `quick` the fast ones
     std::string anchor;                // a codec's id; empty: chosen

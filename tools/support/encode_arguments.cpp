@@ -76,8 +76,8 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     rate->add_option("--max-error", a.max_error,
                      "No sample off by more: 8-bit steps, or ulps of half; 0 is lossless")
         ->check(number_between(0, 65535));
-    app.add_option("--effort", a.effort, "0 (fastest) to 9 (smallest)")
-        ->check(CLI::Range(0, 9))
+    app.add_option("--effort", a.effort, "0 (fastest) to 5 (smallest)")
+        ->check(CLI::Range(0, most_effort))
         ->capture_default_str();
     app.add_option("--tools", a.tools)->group(""); // for experiments: tests/regression/ablation.md
     app.add_option("--tile", a.tile, "Largest tile UxVxSxT, u and v to 64, s and t to 32 (32x32x8x8, or 64x64x4x4 "

@@ -14,7 +14,7 @@ namespace tessera {
 struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
-    int effort = 5;
+    int effort = usual_effort;
     bool no_verify = false, layers = false, strict = false, resume = false, json = false;
     std::string tile, tools, memory;
     std::vector<std::string> metadata;              // key=value

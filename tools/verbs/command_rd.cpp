@@ -41,9 +41,9 @@ void declare_rates(CLI::App& c, RdOptions& o) {
                  "Qualities 1..100 that it is measured at; with --psnr both")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
-    c.add_option("--efforts", o.efforts, "Efforts 0..9 that it is measured at (5, and a point each at 1 and 9)")
+    c.add_option("--efforts", o.efforts, "Efforts 0..5 that it is measured at (3, and a point each at 0 and 5)")
         ->delimiter(',')
-        ->check(CLI::Range(0, 9));
+        ->check(CLI::Range(0, most_effort));
     c.add_option("--tools", o.tools,
                  "Coding tools off or on, -copies,+grids (tests/regression/ablation.md lists them)")
         ->type_name("LIST");
@@ -96,7 +96,7 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
         "  tessera rd scene.tess -o report --quick\n"
         "  tessera rd composed --texture-size 128x64x32x32 -o report\n"
         "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
-        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 1,5,9\n"
+        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 0,3,5\n"
         "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera",
         declare, run);
 }
