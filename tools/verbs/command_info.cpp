@@ -119,7 +119,7 @@ std::string made_text(const Metadata& metadata) {
 Json for_people(Json json, const Metadata& metadata) {
     Json out;
     for (auto& [key, value] : json.items()) {
-        if (key == "raw_bytes" || key == "file_bytes")
+        if ((key == "raw_bytes" || key == "file_bytes") && value.get<std::uint64_t>() >= 1000)
             value = std::to_string(value.get<std::uint64_t>()) + " (" +
                     human_bytes(value.get<std::uint64_t>()) + ")";
         if (key == "metadata") {
