@@ -454,14 +454,14 @@ TEST_F(ImageIo, ReplacesOnlyItsOwnFolders) {
 
 TEST_F(ImageIo, ReportsPlacesThatCannotBeWritten) {
     MemoryTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
-    for (const std::string name : {"none/x.rgb", "none/x.exr", "none/views/"}) {
+    std::ofstream(path("file")) << "x";
+    for (const std::string name : {"file/x.rgb", "file/x.exr", "file/views/"}) {
         const Status status = write(texture, path(name));
         EXPECT_EQ(status.code(), ErrorCode::io) << name;
-        EXPECT_NE(status.message().find(path("none/")), std::string::npos) << status.message();
+        EXPECT_NE(status.message().find(path("file/")), std::string::npos) << status.message();
     }
     fs::create_symlink("/dev/full", path("full.rgb"));
     EXPECT_EQ(write(texture, path("full.rgb")).code(), ErrorCode::io);
-    std::ofstream(path("file")) << "x";
     EXPECT_EQ(write(texture, path("file/")).code(), ErrorCode::io);
     EXPECT_EQ(write(texture, path("x.rgba")).code(), ErrorCode::bad_argument);
     EXPECT_EQ(entries(), 2u);

@@ -9,12 +9,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of a folder's name, with or without a slash behind it, what it stands in.
+fs::path parent_of(const std::string& path) {
+    const fs::path whole(path);
+    return whole.has_filename() ? whole.parent_path() : whole.parent_path().parent_path();
+}
+
 } // namespace
 
 Status check_parent_folders(const std::string& path) {
     std::error_code ignored;
     // The nearest thing on the way that is there must be a folder.
-    for (fs::path folder = fs::path(path).parent_path(); !folder.empty();
+    for (fs::path folder = parent_of(path); !folder.empty();
          folder = folder.parent_path()) {
         if (fs::is_directory(folder, ignored))
             return {};
@@ -38,7 +44,7 @@ Status check_output_path(const std::string& path) {
 }
 
 Status make_parent_folders(const std::string& path) {
-    const fs::path folder = fs::path(path).parent_path();
+    const fs::path folder = parent_of(path);
     if (folder.empty())
         return {};
     std::error_code error;
