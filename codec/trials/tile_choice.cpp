@@ -18,7 +18,7 @@ constexpr Extent4 patch_extent{64, 64, 8, 8};
 constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 static_assert(most_patch_bytes >= 2 * fewest_patches * texel_count(patch_extent) * 8);
-constexpr int most_effort_of_trial = 2;
+constexpr int most_effort_of_trial = 4;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
 // How much texels that matter change from one to the next.
