@@ -158,7 +158,7 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::psnr, 29}; // above, it is noise that is coded
     options.tile_extent = {16, 16, 4, 4};
-    options.effort = test::copies_effort;
+    options.effort = usual_effort;
     options.threads = 1;
     const EncodedFile smooth = encode_file_of(source, options);
     EXPECT_TRUE(smooth.parameters.smooth_copies);
@@ -185,7 +185,7 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
-    options.effort = test::copies_effort;
+    options.effort = usual_effort;
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
     options.effort = test::quick_effort; // without copies there is nothing to smooth
     options.tools = "+smooth";
@@ -199,7 +199,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
         for (const bool copies : {false, true}) {
             test::MemoryTexture source = moving_picture(along_s, along_t);
             EncodeOptions options;
-            options.effort = copies ? test::copies_effort : test::quick_effort;
+            options.effort = copies ? usual_effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
             options.rate = {RateTarget::Kind::quality, copies ? 64.0 : 60.0};
             Bytes file;
