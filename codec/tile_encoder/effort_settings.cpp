@@ -38,8 +38,8 @@ constexpr std::array<Level, most_effort + 1> levels = {{
     {four, off, off, off, 0, 0, 0, off, 0, off, off},
     {seven, on, on, on, 0, 0, 0, off, 0, off, off},
     {seven, on, on, on, 8, 4, 1, off, 0, off, off},
-    {all, on, on, on, 16, 6, 1, on, 1, on, off},
-    {all, on, on, on, 16, 6, 2, on, 1, off, off},
+    {all, on, on, on, 16, 6, 2, on, 1, on, off},
+    {all, on, on, on, 16, 6, 4, on, 2, off, off},
     {all, on, on, on, 24, 10, 4, on, 2, off, on},
 }};
 // Where a tool switch brings copies to an effort that has none.

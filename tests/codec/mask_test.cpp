@@ -169,8 +169,8 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
 TEST(Mask, SavesBytesAndReportsWhatMatters) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture mask = make_mask(size, in_chart);
-    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, quick_effort));
-    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask, quick_effort));
+    const EncodedFile plain = encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, usual_effort));
+    const EncodedFile masked = encode_file_of(noise, options_for({Kind::quality, 70}, &mask, usual_effort));
     EXPECT_LT(masked.file.size(), plain.file.size() * 7 / 10);
     const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
     EXPECT_NEAR(masked.report.psnr, figures.psnr, 1e-9);
@@ -224,7 +224,7 @@ TEST(Mask, WhatGoesOnBehindItHelps) {
         return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
     });
     MemoryTexture mask = make_mask(size, in_chart), gaps = with_gaps(waves, mask);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, quick_effort);
+    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, usual_effort);
     EXPECT_LT(encode_file_of(waves, options).file.size(),
               encode_file_of(gaps, options).file.size() * 8 / 10);
 }

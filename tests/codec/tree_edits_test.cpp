@@ -123,7 +123,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const auto encode = [&](bool refined, test::Bytes& file) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 55};
-        options.effort = test::copies_effort;
+        options.effort = usual_effort;
         options.tools = refined ? "+refine" : "-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();
