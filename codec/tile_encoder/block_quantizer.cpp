@@ -6,26 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace tessera {
 namespace {
 
-// A coefficient below this can only become 0, in steps.
-constexpr float smallest_candidate = 0.55f;
-// With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
-// less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
-// in squared steps: a path through the trellis gains no more than that elsewhere.
-constexpr float smallest_dependent = 0.4f;
-constexpr float most_for_a_path = 0.3f;
-// With it, a coefficient below this is not worth a longer coded length.
+// With dependent quantisation, a coefficient below this is not worth a longer coded length.
 constexpr float smallest_last = 0.5f;
-// Without optimisation: the first level that is not 0.
-constexpr float dead_zone = 2.0f / 3.0f;
-
-constexpr float infinite = 1e30f;
-
-// Paths of the trellis that far back have mostly met.
-constexpr int window = 20;
 
 } // namespace
 
@@ -111,8 +98,16 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     if (last >= 0) {
         const int end = round_up_coded_length(last + 1, order.length());
         find_crosses(out, first_plane, end);
-        const PlaneTask task{order, block.copies, p_class, length_costs};
-        cost = dependent ? choose_levels<quantiser_states>(task, end) : choose_levels<1>(task, end);
+        const PlaneTask task{order,
+                             costs_,
+                             options_,
+                             block.copies,
+                             p_class,
+                             length_costs,
+                             offset_[static_cast<std::size_t>(p_class)],
+                             std::span(amplitude_).first(static_cast<std::size_t>(end)),
+                             cross_};
+        cost = choose_levels(task, dependent, paths_, levels_);
     }
     out.nonzeros.insert(out.nonzeros.end(), levels_.rbegin(), levels_.rend());
     levels.count = static_cast<std::uint16_t>(levels_.size());
@@ -130,129 +125,6 @@ void BlockQuantizer::find_crosses(const TileLevels& out, std::size_t first_plane
             if (nz.index < end)
                 cross_[nz.index] = static_cast<std::uint8_t>(ContextGrid::add_cross(
                     cross_[nz.index], amplitude_of_level(nz.level, coding_.parameters.dependent)));
-}
-
-// The Viterbi algorithm over the states of dependent quantisation (one state: plain quantisation,
-// where it is the choice coefficient by coefficient). Every state's best path has its own contexts.
-template <int states> float BlockQuantizer::choose_levels(const PlaneTask& task, int end) {
-    constexpr bool dependent = states > 1;
-    constexpr float unit = dependent ? 0.5f : 1.0f; // of a level, in steps
-    const ScanOrder& order = task.order;
-    const float lambda = options_.lambda;
-    const auto& offsets = offset_[static_cast<std::size_t>(task.plane_class)];
-    const auto count = static_cast<std::size_t>(end);
-    seen_.assign(count * states, 0);
-    before_.resize(count * states);
-    level_.resize(count * states);
-
-    std::array<float, states> cost, next_cost; // against the energy of the coefficients so far
-    cost.fill(infinite);
-    cost[0] = 0;
-    float best_cost = options_.optimise ? lambda * task.length_costs[0] : infinite;
-    int best_end = 0, best_state = 0;
-    for (int i = 0; i < end; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        std::array<std::uint32_t, states> sum{};
-        for (std::size_t j = 0; j < scan_neighbours; ++j) {
-            const std::uint16_t* seen = seen_.data() + order.neighbours[at][j] * states;
-            for (std::size_t s = 0; s < states; ++s)
-                sum[s] += j < double_neighbours ? 2u * seen[s] : seen[s];
-        }
-        const ScanContext& context = order.context[at];
-        const int cross = cross_class(cross_[at]);
-        const bool negative = amplitude_[at] < 0;
-        const float a = std::fabs(amplitude_[at]);
-        const auto nearest = static_cast<std::int32_t>(
-            std::min(a / unit + (options_.optimise ? 0.5f : 1.0f - dead_zone),
-                     static_cast<float>(max_level - 1)));
-        std::int32_t least = nearest, most = nearest;
-        if (options_.optimise) {
-            least = std::max(1, nearest - (dependent ? 2 : 1));
-            most = dependent ? nearest + 1 : a < smallest_candidate ? 0 : nearest;
-        }
-        const bool may_be_zero = options_.optimise || nearest == 0;
-        std::uint8_t* before = before_.data() + at * states;
-        std::int32_t* level = level_.data() + at * states;
-        next_cost.fill(infinite);
-        std::fill_n(before, states, std::uint8_t{0}); // those out of reach, too: no leftovers
-        for (int s = 0; s < states; ++s) {
-            const float so_far = cost[static_cast<std::size_t>(s)];
-            if (so_far >= infinite)
-                continue;
-            const int quantiser = quantiser_of(s);
-            const int neighbours =
-                i == 0 ? size_class(order.shape)
-                       : neighbour_class(sum[static_cast<std::size_t>(s)], context.share);
-            const auto& flag = costs_.zero[static_cast<std::size_t>(zero_parameter(
-                task.copies, quantiser, task.plane_class, context.position, neighbours, cross))];
-            const auto consider = [&](std::int32_t l, std::int32_t magnitude, float total) {
-                const int to = dependent ? next_state[static_cast<std::size_t>(s)]
-                                                     [static_cast<std::size_t>(magnitude & 1)]
-                                         : 0;
-                if (total >= next_cost[static_cast<std::size_t>(to)])
-                    return;
-                next_cost[static_cast<std::size_t>(to)] = total;
-                before[to] = static_cast<std::uint8_t>(s);
-                level[to] = l;
-            };
-            if (may_be_zero)
-                consider(0, 0, so_far + lambda * flag[0]);
-            if (most == 0)
-                continue;
-            const auto& tokens = costs_.magnitude[static_cast<std::size_t>(magnitude_table(
-                task.copies, quantiser, task.plane_class, i == 0, neighbours, cross))];
-            if (dependent && a < smallest_dependent &&
-                (quantiser == 0 ||
-                 unit * (unit - 2 * a) + lambda * (flag[1] + tokens[0] - flag[0]) >
-                     most_for_a_path))
-                continue;
-            for (std::int32_t l = least; l <= most; ++l) {
-                if (dependent && (l & 1) != quantiser)
-                    continue;
-                const std::int32_t magnitude = coded_magnitude(l, dependent);
-                const float error = a - unit * (static_cast<float>(l) - offsets[l > 1 ? 1 : 0]);
-                const float bits =
-                    flag[1] + tokens[static_cast<std::size_t>(magnitude_token(magnitude).token)];
-                consider(l, magnitude, so_far + error * error - a * a + lambda * bits);
-            }
-        }
-        cost = next_cost;
-        if constexpr (dependent)
-            for (std::size_t back = static_cast<std::size_t>(std::max(0, i - window)); back < at;
-                 ++back) {
-                std::array<std::uint16_t, states> old;
-                std::copy_n(seen_.data() + back * states, states, old.begin());
-                if (old == std::array<std::uint16_t, states>{})
-                    continue;
-                for (std::size_t s = 0; s < states; ++s)
-                    seen_[back * states + s] = old[before[s]];
-            }
-        for (std::size_t s = 0; s < states; ++s) {
-            if (cost[s] >= infinite)
-                level[s] = 0;
-            seen_[at * states + s] = static_cast<std::uint16_t>(
-                amplitude_of(amplitude_code(amplitude_of_level(level[s], dependent))));
-            if (negative)
-                level[s] = -level[s];
-        }
-        if (options_.optimise ? round_up_coded_length(i + 1, order.length()) != i + 1 : i + 1 < end)
-            continue;
-        const float length_cost =
-            lambda * task.length_costs[static_cast<std::size_t>(length_token(i + 1))];
-        for (int s = 0; s < states; ++s)
-            if (cost[static_cast<std::size_t>(s)] + length_cost < best_cost) {
-                best_cost = cost[static_cast<std::size_t>(s)] + length_cost;
-                best_end = i + 1;
-                best_state = s;
-            }
-    }
-    for (int i = best_end - 1, s = best_state; i >= 0; --i) {
-        const auto at = static_cast<std::size_t>(i * states + s);
-        if (level_[at] != 0)
-            levels_.push_back({static_cast<std::uint16_t>(i), level_[at]});
-        s = before_[at];
-    }
-    return best_cost;
 }
 
 } // namespace tessera

@@ -1,9 +1,10 @@
 // Rate-distortion optimised quantisation of one block (levels and coded length).
 #pragma once
 
-#include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
+#include "codec/tile_encoder/bit_costs.h"
+#include "codec/tile_encoder/level_trellis.h"
 
 #include <array>
 #include <vector>
@@ -17,12 +18,6 @@ struct BlockCoefficients {
     std::array<std::vector<float>, max_planes> plane;
     bool copies = false; // what is left of a block that copies from other views
     int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
-};
-
-// Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
-struct QuantizerOptions {
-    float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
-    bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
 };
 
 // Coefficients of a block's scan order that an encoder may code: the longest codable length with
@@ -46,18 +41,8 @@ private:
         return block.colour != 0 && plane < 3 ? inverse_rotated_step_
                                               : inverse_step_[static_cast<std::size_t>(plane)];
     }
-    // What the choice of levels needs to know of one plane.
-    struct PlaneTask {
-        const ScanOrder& order;
-        bool copies;
-        int plane_class;
-        const std::array<float, length_tokens>& length_costs;
-    };
-
     float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                          std::size_t first_plane, TileLevels& out);
-    // The cheapest levels of amplitude_[0 .. end) go to levels_, last one first.
-    template <int states> float choose_levels(const PlaneTask& task, int end);
     // Codes of the amplitudes in earlier planes.
     void find_crosses(const TileLevels& out, std::size_t first_plane, int end);
 
@@ -70,11 +55,7 @@ private:
     std::vector<float> amplitude_;
     std::vector<std::uint8_t> cross_;
     std::vector<NonZero> levels_;
-    // Of each coefficient and state behind it: the best path's state before, its level, and its
-    // amplitude for contexts.
-    std::vector<std::uint8_t> before_;
-    std::vector<std::int32_t> level_;
-    std::vector<std::uint16_t> seen_;
+    TrellisPaths paths_;
 };
 
 } // namespace tessera

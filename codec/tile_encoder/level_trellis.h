@@ -1,0 +1,51 @@
+// The cheapest levels of one plane of a block: a path through the states of dependent quantisation.
+#pragma once
+
+#include "codec/tile/tile_coding.h"
+#include "codec/tile/tile_levels.h"
+#include "codec/tile_encoder/bit_costs.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+// Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
+struct QuantizerOptions {
+    float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
+    bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
+};
+
+// A coefficient below this can only become 0, in steps.
+constexpr float smallest_candidate = 0.55f;
+// Without optimisation: the first level that is not 0.
+constexpr float dead_zone = 2.0f / 3.0f;
+
+// One plane of one block. The spans are as long as the coefficients that may be coded.
+struct PlaneTask {
+    const ScanOrder& order;
+    const BitCosts& costs;
+    QuantizerOptions options;
+    bool copies;
+    int plane_class;
+    const std::array<float, length_tokens>& length_costs;
+    const std::array<float, 2>& offsets; // of levels 1 and above from the amplitude they stand for
+    std::span<const float> amplitude;    // coefficients in scan order, in steps
+    std::span<const std::uint8_t> crosses; // sums of the amplitudes of earlier planes, for contexts
+};
+
+// Memory of the paths, kept from plane to plane. Of each coefficient and state behind it: the best
+// path's state before, its level, and its amplitude for contexts.
+struct TrellisPaths {
+    std::vector<std::uint8_t> before;
+    std::vector<std::int32_t> level;
+    std::vector<std::uint16_t> seen;
+};
+
+// Appends the cheapest levels to `out`, last one first. Returns their cost, relative to zeros only.
+float choose_levels(const PlaneTask& task, bool dependent, TrellisPaths& paths,
+                    std::vector<NonZero>& out);
+
+} // namespace tessera
