@@ -25,7 +25,7 @@ function(tessera_module name)
     # A program in C links our C++ with the C compiler.
     target_link_libraries(tessera_${name} PUBLIC ${ARG_USES}
                           INTERFACE $<$<LINK_LANGUAGE:C>:stdc++;m>
-                          PRIVATE $<BUILD_INTERFACE:tessera_build>)
+                          PRIVATE $<BUILD_INTERFACE:tessera_strict>)
     tessera_public_headers(${ARG_HEADERS})
 endfunction()
 
