@@ -91,15 +91,12 @@ private:
         ViewRequest request = options_.view;
         if (request.size.empty())
             request.size = amount_.size;
-        const auto plan = plan_views(request);
-        if (!plan.ok())
-            return plan.status();
-        const auto window = sphere_window(reader_.description());
-        if (!window.ok())
-            return window.status().with_context(reader_.name());
-        for (const PlannedView& view : *plan) {
-            TESSERA_TRY(check_outside(*window, view.camera).with_context(view.name));
-            cameras_.push_back(gpu_camera(view.camera, *window, glm::dvec3(0)));
+        TESSERA_TRY_ASSIGN(const auto plan, plan_views(request));
+        TESSERA_TRY_ASSIGN(const auto window,
+                           sphere_window(reader_.description()).with_context(reader_.name()));
+        for (const PlannedView& view : plan) {
+            TESSERA_TRY(check_outside(window, view.camera).with_context(view.name));
+            cameras_.push_back(gpu_camera(view.camera, window, glm::dvec3(0)));
         }
         report_.width = cameras_.front().width;
         report_.height = cameras_.front().height;
@@ -161,12 +158,10 @@ private:
     std::uint64_t enough() const { return report_.decoded_bytes + (512ull << 20); }
 
     Status run_raw() {
-        auto source = open_texels();
-        if (!source.ok())
-            return source.status();
+        TESSERA_TRY_ASSIGN(auto source, open_texels());
         for (const bool filter : {false, true})
             TESSERA_TRY(plain_row(row_of("raw", filter, "steady"), [&] {
-                return SampledTexture::from_texels(reader_, **source, filter);
+                return SampledTexture::from_texels(reader_, *source, filter);
             }));
         return {};
     }
@@ -184,14 +179,12 @@ private:
         hints.size = reader_.desc().size;
         hints.type = reader_.desc().type;
         hints.channels = reader_.desc().channels;
-        auto opened = open_texture(options_.original, hints);
-        if (!opened.ok())
-            return opened.status();
-        if (opened->source->desc() != reader_.desc())
+        TESSERA_TRY_ASSIGN(auto opened, open_texture(options_.original, hints));
+        if (opened.source->desc() != reader_.desc())
             return Status(ErrorCode::bad_argument,
                           options_.original + ": is not of the size and type of " + reader_.name());
         reference_name_ = options_.original;
-        return interruptible(std::move(opened->source));
+        return interruptible(std::move(opened.source));
     }
 
     Status run_load() {
@@ -244,23 +237,17 @@ private:
     // A quarter more than the first view touches.
     Result<bool> has_enough_slots(SampledTexture& texture) {
         if (touched_ == 0) {
-            auto view = GlViewRenderer::create(texture);
-            if (!view.ok())
-                return view.status();
-            TESSERA_TRY(view->draw(camera(0)));
-            const auto update = texture.update(true);
-            if (!update.ok())
-                return update.status();
-            touched_ = update->touched;
+            TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(texture));
+            TESSERA_TRY(view.draw(camera(0)));
+            TESSERA_TRY_ASSIGN(const auto update, texture.update(true));
+            touched_ = update.touched;
         }
         return texture.cache_slots() >= std::min(touched_ + touched_ / 4, report_.tiles);
     }
 
     Status measure_steady(Subject& subject, BenchRow& row) {
         const bool cached = subject.texture.cache_slots() > 0;
-        auto log = IntervalLog::create(cached ? 6 : 3, clock_); // three frames
-        if (!log.ok())
-            return log.status();
+        TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(cached ? 6 : 3, clock_));
         const unsigned all = report_.warm_up + report_.frames;
         std::vector<double> wall;
         std::vector<std::uint32_t> decoded;
@@ -269,22 +256,20 @@ private:
             TESSERA_TRY(check_interrupt());
             show(row, frame, all);
             const auto start = Clock::now();
-            log->begin();
+            log.begin();
             TESSERA_TRY(subject.view->draw(camera(frame)));
-            log->end();
+            log.end();
             if (cached) {
-                log->begin();
-                const auto update = subject.texture.update(false);
-                if (!update.ok())
-                    return update.status();
-                log->end();
-                decoded.push_back(update->decoded);
-                touched += frame < report_.warm_up ? 0 : update->touched;
-                waiting += frame < report_.warm_up ? 0 : update->waiting;
+                log.begin();
+                TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(false));
+                log.end();
+                decoded.push_back(update.decoded);
+                touched += frame < report_.warm_up ? 0 : update.touched;
+                waiting += frame < report_.warm_up ? 0 : update.waiting;
             }
             wall.push_back(milliseconds_since(start));
         }
-        const std::vector<double>& times = log->finish();
+        const std::vector<double>& times = log.finish();
         std::vector<double> draws, updates, frames;
         double decoding = 0, tiles = 0;
         for (std::size_t frame = report_.warm_up; frame < all; ++frame) {
@@ -312,9 +297,7 @@ private:
     }
 
     Status measure_cold(Subject& subject, BenchRow& row) {
-        auto log = IntervalLog::create(3, clock_);
-        if (!log.ok())
-            return log.status();
+        TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(3, clock_));
         std::vector<double> wall;
         UpdateReport update;
         const unsigned all = report_.cold_frames + 1; // the first one to warm up
@@ -324,22 +307,20 @@ private:
             TESSERA_TRY(subject.texture.drop_cache());
             glFinish();
             const auto start = Clock::now();
-            log->begin();
+            log.begin();
             TESSERA_TRY(subject.view->draw(camera(0)));
-            log->end();
-            log->begin();
-            const auto updated = subject.texture.update(true);
-            if (!updated.ok())
-                return updated.status();
-            log->end();
-            log->begin();
+            log.end();
+            log.begin();
+            TESSERA_TRY_ASSIGN(const auto updated, subject.texture.update(true));
+            log.end();
+            log.begin();
             TESSERA_TRY(subject.view->draw(camera(0)));
-            log->end();
+            log.end();
             glFinish();
             wall.push_back(milliseconds_since(start));
-            update = *updated;
+            update = updated;
         }
-        const std::vector<double>& times = log->finish();
+        const std::vector<double>& times = log.finish();
         std::vector<double> marks, decodes, draws, frames;
         for (std::size_t frame = 1; frame < all; ++frame) {
             marks.push_back(times[3 * frame]);
@@ -373,10 +354,8 @@ private:
         for (int frame = 0; frame < most_settling_frames; ++frame) {
             TESSERA_TRY(check_interrupt());
             TESSERA_TRY(subject.view->draw(camera(0)));
-            const auto update = subject.texture.update(true);
-            if (!update.ok())
-                return update.status();
-            if (update->decoded == 0)
+            TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(true));
+            if (update.decoded == 0)
                 break;
         }
         return compare(subject, row);
@@ -384,15 +363,13 @@ private:
 
     // The frame just drawn against the reference; the first one of all, of raw texels, becomes that.
     Status compare(Subject& subject, BenchRow& row) {
-        const auto pixels = subject.view->read();
-        if (!pixels.ok())
-            return pixels.status();
+        TESSERA_TRY_ASSIGN(const auto pixels, subject.view->read());
         View view;
         view.width = report_.width;
         view.height = report_.height;
-        view.rgb.reserve(pixels->size() / 4 * 3);
-        for (std::size_t i = 0; i < pixels->size(); i += 4)
-            view.rgb.insert(view.rgb.end(), {(*pixels)[i], (*pixels)[i + 1], (*pixels)[i + 2]});
+        view.rgb.reserve(pixels.size() / 4 * 3);
+        for (std::size_t i = 0; i < pixels.size(); i += 4)
+            view.rgb.insert(view.rgb.end(), {pixels[i], pixels[i + 1], pixels[i + 2]});
         Picture picture = to_picture(view, reader_.desc().type);
         if (!reference_ && row.via == "raw") {
             reference_ = std::move(picture);
@@ -406,10 +383,8 @@ private:
 
     // The stages of the decodes of a cold frame, and of those of the frames after it.
     Status measure_stages(Subject& subject) {
-        auto log = StageLog::create(clock_);
-        if (!log.ok())
-            return log.status();
-        subject.texture.set_stage_hook(log->hook());
+        TESSERA_TRY_ASSIGN(auto log, StageLog::create(clock_));
+        subject.texture.set_stage_hook(log.hook());
         BenchDecode cold, steady;
         cold.what = "cold frame";
         steady.what = "steady frames";
@@ -417,12 +392,10 @@ private:
         for (unsigned frame = 0; frame <= report_.frames; ++frame) {
             TESSERA_TRY(check_interrupt());
             TESSERA_TRY(subject.view->draw(camera(frame)));
-            const auto update = subject.texture.update(true);
-            if (!update.ok())
-                return update.status();
+            TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(true));
             BenchDecode& times = frame == 0 ? cold : steady;
-            times.tiles += update->decoded;
-            log->take(times);
+            times.tiles += update.decoded;
+            log.take(times);
         }
         subject.texture.set_stage_hook({});
         for (BenchDecode* times : {&cold, &steady}) {
@@ -469,22 +442,16 @@ private:
 } // namespace
 
 Result<BenchReport> bench_gpu(const std::string& file, const GpuBenchOptions& options) {
-    const auto bytes = open_tess_bytes(file, "bench");
-    if (!bytes.ok())
-        return bytes.status();
-    const auto decoder = Decoder::open(**bytes);
-    if (!decoder.ok())
-        return decoder.status();
-    const auto context = HeadlessContext::create();
-    if (!context.ok())
-        return context.status();
-    GpuBench bench(*decoder, *context, options);
+    TESSERA_TRY_ASSIGN(const auto bytes, open_tess_bytes(file, "bench"));
+    TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(*bytes));
+    TESSERA_TRY_ASSIGN(const auto context, HeadlessContext::create());
+    GpuBench bench(decoder, context, options);
     TESSERA_TRY(bench.run());
     BenchReport report = std::move(bench.report());
     report.file = file;
-    report.file_bytes = (*bytes)->size();
+    report.file_bytes = bytes->size();
     report.bits_per_texel = static_cast<double>(report.file_bytes) * 8 /
-                            static_cast<double>(texel_count(decoder->desc().size));
+                            static_cast<double>(texel_count(decoder.desc().size));
     return report;
 }
 

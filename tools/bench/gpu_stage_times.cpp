@@ -25,16 +25,14 @@ double& stage_of(BenchDecode& times, DecodeStage stage) {
 
 template <class Decode>
 Status time_whole(unsigned repeats, const Decode& decode_all, double& milliseconds) {
-    auto log = IntervalLog::create(1, TimerClock::device);
-    if (!log.ok())
-        return log.status();
+    TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(1, TimerClock::device));
     for (unsigned i = 0; i < repeats; ++i) {
-        log->begin();
+        log.begin();
         TESSERA_TRY(decode_all());
-        log->end();
+        log.end();
     }
     milliseconds = 0;
-    for (const double time : log->finish())
+    for (const double time : log.finish())
         milliseconds += time;
     return {};
 }
@@ -42,10 +40,8 @@ Status time_whole(unsigned repeats, const Decode& decode_all, double& millisecon
 } // namespace
 
 Result<StageLog> StageLog::create(TimerClock clock) {
-    auto log = IntervalLog::create(stages_in_flight, clock);
-    if (!log.ok())
-        return log.status();
-    return StageLog(std::move(*log));
+    TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(stages_in_flight, clock));
+    return StageLog(std::move(log));
 }
 
 StageHook StageLog::hook() {
@@ -69,21 +65,19 @@ void StageLog::take(BenchDecode& times) {
 
 Result<WholeDecode> time_whole_decode(const ContainerReader& reader, TimerClock clock,
                                       unsigned repeats) {
-    auto decoder = WholeFileDecoder::create(reader);
-    TESSERA_TRY(decoder.status());
+    TESSERA_TRY_ASSIGN(auto decoder, WholeFileDecoder::create(reader));
     WholeDecode whole;
     whole.times.tiles = reader.grid().tiles();
     whole.times.texels = texel_count(reader.desc().size);
-    whole.blocks = decoder->blocks();
-    whole.coefficients = decoder->coefficients();
-    const auto decode_all = [&] { return decoder->decode([] { return interrupted_by() != 0; }); };
-    auto stages = StageLog::create(clock);
-    TESSERA_TRY(stages.status());
-    decoder->set_stage_hook(stages->hook());
+    whole.blocks = decoder.blocks();
+    whole.coefficients = decoder.coefficients();
+    const auto decode_all = [&] { return decoder.decode([] { return interrupted_by() != 0; }); };
+    TESSERA_TRY_ASSIGN(auto stages, StageLog::create(clock));
+    decoder.set_stage_hook(stages.hook());
     for (unsigned i = 0; i < repeats; ++i)
         TESSERA_TRY(decode_all());
-    stages->take(whole.times);
-    decoder->set_stage_hook({});
+    stages.take(whole.times);
+    decoder.set_stage_hook({});
     // The host's clock waits for the device at every stage anyway.
     if (clock == TimerClock::device)
         TESSERA_TRY(time_whole(repeats, decode_all, whole.times.whole));

@@ -4,10 +4,8 @@
 namespace tessera {
 
 Result<IntervalLog> IntervalLog::create(int in_flight, TimerClock clock) {
-    auto timer = GlTimer::create(in_flight, clock);
-    if (!timer.ok())
-        return timer.status();
-    return IntervalLog(std::move(*timer), in_flight);
+    TESSERA_TRY_ASSIGN(auto timer, GlTimer::create(in_flight, clock));
+    return IntervalLog(std::move(timer), in_flight);
 }
 
 void IntervalLog::take_one() {

@@ -24,18 +24,14 @@ private:
 };
 
 Result<std::vector<std::uint64_t>> lengths_of(ByteSource& file, unsigned count) {
-    const auto reader = ContainerReader::open(file);
-    if (!reader.ok())
-        return reader.status();
-    std::vector<std::uint64_t> lengths = {reader->sections().back().offset};
+    TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(file));
+    std::vector<std::uint64_t> lengths = {reader.sections().back().offset};
     // Level i ends where the first tile of the finer one begins.
-    for (std::size_t i = reader->levels().size(); i-- > 1;) {
-        const auto place = reader->locate(reader->levels()[i - 1].first_tile);
-        if (!place.ok())
-            return place.status();
-        lengths.push_back(place->offset);
+    for (std::size_t i = reader.levels().size(); i-- > 1;) {
+        TESSERA_TRY_ASSIGN(const auto place, reader.locate(reader.levels()[i - 1].first_tile));
+        lengths.push_back(place.offset);
     }
-    const std::uint64_t from = lengths.back(), to = reader->file_bytes();
+    const std::uint64_t from = lengths.back(), to = reader.file_bytes();
     const std::size_t steps = std::max<std::size_t>(count, lengths.size() + 1) - lengths.size();
     for (std::size_t i = 1; i <= steps; ++i)
         lengths.push_back(from + (to - from) * i / steps);
@@ -46,21 +42,15 @@ Result<std::vector<std::uint64_t>> lengths_of(ByteSource& file, unsigned count) 
 
 Result<std::vector<PrefixPoint>> prefix_curve(TexelSource& reference, ByteSource& file,
                                               unsigned count, const CompareOptions& options) {
-    const auto lengths = lengths_of(file, count);
-    if (!lengths.ok())
-        return lengths.status();
+    TESSERA_TRY_ASSIGN(const auto lengths, lengths_of(file, count));
     std::vector<PrefixPoint> points;
-    for (const std::uint64_t length : *lengths) {
+    for (const std::uint64_t length : lengths) {
         Beginning beginning(file, length);
-        const auto decoder = Decoder::open(beginning, {true, false});
-        if (!decoder.ok())
-            return decoder.status();
-        const auto texels = decoded_source(*decoder);
-        const auto compared = compare_textures(reference, *texels, options);
-        if (!compared.ok())
-            return compared.status();
-        points.push_back({length, compared->errors.psnr(), decoder->fill_report().missing_tiles,
-                          decoder->container().grid().tiles()});
+        TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(beginning, {true, false}));
+        const auto texels = decoded_source(decoder);
+        TESSERA_TRY_ASSIGN(const auto compared, compare_textures(reference, *texels, options));
+        points.push_back({length, compared.errors.psnr(), decoder.fill_report().missing_tiles,
+                          decoder.container().grid().tiles()});
     }
     return points;
 }

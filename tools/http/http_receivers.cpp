@@ -74,12 +74,11 @@ Status OpeningReceiver::begin_whole(const HttpHead& head) {
 }
 
 Status OpeningReceiver::begin_part(const HttpHead& head) {
-    const Result<ContentRange> range = range_of(head);
-    TESSERA_TRY(range.status());
-    version.size = *range->total;
+    TESSERA_TRY_ASSIGN(const ContentRange range, range_of(head));
+    version.size = *range.total;
     expected_ = std::min(wanted_, version.size);
-    if (range->first != 0 || range->last != expected_ - 1)
-        return wrong_range(range_text(0, expected_ - 1), *range);
+    if (range.first != 0 || range.last != expected_ - 1)
+        return wrong_range(range_text(0, expected_ - 1), range);
     return {};
 }
 
@@ -117,18 +116,17 @@ Status PartReceiver::begin(const HttpHead& head) {
         return io_error("the server sends the whole file where a part was asked for");
     if (head.status != 206)
         return io_error("the server answers " + describe_status(head.status));
-    const Result<ContentRange> range = range_of(head);
-    TESSERA_TRY(range.status());
-    if (*range->total != version_.size)
+    TESSERA_TRY_ASSIGN(const ContentRange range, range_of(head));
+    if (*range.total != version_.size)
         return changed("it had " + std::to_string(version_.size) + " bytes and has " +
-                       std::to_string(*range->total));
+                       std::to_string(*range.total));
     if (head.field("etag") != version_.etag)
         return changed("another ETag");
     if (head.field("last-modified") != version_.last_modified)
         return changed("another Last-Modified");
     const std::uint64_t last = offset_ + out_.size() - 1;
-    if (range->first != offset_ || range->last != last)
-        return wrong_range(range_text(offset_, last), *range);
+    if (range.first != offset_ || range.last != last)
+        return wrong_range(range_text(offset_, last), range);
     return {};
 }
 

@@ -51,17 +51,15 @@ struct Part {
 
 Result<std::unique_ptr<HttpSource>> HttpSource::open(const std::string& url,
                                                      const HttpOptions& options) {
-    const Result<std::string> name = name_of_url(url);
-    TESSERA_TRY(name.status());
-    auto transfers = HttpTransfers::create(url, *name, options);
-    TESSERA_TRY(transfers.status());
+    TESSERA_TRY_ASSIGN(const std::string name, name_of_url(url));
+    TESSERA_TRY_ASSIGN(auto transfers, HttpTransfers::create(url, name, options));
     OpeningReceiver first(first_read_bytes, options.max_whole_bytes);
     const HttpRequest request{0, first_read_bytes - 1, options.max_whole_bytes, &first};
-    TESSERA_TRY((*transfers)->run(std::span(&request, 1)));
-    (*transfers)->set_fields(conditions(first.version));
+    TESSERA_TRY(transfers->run(std::span(&request, 1)));
+    transfers->set_fields(conditions(first.version));
     std::unique_ptr<HttpSource> source(new HttpSource);
-    source->name_ = *name;
-    source->transfers_ = std::move(*transfers);
+    source->name_ = name;
+    source->transfers_ = std::move(transfers);
     source->version_ = std::move(first.version);
     source->start_ = std::move(first.bytes);
     return source;

@@ -18,10 +18,8 @@ Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
     HttpOptions options;
     if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // as curl itself has it
         options.ca_file = bundle;
-    auto source = HttpSource::open(url, options);
-    if (!source.ok())
-        return source.status();
-    return std::unique_ptr<ByteSource>(std::move(*source));
+    TESSERA_TRY_ASSIGN(auto source, HttpSource::open(url, options));
+    return std::unique_ptr<ByteSource>(std::move(source));
 #else
     return Status(ErrorCode::unsupported, url + ": this program was built without HTTP");
 #endif

@@ -75,23 +75,19 @@ private:
     // Appends A, B and the difference of one box to three rows, or all to one.
     Status add(const Box4& box, Axis across, Axis up, std::uint32_t enlarged,
                const std::string& place, PanelRow* rows[3]) {
-        auto a = read_picture(a_, box, across, up);
-        if (!a.ok())
-            return a.status();
+        TESSERA_TRY_ASSIGN(auto a, read_picture(a_, box, across, up));
         // Small pictures, which stand in columns of one place, have no room for place and name.
         const bool is_column = rows[0] != rows[1];
         rows[0]->push_back(
-            {is_column ? place : place + " " + options_.name_a, enlarge(*a, enlarged)});
+            {is_column ? place : place + " " + options_.name_a, enlarge(a, enlarged)});
         if (!b_)
             return {};
-        auto b = read_picture(*b_, box, across, up);
-        if (!b.ok())
-            return b.status();
-        rows[1]->push_back({is_column ? options_.name_b : place + " " + options_.name_b,
-                            enlarge(*b, enlarged)});
+        TESSERA_TRY_ASSIGN(auto b, read_picture(*b_, box, across, up));
+        rows[1]->push_back(
+            {is_column ? options_.name_b : place + " " + options_.name_b, enlarge(b, enlarged)});
         const std::string times = std::to_string(static_cast<int>(options_.amplify));
         rows[2]->push_back(
-            {"difference x " + times, enlarge(difference_of(*a, *b, options_.amplify), enlarged)});
+            {"difference x " + times, enlarge(difference_of(a, b, options_.amplify), enlarged)});
         return {};
     }
 

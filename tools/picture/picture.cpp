@@ -31,15 +31,13 @@ Picture difference_of(const Picture& a, const Picture& b, double amplify) {
 }
 
 Status write_png(const std::string& path, const Picture& picture) {
-    const auto png = encode_png({picture.width, picture.height, 3}, picture.rgb);
-    if (!png.ok())
-        return png.status().with_context(path);
+    TESSERA_TRY_ASSIGN(
+        const auto png,
+        encode_png({picture.width, picture.height, 3}, picture.rgb).with_context(path));
     TESSERA_TRY(make_parent_folders(path));
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    TESSERA_TRY(file->append(*png));
-    return file->commit();
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    TESSERA_TRY(file.append(png));
+    return file.commit();
 }
 
 } // namespace tessera

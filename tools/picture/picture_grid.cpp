@@ -11,15 +11,13 @@ namespace tessera {
 namespace {
 
 Result<Picture> read_picture(const std::string& path) {
-    const auto shape = read_png_shape(path);
-    if (!shape.ok())
-        return shape.status();
-    if (shape->channels != 3)
+    TESSERA_TRY_ASSIGN(const auto shape, read_png_shape(path));
+    if (shape.channels != 3)
         return Status(ErrorCode::unsupported, path + ": is not RGB");
-    if (std::uint64_t{shape->width} * shape->height > max_sheet_pixels)
+    if (std::uint64_t{shape.width} * shape.height > max_sheet_pixels)
         return Status(ErrorCode::unsupported, path + ": is too large for a sheet");
-    Picture picture = blank_picture(shape->width, shape->height, 0);
-    TESSERA_TRY(read_png(path, *shape, shape->height, [&](std::uint32_t y, auto row) {
+    Picture picture = blank_picture(shape.width, shape.height, 0);
+    TESSERA_TRY(read_png(path, shape, shape.height, [&](std::uint32_t y, auto row) {
         std::memcpy(picture.pixel(0, y), row.data(), row.size());
     }));
     return picture;
@@ -46,15 +44,13 @@ Result<Picture> make_picture_grid(std::span<const std::string> paths, const Grid
                                                    " pictures");
     std::vector<PanelRow> rows;
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        const auto picture = read_picture(paths[i]);
-        if (!picture.ok())
-            return picture.status();
+        TESSERA_TRY_ASSIGN(const auto picture, read_picture(paths[i]));
         if (i % options.columns == 0)
             rows.emplace_back();
         rows.back().push_back({options.labels.empty()
                                    ? std::filesystem::path(paths[i]).stem().string()
                                    : options.labels[i],
-                               middle_of(*picture, options.middle)});
+                               middle_of(picture, options.middle)});
     }
     return lay_out(rows);
 }

@@ -20,20 +20,17 @@ struct AccessCost {
 inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box4& box) {
     const auto source = wrap_memory(file);
     CountingByteSource counting(*source);
-    const auto decoder = Decoder::open(counting);
-    if (!decoder.ok())
-        return decoder.status();
-    std::vector<std::byte> texels(decoder->desc().box_bytes(box));
-    TESSERA_TRY(decoder->decode_box(box, texels, 1, Integrity::tile));
+    TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(counting));
+    std::vector<std::byte> texels(decoder.desc().box_bytes(box));
+    TESSERA_TRY(decoder.decode_box(box, texels, 1, Integrity::tile));
     AccessCost cost;
     cost.first_reads = counting.reads().size();
     // Not counted by reading again: the first read of a small file brings its tiles along.
-    const ContainerReader& container = decoder->container();
+    const ContainerReader& container = decoder.container();
     for (const std::uint64_t tile : container.grid().tiles_touched(box)) {
-        const Result<TileLocation> place = container.locate(tile);
-        TESSERA_TRY(place.status());
-        cost.reads += place->length > 0;
-        cost.bytes += place->length;
+        TESSERA_TRY_ASSIGN(const TileLocation place, container.locate(tile));
+        cost.reads += place.length > 0;
+        cost.bytes += place.length;
     }
     return cost;
 }

@@ -90,27 +90,21 @@ Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
             shape_and_mode.push_back(word);
         std::vector<std::string> encode = {"zfp", "-q", "-i", in, "-z", packed};
         encode.insert(encode.end(), shape_and_mode.begin(), shape_and_mode.end());
-        const auto encoded = seconds_of_tool(encode, job.timeout, ticker(job, "encoding"));
-        if (!encoded.ok())
-            return encoded.status();
-        const auto bytes = bytes_of_file(packed);
-        if (!bytes.ok())
-            return bytes.status();
-        coded.bytes += *bytes;
-        coded.encode_seconds += *encoded;
+        TESSERA_TRY_ASSIGN(const auto encoded,
+                           seconds_of_tool(encode, job.timeout, ticker(job, "encoding")));
+        TESSERA_TRY_ASSIGN(const auto bytes, bytes_of_file(packed));
+        coded.bytes += bytes;
+        coded.encode_seconds += encoded;
         std::vector<std::string> decode = {"zfp", "-q", "-z", packed, "-o", out};
         decode.insert(decode.end(), shape_and_mode.begin(), shape_and_mode.end());
-        const auto decoded = best_time(
-            [&] { return seconds_of_tool(decode, job.timeout, ticker(job, "decoding")); });
-        if (!decoded.ok())
-            return decoded.status();
-        coded.decode_seconds += *decoded;
-        const auto back = bytes_in_file(out);
-        if (!back.ok())
-            return back.status();
-        if (back->size() != planes[p].size() * sizeof(float))
+        TESSERA_TRY_ASSIGN(const auto decoded, best_time([&] {
+                               return seconds_of_tool(decode, job.timeout, ticker(job, "decoding"));
+                           }));
+        coded.decode_seconds += decoded;
+        TESSERA_TRY_ASSIGN(const auto back, bytes_in_file(out));
+        if (back.size() != planes[p].size() * sizeof(float))
             return Status(ErrorCode::runtime, "zfp: decoded an array of another size");
-        std::memcpy(planes[p].data(), back->data(), back->size());
+        std::memcpy(planes[p].data(), back.data(), back.size());
     }
     coded.texels = texels_of(desc, std::move(planes));
     if (setting.rfind("rate", 0) == 0) { // blocks of 4 x 4 x 4 x 4 at known places

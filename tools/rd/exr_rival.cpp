@@ -65,10 +65,8 @@ Imf::FrameBuffer frame_of(Mosaic& m) {
 }
 
 Status write_mosaic(const std::string& path, Mosaic& m, float level) {
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    ExrOutput stream(*file);
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    ExrOutput stream(file);
     TESSERA_TRY(guard_exr(path, [&] {
         Imf::Header header(m.width, m.height);
         header.compression() = Imf::DWAA_COMPRESSION;
@@ -81,15 +79,13 @@ Status write_mosaic(const std::string& path, Mosaic& m, float level) {
         return Status();
     }));
     TESSERA_TRY(stream.status());
-    return file->commit();
+    return file.commit();
 }
 
 Status read_mosaic(const std::string& path, Mosaic& m) {
-    const auto bytes = open_file(path);
-    if (!bytes.ok())
-        return bytes.status();
+    TESSERA_TRY_ASSIGN(const auto bytes, open_file(path));
     return guard_exr(path, [&] {
-        ExrInput stream(**bytes);
+        ExrInput stream(*bytes);
         Imf::InputFile picture(stream, Imf::globalThreadCount());
         picture.setFrameBuffer(frame_of(m));
         picture.readPixels(0, m.height - 1);
@@ -99,9 +95,7 @@ Status read_mosaic(const std::string& path, Mosaic& m) {
 
 template <class Work> Result<double> timed(const Work& work) {
     const auto begun = std::chrono::steady_clock::now();
-    const Status status = work();
-    if (!status.ok())
-        return status;
+    TESSERA_TRY(work());
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
@@ -119,20 +113,15 @@ Result<Coded> code_exr_mosaic(const CodingJob& job, const std::string& setting) 
     });
     Imf::setGlobalThreadCount(static_cast<int>(thread_count(job.threads)));
     Coded coded;
-    const auto encoded = timed(
-        [&] { return write_mosaic(path, mosaic, std::stof(setting.substr(setting.find(' ')))); });
-    if (!encoded.ok())
-        return encoded.status();
-    const auto decoded =
-        best_time([&] { return timed([&] { return read_mosaic(path, mosaic); }); });
-    if (!decoded.ok())
-        return decoded.status();
-    const auto bytes = bytes_of_file(path);
-    if (!bytes.ok())
-        return bytes.status();
-    coded.bytes = *bytes;
-    coded.encode_seconds = *encoded;
-    coded.decode_seconds = *decoded;
+    TESSERA_TRY_ASSIGN(const auto encoded, timed([&] {
+                           return write_mosaic(path, mosaic,
+                                               std::stof(setting.substr(setting.find(' '))));
+                       }));
+    TESSERA_TRY_ASSIGN(const auto decoded,
+                       best_time([&] { return timed([&] { return read_mosaic(path, mosaic); }); }));
+    TESSERA_TRY_ASSIGN(coded.bytes, bytes_of_file(path));
+    coded.encode_seconds = encoded;
+    coded.decode_seconds = decoded;
     coded.texels.resize(texture.texels.size());
     for_all_texels(desc, [&](std::size_t index, std::size_t place) {
         halves_to_samples(desc.type, {mosaic.halves.data() + place, channels},

@@ -32,35 +32,29 @@ const Status another_picture(ErrorCode::runtime, "decoded a picture of another s
 
 // The samples are the end of the file, whatever comments stand before them.
 Result<Picture> read_ppm(const std::string& path, std::uint32_t width, std::uint32_t height) {
-    const auto bytes = bytes_in_file(path);
-    if (!bytes.ok())
-        return bytes.status();
+    TESSERA_TRY_ASSIGN(const auto bytes, bytes_in_file(path));
     Picture picture = blank_picture(width, height, 0);
     const std::size_t count = picture.rgb.size();
     const std::string size = std::to_string(width) + " " + std::to_string(height);
-    const std::string head(reinterpret_cast<const char*>(bytes->data()),
-                           bytes->size() - std::min(bytes->size(), count));
+    const std::string head(reinterpret_cast<const char*>(bytes.data()),
+                           bytes.size() - std::min(bytes.size(), count));
     if (!head.starts_with("P6") || head.find(size) == std::string::npos)
         return another_picture;
-    std::copy(bytes->end() - static_cast<std::ptrdiff_t>(count), bytes->end(), picture.rgb.begin());
+    std::copy(bytes.end() - static_cast<std::ptrdiff_t>(count), bytes.end(), picture.rgb.begin());
     return picture;
 }
 
 Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::uint32_t height) {
     if (is_ppm(path))
         return read_ppm(path, width, height);
-    const auto shape = read_png_shape(path);
-    if (!shape.ok())
-        return shape.status();
-    if (shape->width != width || shape->height != height || shape->channels < 3)
+    TESSERA_TRY_ASSIGN(const auto shape, read_png_shape(path));
+    if (shape.width != width || shape.height != height || shape.channels < 3)
         return another_picture;
     Picture picture = blank_picture(width, height, 0);
-    TESSERA_TRY(
-        read_png(path, *shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
-            for (std::uint32_t x = 0; x < width; ++x)
-                std::copy_n(row.begin() + std::ptrdiff_t{x} * shape->channels, 3,
-                            picture.pixel(x, y));
-        }));
+    TESSERA_TRY(read_png(path, shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
+        for (std::uint32_t x = 0; x < width; ++x)
+            std::copy_n(row.begin() + std::ptrdiff_t{x} * shape.channels, 3, picture.pixel(x, y));
+    }));
     return picture;
 }
 
@@ -71,7 +65,7 @@ Result<double> run_for_all(std::size_t count, const CodingJob& job, const char* 
     const auto begun = std::chrono::steady_clock::now();
     std::vector<int> workers(thread_count(job.threads));
     std::atomic<std::size_t> done{0};
-    const Status status = parallel_for(
+    TESSERA_TRY(parallel_for(
         workers, count,
         [&](int, std::size_t i) {
             const Status ran = run_tool_well(command(i), job.timeout).status();
@@ -81,9 +75,7 @@ Result<double> run_for_all(std::size_t count, const CodingJob& job, const char* 
         [&](std::size_t) {
             if (job.progress)
                 job.progress(stage, static_cast<double>(done), static_cast<double>(count));
-        });
-    if (!status.ok())
-        return status;
+        }));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
@@ -99,35 +91,25 @@ Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const Coding
     TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
         return write_picture(file("in", i, tool.pictures), pictures[i]);
     }));
-    const auto encoded = run_for_all(pictures.size(), job, "encoding", [&](std::size_t i) {
-        return tool.encode(file("in", i, tool.pictures), file("coded", i, tool.ending), setting,
-                           threads);
-    });
-    if (!encoded.ok())
-        return encoded.status();
-    coded.encode_seconds = *encoded;
+    TESSERA_TRY_ASSIGN(coded.encode_seconds,
+                       run_for_all(pictures.size(), job, "encoding", [&](std::size_t i) {
+                           return tool.encode(file("in", i, tool.pictures),
+                                              file("coded", i, tool.ending), setting, threads);
+                       }));
     for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const auto bytes = bytes_of_file(file("coded", i, tool.ending));
-        if (!bytes.ok())
-            return bytes.status();
-        coded.bytes += *bytes;
+        TESSERA_TRY_ASSIGN(const auto bytes, bytes_of_file(file("coded", i, tool.ending)));
+        coded.bytes += bytes;
     }
-    const auto decoded = best_time([&] {
-        return run_for_all(pictures.size(), job, "decoding", [&](std::size_t i) {
-            return tool.decode(file("coded", i, tool.ending), file("out", i, tool.pictures),
-                               threads);
-        });
-    });
-    if (!decoded.ok())
-        return decoded.status();
-    coded.decode_seconds = *decoded;
+    TESSERA_TRY_ASSIGN(coded.decode_seconds, best_time([&] {
+                           return run_for_all(pictures.size(), job, "decoding", [&](std::size_t i) {
+                               return tool.decode(file("coded", i, tool.ending),
+                                                  file("out", i, tool.pictures), threads);
+                           });
+                       }));
     std::vector<Picture> back(pictures.size());
     TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
-        auto picture =
-            read_picture(file("out", i, tool.pictures), pictures[i].width, pictures[i].height);
-        if (!picture.ok())
-            return picture.status();
-        back[i] = std::move(*picture);
+        TESSERA_TRY_ASSIGN(back[i], read_picture(file("out", i, tool.pictures), pictures[i].width,
+                                                 pictures[i].height));
         return Status();
     }));
     return back;
@@ -140,12 +122,10 @@ Result<Coded> code_views(const PictureTool& tool, const CodingJob& job,
     for (const ViewIndex view : order)
         views.push_back(view_picture(job.texture, view));
     Coded coded;
-    const auto back = code_pictures(tool, job, setting, views, coded);
-    if (!back.ok())
-        return back.status();
+    TESSERA_TRY_ASSIGN(const auto back, code_pictures(tool, job, setting, views, coded));
     coded.texels.resize(job.texture.texels.size());
     for (std::size_t i = 0; i < order.size(); ++i)
-        store_view((*back)[i], 0, 0, job.texture.desc.size, order[i], coded.texels);
+        store_view(back[i], 0, 0, job.texture.desc.size, order[i], coded.texels);
     coded.texel_bytes = coded.view_bytes =
         static_cast<double>(coded.bytes) / static_cast<double>(order.size());
     coded.note = std::to_string(order.size()) + " processes";
@@ -163,25 +143,22 @@ Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
                                                   " pixels, a picture may have " +
                                                   std::to_string(tool.max_side) + " a side");
     Coded coded;
-    const auto back = code_pictures(tool, job, setting, {mosaic_picture(job.texture)}, coded);
-    if (!back.ok())
-        return back.status();
+    TESSERA_TRY_ASSIGN(const auto back,
+                       code_pictures(tool, job, setting, {mosaic_picture(job.texture)}, coded));
     coded.texels.resize(job.texture.texels.size());
-    store_mosaic(back->front(), n, coded.texels);
+    store_mosaic(back.front(), n, coded.texels);
     coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
     return coded;
 }
 
 // Blocks of 16 bytes at known places: a texel is in one, a view in those that it touches.
 Result<Coded> code_astc(const CodingJob& job, const std::string& setting) {
-    auto coded = code_mosaic(astc_tool(), job, setting);
-    if (!coded.ok())
-        return coded;
+    TESSERA_TRY_ASSIGN(auto coded, code_mosaic(astc_tool(), job, setting));
     const std::string block = value_of(setting);
     const double side_x = std::stod(block), side_y = std::stod(block.substr(block.find('x') + 1));
     const Extent4& n = job.texture.desc.size;
-    coded->texel_bytes = 16;
-    coded->view_bytes = 16 * (n[axis_u] / side_x + 1) * (n[axis_v] / side_y + 1);
+    coded.texel_bytes = 16;
+    coded.view_bytes = 16 * (n[axis_u] / side_x + 1) * (n[axis_v] / side_y + 1);
     return coded;
 }
 

@@ -184,13 +184,9 @@ Result<std::vector<std::byte>> QualityMeter::draw(std::span<const std::byte> tex
         original_.desc.channels >= 3 ? glm::dvec3(behind) : glm::dvec3(behind.x), options);
     std::vector<std::byte> pictures;
     for (const NamedPose& named : paper_views()) {
-        const auto camera = make_camera(named.pose, lens);
-        if (!camera.ok())
-            return camera.status();
-        const auto view = renderer->render(*camera);
-        if (!view.ok())
-            return view.status();
-        const Picture picture = to_picture(*view, original_.desc.type);
+        TESSERA_TRY_ASSIGN(const auto camera, make_camera(named.pose, lens));
+        TESSERA_TRY_ASSIGN(const auto view, renderer->render(camera));
+        const Picture picture = to_picture(view, original_.desc.type);
         pictures.insert(pictures.end(), picture.rgb.begin(), picture.rgb.end());
     }
     return pictures;
@@ -200,24 +196,17 @@ Result<Quality> QualityMeter::measure(std::span<const std::byte> decoded,
                                       const ProgressFunction& progress) {
     if (decoded.size() != original_.texels.size())
         return Status(ErrorCode::runtime, "the decoded texture has another size");
-    const auto sums = sum_of_all(original_, decoded, threads_);
-    if (!sums.ok())
-        return sums.status();
-    Quality quality = quality_of(original_, *sums);
+    TESSERA_TRY_ASSIGN(const auto sums, sum_of_all(original_, decoded, threads_));
+    Quality quality = quality_of(original_, sums);
     if (!original_.window)
         return quality;
     if (drawn_.empty()) {
-        auto drawn = draw(original_.texels, progress);
-        if (!drawn.ok())
-            return drawn.status();
-        drawn_ = std::move(*drawn);
+        TESSERA_TRY_ASSIGN(drawn_, draw(original_.texels, progress));
     }
-    const auto drawn = draw(decoded, progress);
-    if (!drawn.ok())
-        return drawn.status();
+    TESSERA_TRY_ASSIGN(const auto drawn, draw(decoded, progress));
     double squared = 0;
     for (std::size_t i = 0; i < drawn_.size(); ++i) {
-        const double d = std::to_integer<int>((*drawn)[i]) - std::to_integer<int>(drawn_[i]);
+        const double d = std::to_integer<int>(drawn[i]) - std::to_integer<int>(drawn_[i]);
         squared += d * d;
     }
     quality.psnr_rendered = psnr_over(squared, static_cast<double>(drawn_.size()), 255);

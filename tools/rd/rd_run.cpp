@@ -167,8 +167,7 @@ Result<TextureReport> measure_texture(const RdOptions& o, const std::string& nam
     const auto texture = load_rd_texture(
         {name, o.texture_size, o.samples, o.on_sphere, o.quick, o.hints}, bar->function());
     bar.reset();
-    if (!texture.ok())
-        return texture.status();
+    TESSERA_TRY(texture);
     TextureReport report = describe(*texture);
     std::vector<CodecUnderTest> codecs = tessera_codecs(o);
     RivalChoice choice = choose_rivals(rivals, texture->desc);
@@ -181,12 +180,8 @@ Result<TextureReport> measure_texture(const RdOptions& o, const std::string& nam
     }
     auto rows = sweep(*texture, codecs, sweep_options(o, bar));
     bar.reset();
-    if (!rows.ok())
-        return rows.status();
-    const auto anchor = anchor_among(o, codecs, *rows);
-    if (!anchor.ok())
-        return anchor.status();
-    report.anchor = *anchor;
+    TESSERA_TRY(rows);
+    TESSERA_TRY_ASSIGN(report.anchor, anchor_among(o, codecs, *rows));
     report.rows = std::move(*rows);
     for (const CodecUnderTest& codec : codecs)
         report.codecs.push_back({codec.id, codec.layout, codec.version, codec.in_plot});
@@ -214,11 +209,9 @@ Status write_report(const std::string& folder, const RdReport& report) {
 } // namespace
 
 Result<RdReport> run_rd(const RdOptions& options) {
-    const auto rivals = rivals_named(!options.rivals.empty() ? options.rivals
-                                     : options.quick         ? "quick"
-                                                             : "all");
-    if (!rivals.ok())
-        return rivals.status();
+    TESSERA_TRY_ASSIGN(const auto rivals, rivals_named(!options.rivals.empty() ? options.rivals
+                                                       : options.quick         ? "quick"
+                                                                               : "all"));
     TESSERA_TRY(check_coding_tools(options.tools).with_context("--tools"));
     std::error_code error;
     std::filesystem::create_directories(options.output, error);
@@ -228,10 +221,8 @@ Result<RdReport> run_rd(const RdOptions& options) {
     report.command = command_text(options);
     report.machine = machine_text(options.hints.threads);
     for (const std::string& name : options.textures) {
-        auto texture = measure_texture(options, name, *rivals);
-        if (!texture.ok())
-            return texture.status();
-        report.textures.push_back(std::move(*texture));
+        TESSERA_TRY_ASSIGN(auto texture, measure_texture(options, name, rivals));
+        report.textures.push_back(std::move(texture));
     }
     TESSERA_TRY(write_report(options.output, report));
     return report;

@@ -36,28 +36,23 @@ bool is_scene(const std::string& name) {
 }
 
 Result<std::unique_ptr<TexelSource>> open_scene(const TextureRequest& r, RdTexture& texture) {
-    const auto info = corpus::find_scene(r.name);
-    if (!info.ok())
-        return info.status();
-    const auto size = parse_extent_or(r.texture_size, "--texture-size", info->default_size);
-    if (!size.ok())
-        return size.status();
+    TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.name));
+    TESSERA_TRY_ASSIGN(const auto size,
+                       parse_extent_or(r.texture_size, "--texture-size", info.default_size));
     texture.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
-    return corpus::make_baked_source(r.name, *size, r.samples, 1);
+    return corpus::make_baked_source(r.name, size, r.samples, 1);
 }
 
 Result<std::unique_ptr<TexelSource>> open_named(const TextureRequest& r, RdTexture& texture) {
     if (is_scene(r.name))
         return open_scene(r, texture);
-    auto opened = open_texture(r.name, r.hints);
-    if (!opened.ok())
-        return opened.status();
-    const auto window = sphere_window(opened->description);
+    TESSERA_TRY_ASSIGN(auto opened, open_texture(r.name, r.hints));
+    const auto window = sphere_window(opened.description);
     if (window.ok())
         texture.window = *window;
     else if (r.on_sphere)
         texture.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
-    return std::move(opened->source);
+    return std::move(opened.source);
 }
 
 // The part of a slab that a thread reads at a time: a row of v, or what is in it.
@@ -157,10 +152,8 @@ Result<RdTexture> load_rd_texture(const TextureRequest& request, const ProgressF
     RdTexture texture;
     texture.name = request.name;
     texture.label = label_of(request.name);
-    auto opened = open_named(request, texture);
-    if (!opened.ok())
-        return opened.status();
-    const auto source = interruptible(std::move(*opened));
+    TESSERA_TRY_ASSIGN(auto opened, open_named(request, texture));
+    const auto source = interruptible(std::move(opened));
     const Extent4 whole = source->desc().size;
     const Box4 box = request.crop ? central_box(whole) : Box4::whole(whole);
     texture.desc = source->desc();

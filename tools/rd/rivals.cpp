@@ -127,10 +127,8 @@ TickFunction ticker(const CodingJob& job, const char* stage) {
 
 Result<double> seconds_of_tool(const std::vector<std::string>& argv, double timeout,
                                const TickFunction& tick) {
-    const auto run = run_tool_well(argv, timeout, tick);
-    if (!run.ok())
-        return run.status();
-    return run->seconds;
+    TESSERA_TRY_ASSIGN(const auto run, run_tool_well(argv, timeout, tick));
+    return run.seconds;
 }
 
 std::string needs_rgb8(const TextureDesc& desc) {
@@ -151,20 +149,16 @@ Result<std::uint64_t> bytes_of_file(const std::string& path) {
 }
 
 Result<std::vector<std::byte>> bytes_in_file(const std::string& path) {
-    const auto file = open_file(path);
-    if (!file.ok())
-        return file.status();
-    std::vector<std::byte> bytes((*file)->size());
-    TESSERA_TRY((*file)->read(0, bytes));
+    TESSERA_TRY_ASSIGN(const auto file, open_file(path));
+    std::vector<std::byte> bytes(file->size());
+    TESSERA_TRY(file->read(0, bytes));
     return bytes;
 }
 
 Status write_bytes(const std::string& path, std::span<const std::byte> bytes) {
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    TESSERA_TRY(file->append(bytes));
-    return file->commit();
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    TESSERA_TRY(file.append(bytes));
+    return file.commit();
 }
 
 } // namespace tessera

@@ -65,10 +65,8 @@ Status write_bytes(const std::string& path, std::span<const std::byte> bytes);
 template <class Run> Result<double> best_time(const Run& run) {
     Result<double> best = run();
     for (int again = 0; again < 2 && best.ok() && *best < 0.5; ++again) {
-        const Result<double> seconds = run();
-        if (!seconds.ok())
-            return seconds;
-        *best = *seconds < *best ? *seconds : *best;
+        TESSERA_TRY_ASSIGN(const double seconds, run());
+        *best = seconds < *best ? seconds : *best;
     }
     return best;
 }

@@ -175,11 +175,9 @@ Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
     if (pipe2(output.ends, O_CLOEXEC) != 0)
         return system_error(tool, "no pipe", errno);
     const auto begun = Clock::now();
-    const auto pid = start(argv, output.ends[1]);
-    if (!pid.ok())
-        return pid.status();
+    TESSERA_TRY_ASSIGN(const auto pid, start(argv, output.ends[1]));
     output.close_end(1);
-    Watch watch(*pid, output.ends[0], begun, timeout, tick);
+    Watch watch(pid, output.ends[0], begun, timeout, tick);
     ToolRun run;
     run.said = watch.listen();
     const int status = watch.await();

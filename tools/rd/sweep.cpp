@@ -41,28 +41,22 @@ double megabytes_per_second(const RdTexture& texture, double seconds) {
 Result<Measurement> measure(const RdTexture& texture, const CodecUnderTest& codec,
                             const std::string& setting, const SweepOptions& options,
                             const ProgressFunction& progress, QualityMeter& meter) {
-    const auto folder = folder_for(texture, codec.id, setting, options);
-    if (!folder.ok())
-        return folder.status();
-    const CodingJob job{texture, *folder, options.threads, options.timeout, progress};
-    const auto coded = codec.run(job, setting);
-    if (!coded.ok())
-        return coded.status();
-    const auto quality = meter.measure(coded->texels, progress);
-    if (!quality.ok())
-        return quality.status();
+    TESSERA_TRY_ASSIGN(const auto folder, folder_for(texture, codec.id, setting, options));
+    const CodingJob job{texture, folder, options.threads, options.timeout, progress};
+    TESSERA_TRY_ASSIGN(const auto coded, codec.run(job, setting));
+    TESSERA_TRY_ASSIGN(const auto quality, meter.measure(coded.texels, progress));
     Measurement m;
     m.codec = codec.id;
     m.setting = setting;
-    m.bytes = coded->bytes;
+    m.bytes = coded.bytes;
     m.bits_per_texel =
-        static_cast<double>(coded->bytes) * 8 / static_cast<double>(texture.texel_count());
-    m.quality = *quality;
-    m.encode_mbs = megabytes_per_second(texture, coded->encode_seconds);
-    m.decode_mbs = megabytes_per_second(texture, coded->decode_seconds);
-    m.texel_bytes = coded->texel_bytes;
-    m.view_bytes = coded->view_bytes;
-    m.note = coded->note;
+        static_cast<double>(coded.bytes) * 8 / static_cast<double>(texture.texel_count());
+    m.quality = quality;
+    m.encode_mbs = megabytes_per_second(texture, coded.encode_seconds);
+    m.decode_mbs = megabytes_per_second(texture, coded.decode_seconds);
+    m.texel_bytes = coded.texel_bytes;
+    m.view_bytes = coded.view_bytes;
+    m.note = coded.note;
     return m;
 }
 
@@ -115,14 +109,12 @@ public:
 
 private:
     Status add(const std::string& setting) {
-        const auto m = measure_(setting);
-        if (!m.ok())
-            return m.status();
-        rows_.push_back(*m);
-        if (!m->failed.empty())
+        TESSERA_TRY_ASSIGN(const auto m, measure_(setting));
+        rows_.push_back(m);
+        if (!m.failed.empty())
             return {};
-        low_ = std::min(low_, m->quality.psnr_rgb);
-        high_ = std::max(high_, m->quality.psnr_rgb);
+        low_ = std::min(low_, m.quality.psnr_rgb);
+        high_ = std::max(high_, m.quality.psnr_rgb);
         return {};
     }
 

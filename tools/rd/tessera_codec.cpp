@@ -55,10 +55,9 @@ Result<double> mean_access(std::span<const std::byte> file, const Extent4& size,
     const std::size_t probes = whole_view ? view_probes : texel_probes;
     double sum = 0;
     for (std::size_t i = 0; i < probes; ++i) {
-        const auto cost = access_cost(file, box_of(probe(size, i), size, whole_view));
-        if (!cost.ok())
-            return cost.status();
-        sum += static_cast<double>(cost->bytes);
+        TESSERA_TRY_ASSIGN(const auto cost,
+                           access_cost(file, box_of(probe(size, i), size, whole_view)));
+        sum += static_cast<double>(cost.bytes);
     }
     return sum / static_cast<double>(probes);
 }
@@ -73,10 +72,8 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
                       std::vector<std::byte>& texels) {
     const auto begun = std::chrono::steady_clock::now();
     const auto bytes = wrap_memory(file);
-    const auto decoder = Decoder::open(*bytes);
-    if (!decoder.ok())
-        return decoder.status();
-    TESSERA_TRY(decoder->decode_box(Box4::whole(decoder->desc().size), texels, threads));
+    TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(*bytes));
+    TESSERA_TRY(decoder.decode_box(Box4::whole(decoder.desc().size), texels, threads));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
@@ -91,25 +88,19 @@ Result<Coded> code(int effort, const std::string& tools, const CodingJob& job,
     const auto source =
         interruptible(std::make_unique<MemorySource>(job.texture.desc, job.texture.texels));
     std::vector<std::byte> file;
-    const auto report = encode_memory(*source, file, options);
-    if (!report.ok())
-        return report.status();
+    TESSERA_TRY_ASSIGN(const auto report, encode_memory(*source, file, options));
     TESSERA_TRY(write_bytes(job.folder.at("texture.tess"), file));
     Coded coded;
     coded.bytes = file.size();
     // A target is searched for in several passes; the speed is that of one, as for the rivals.
-    coded.encode_seconds = report->seconds / std::max(1u, report->passes);
-    coded.note = report->passes > 1 ? std::to_string(report->passes) + " passes" : "";
+    coded.encode_seconds = report.seconds / std::max(1u, report.passes);
+    coded.note = report.passes > 1 ? std::to_string(report.passes) + " passes" : "";
     coded.texels.resize(job.texture.texels.size());
-    const auto decoded = best_time([&] { return decode(file, job.threads, coded.texels); });
-    if (!decoded.ok())
-        return decoded.status();
-    coded.decode_seconds = *decoded;
+    TESSERA_TRY_ASSIGN(coded.decode_seconds,
+                       best_time([&] { return decode(file, job.threads, coded.texels); }));
     for (const bool whole_view : {false, true}) {
-        const auto bytes = mean_access(file, job.texture.desc.size, whole_view);
-        if (!bytes.ok())
-            return bytes.status();
-        (whole_view ? coded.view_bytes : coded.texel_bytes) = *bytes;
+        TESSERA_TRY_ASSIGN(const auto bytes, mean_access(file, job.texture.desc.size, whole_view));
+        (whole_view ? coded.view_bytes : coded.texel_bytes) = bytes;
     }
     return coded;
 }

@@ -106,31 +106,21 @@ Result<Coded> code_video(const VideoTool& tool, const CodingJob& job, const std:
     TESSERA_TRY(tool.in_y4m ? write_y4m(input.path, video, input, video.size() / frames)
                             : write_bytes(input.path, video));
     Coded coded;
-    const auto encoded = seconds_of_tool(tool.encode(input, stream, setting, tool.group),
-                                         job.timeout, ticker(job, "encoding"));
-    if (!encoded.ok())
-        return encoded.status();
-    coded.encode_seconds = *encoded;
-    const auto bytes = bytes_of_file(stream);
-    if (!bytes.ok())
-        return bytes.status();
-    coded.bytes = *bytes;
-    const auto decoded = best_time([&] {
-        return seconds_of_tool(decoder(stream, output, input), job.timeout,
-                               ticker(job, "decoding"));
-    });
-    if (!decoded.ok())
-        return decoded.status();
-    coded.decode_seconds = *decoded;
-    const auto back = bytes_in_file(output);
-    if (!back.ok())
-        return back.status();
-    if (back->size() != video.size())
-        return Status(ErrorCode::runtime, "decoded " + std::to_string(back->size()) +
+    TESSERA_TRY_ASSIGN(coded.encode_seconds,
+                       seconds_of_tool(tool.encode(input, stream, setting, tool.group), job.timeout,
+                                       ticker(job, "encoding")));
+    TESSERA_TRY_ASSIGN(coded.bytes, bytes_of_file(stream));
+    TESSERA_TRY_ASSIGN(coded.decode_seconds, best_time([&] {
+                           return seconds_of_tool(decoder(stream, output, input), job.timeout,
+                                                  ticker(job, "decoding"));
+                       }));
+    TESSERA_TRY_ASSIGN(const auto back, bytes_in_file(output));
+    if (back.size() != video.size())
+        return Status(ErrorCode::runtime, "decoded " + std::to_string(back.size()) +
                                               " bytes of video instead of " +
                                               std::to_string(video.size()));
     coded.texels.resize(job.texture.texels.size());
-    store_video(*back, n, coded.texels);
+    store_video(back, n, coded.texels);
     coded.texel_bytes = coded.view_bytes = access_bytes(coded.bytes, frames, tool.group);
     return coded;
 }

@@ -82,18 +82,16 @@ Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
         TESSERA_TRY(source.begin_slab(slab));
         TESSERA_TRY(sink.begin_slab(slab));
         const Extent4 step = shrink(slab.extent(), {axis_v, axis_u, axis_t, axis_s}, box_texels);
-        const Status copied =
-            parallel_for(box_count(slab, step), threads, [&](std::uint64_t index) {
-                Box4 box;
-                box_at(slab, step, index, box);
-                const Status status = move_box(source, sink, box);
-                const std::lock_guard lock(mutex);
-                done += static_cast<double>(box.texels());
-                if (progress && status.ok())
-                    progress(stage, done, total);
-                return status;
-            });
-        TESSERA_TRY(copied);
+        TESSERA_TRY(parallel_for(box_count(slab, step), threads, [&](std::uint64_t index) {
+            Box4 box;
+            box_at(slab, step, index, box);
+            const Status status = move_box(source, sink, box);
+            const std::lock_guard lock(mutex);
+            done += static_cast<double>(box.texels());
+            if (progress && status.ok())
+                progress(stage, done, total);
+            return status;
+        }));
         TESSERA_TRY(sink.end_slab());
     }
     return sink.finish();

@@ -112,20 +112,14 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
     options.tools = a.tools;
     options.threads = threads;
-    const auto slab_bytes = slab_budget(a.memory, threads);
-    if (!slab_bytes.ok())
-        return slab_bytes.status();
-    options.slab_bytes = *slab_bytes;
+    TESSERA_TRY_ASSIGN(options.slab_bytes, slab_budget(a.memory, threads));
     options.verify = !a.no_verify;
     options.layers = a.layers;
     options.strict = a.strict;
     options.journal = a.resume ? JournalUse::resume : JournalUse::start;
     options.cancelled = [] { return interrupted_by() != 0; };
     if (!a.tile.empty()) {
-        const auto tile = parse_extent(a.tile);
-        if (!tile.ok())
-            return tile.status().with_context("--tile");
-        options.tile_extent = *tile;
+        TESSERA_TRY_ASSIGN(options.tile_extent, parse_extent(a.tile).with_context("--tile"));
     }
     for (const std::string& entry : a.metadata) {
         const std::size_t equals = entry.find('=');

@@ -28,17 +28,15 @@ void add_memory_option(CLI::App& app, std::string& text) {
 }
 
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
-    const auto memory = parse_size(text);
-    if (!memory.ok())
-        return memory.status().with_context("--memory");
+    TESSERA_TRY_ASSIGN(const auto memory, parse_size(text).with_context("--memory"));
     const std::uint64_t needed = fixed_bytes + thread_count(threads) * thread_bytes;
     const std::uint64_t least = needed + (16ull << 20);
-    if (*memory < least)
+    if (memory < least)
         return Status(ErrorCode::bad_argument, "--memory: " + text + " is too little; " +
                                                    std::to_string(thread_count(threads)) +
                                                    " threads need at least " +
                                                    std::to_string((least >> 20) + 1) + "M");
-    return static_cast<std::uint64_t>(static_cast<double>(*memory - needed) * slab_share);
+    return static_cast<std::uint64_t>(static_cast<double>(memory - needed) * slab_share);
 }
 
 Status with_memory_hint(const Status& status) {

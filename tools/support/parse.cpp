@@ -72,8 +72,7 @@ Result<Extent4> parse_extent(std::string_view text) {
 Result<Extent4> parse_extent_or(const std::string& text, const char* option, const Extent4& usual) {
     if (text.empty())
         return usual;
-    auto parsed = parse_extent(text);
-    return parsed.ok() ? parsed : parsed.status().with_context(option);
+    return parse_extent(text).with_context(option);
 }
 
 Result<Box4> parse_box(std::string_view text, const Extent4& whole) {

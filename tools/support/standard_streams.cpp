@@ -72,10 +72,8 @@ Result<std::unique_ptr<ByteSource>> open_standard_input() {
                            ErrorCode::bad_argument);
     struct stat info = {};
     if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) {
-        auto file = open_file("/dev/stdin");
-        if (!file.ok())
-            return file.status();
-        return std::unique_ptr<ByteSource>(std::make_unique<StandardInput>(std::move(*file)));
+        TESSERA_TRY_ASSIGN(auto file, open_file("/dev/stdin"));
+        return std::unique_ptr<ByteSource>(std::make_unique<StandardInput>(std::move(file)));
     }
     static std::vector<std::byte> bytes; // a pipe can be read once only
     static bool is_read = false;

@@ -47,16 +47,10 @@ inline Result<TextureHints> make_hints(const TextureArguments& a) {
     if (a.channels > 0)
         hints.channels = static_cast<std::uint8_t>(a.channels);
     if (!a.size.empty()) {
-        const auto size = parse_extent(a.size);
-        if (!size.ok())
-            return size.status().with_context("--size");
-        hints.size = *size;
+        TESSERA_TRY_ASSIGN(hints.size, parse_extent(a.size).with_context("--size"));
     }
     if (!a.type.empty()) {
-        const auto type = parse_sample_type(a.type);
-        if (!type.ok())
-            return type.status().with_context("--type");
-        hints.type = *type;
+        TESSERA_TRY_ASSIGN(hints.type, parse_sample_type(a.type).with_context("--type"));
     }
     return hints;
 }

@@ -113,10 +113,7 @@ private:
         file_.emplace(stream_, static_cast<int>(thread_count(hints.threads)), false);
         TESSERA_TRY(check_kind(*file_).with_context(path_));
         const Imf::Header& header = file_->header(0);
-        auto names = choose_channels(header.channels());
-        if (!names.ok())
-            return names.status().with_context(path_);
-        names_ = std::move(*names);
+        TESSERA_TRY_ASSIGN(names_, choose_channels(header.channels()).with_context(path_));
         desc_.channels = static_cast<std::uint8_t>(names_.size());
         const std::string type = string_attribute(header, "tessera:type");
         desc_.type =

@@ -142,10 +142,8 @@ Result<std::unique_ptr<TexelSink>> create_exr(const std::string& path, const Tex
         return Status(ErrorCode::unsupported, path + ": a mosaic of " + std::to_string(width) +
                                                   "x" + std::to_string(height) +
                                                   " pixels is too large for EXR");
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    auto sink = std::make_unique<ExrSink>(std::move(*file), desc);
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    auto sink = std::make_unique<ExrSink>(std::move(file), desc);
     TESSERA_TRY(sink->open(description, threads));
     return std::unique_ptr<TexelSink>(std::move(sink));
 }

@@ -75,10 +75,7 @@ Result<TextureHints> mask_hints(const MaskArguments& arguments, const Extent4& t
     hints.threads = threads;
     hints.size = texture_size;
     if (!arguments.size.empty()) {
-        const auto size = parse_extent(arguments.size);
-        if (!size.ok())
-            return size.status().with_context("--mask-size");
-        hints.size = *size;
+        TESSERA_TRY_ASSIGN(hints.size, parse_extent(arguments.size).with_context("--mask-size"));
     }
     if (arguments.path.ends_with(".raw") ||
         arguments.path == standard_stream) { // other names say what they hold
@@ -107,21 +104,17 @@ Result<std::unique_ptr<TexelSource>> open_mask(const MaskArguments& arguments,
                                                std::uint64_t& slab_bytes) {
     if (arguments.path.empty())
         return std::unique_ptr<TexelSource>();
-    const auto hints = mask_hints(arguments, texture_size, threads);
-    if (!hints.ok())
-        return hints.status();
-    auto opened = open_texture(arguments.path, *hints);
-    if (!opened.ok())
-        return opened.status().with_context("--mask");
-    Result<std::unique_ptr<TexelSource>> mask = interruptible(std::move(opened->source));
-    const TextureDesc& desc = (*mask)->desc();
+    TESSERA_TRY_ASSIGN(const auto hints, mask_hints(arguments, texture_size, threads));
+    TESSERA_TRY_ASSIGN(auto opened, open_texture(arguments.path, hints).with_context("--mask"));
+    std::unique_ptr<TexelSource> mask = interruptible(std::move(opened.source));
+    const TextureDesc& desc = mask->desc();
     const bool in_place =
-        opened->kind == TextureKind::raw && desc.channels == 1 && desc.type == SampleType::unorm8;
-    if (!in_place)
-        mask = load(**mask, threads, slab_bytes);
-    if (!mask.ok())
-        return mask.status().with_context("--mask " + arguments.path);
-    TESSERA_TRY(check_mask(mask->get(), texture_size).with_context(arguments.path));
+        opened.kind == TextureKind::raw && desc.channels == 1 && desc.type == SampleType::unorm8;
+    if (!in_place) {
+        TESSERA_TRY_ASSIGN(
+            mask, load(*mask, threads, slab_bytes).with_context("--mask " + arguments.path));
+    }
+    TESSERA_TRY(check_mask(mask.get(), texture_size).with_context(arguments.path));
     return mask;
 }
 

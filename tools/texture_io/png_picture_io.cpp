@@ -57,25 +57,23 @@ private:
 Result<std::unique_ptr<TexelSource>> open_png_picture(std::unique_ptr<ByteSource> file,
                                                       const TextureHints& hints) {
     const std::string name = file->name();
-    const auto shape = read_png_shape(*file);
-    if (!shape.ok())
-        return shape.status();
+    TESSERA_TRY_ASSIGN(const auto shape, read_png_shape(*file));
     if (hints.type.value_or(SampleType::unorm8) != SampleType::unorm8)
         return Status(ErrorCode::bad_argument, name + ": a PNG picture is 8-bit");
     TextureDesc desc;
-    desc.channels = shape->channels;
-    desc.size = hints.size.value_or(Extent4{shape->width, shape->height, 1, 1});
+    desc.channels = shape.channels;
+    desc.size = hints.size.value_or(Extent4{shape.width, shape.height, 1, 1});
     TESSERA_TRY(check_desc(desc).with_context(name));
     const std::uint64_t width = std::uint64_t{desc.size[axis_u]} * desc.size[axis_s];
     const std::uint64_t height = std::uint64_t{desc.size[axis_v]} * desc.size[axis_t];
-    if (width != shape->width || height != shape->height)
+    if (width != shape.width || height != shape.height)
         return Status(ErrorCode::bad_argument,
                       name + ": a mosaic of " + to_string(desc.size) + " has " +
                           std::to_string(width) + "x" + std::to_string(height) +
-                          " pixels, the picture " + std::to_string(shape->width) + "x" +
-                          std::to_string(shape->height));
+                          " pixels, the picture " + std::to_string(shape.width) + "x" +
+                          std::to_string(shape.height));
     return std::unique_ptr<TexelSource>(
-        std::make_unique<PngPictureSource>(std::move(file), *shape, desc));
+        std::make_unique<PngPictureSource>(std::move(file), shape, desc));
 }
 
 } // namespace tessera

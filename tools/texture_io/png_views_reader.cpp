@@ -78,18 +78,12 @@ public:
         : folder_(std::move(folder)), threads_(threads) {}
 
     Status open(const TextureHints& hints, Description& description) {
-        auto names = list_views(folder_);
-        if (!names.ok())
-            return names.status();
-        names_ = std::move(*names);
+        TESSERA_TRY_ASSIGN(names_, list_views(folder_));
         std::optional<Extent4> size = hints.size, written;
         TESSERA_TRY(read_json(folder_ + "/tessera.json", written, description));
         if (!size)
             size = written;
-        const auto shape = read_png_shape(view_path(names_.begin()->second));
-        if (!shape.ok())
-            return shape.status();
-        shape_ = *shape;
+        TESSERA_TRY_ASSIGN(shape_, read_png_shape(view_path(names_.begin()->second)));
         desc_.channels = shape_.channels;
         if (hints.type.value_or(SampleType::unorm8) != SampleType::unorm8)
             return {ErrorCode::bad_argument, folder_ + ": PNG views are 8-bit"};
@@ -159,18 +153,16 @@ private:
         const auto s = static_cast<std::uint32_t>(index % desc_.size[axis_s]);
         const std::string path =
             view_path(name_at(s, static_cast<std::uint32_t>(index / desc_.size[axis_s])));
-        const auto shape = read_png_shape(path);
-        if (!shape.ok())
-            return shape.status();
+        TESSERA_TRY_ASSIGN(const auto shape, read_png_shape(path));
         const PngShape expected{desc_.size[axis_u], desc_.size[axis_v], desc_.channels};
-        if (*shape == expected)
+        if (shape == expected)
             return {};
         const auto words = [](const PngShape& p) {
             return std::to_string(p.width) + "x" + std::to_string(p.height) + " pixels of " +
                    std::to_string(p.channels) + " channels";
         };
         return {ErrorCode::invalid_file,
-                path + ": has " + words(*shape) + " instead of " + words(expected)};
+                path + ": has " + words(shape) + " instead of " + words(expected)};
     }
 
     Status load_view(std::uint32_t s, std::uint32_t t) {

@@ -52,9 +52,7 @@ public:
 
     Status open() {
         TESSERA_TRY(check_replaceable(folder_));
-        auto output = OutputFolder::create(folder_);
-        TESSERA_TRY(output.status());
-        output_ = std::move(*output);
+        TESSERA_TRY_ASSIGN(output_, OutputFolder::create(folder_));
         return {};
     }
 
@@ -101,10 +99,8 @@ private:
         for (std::uint32_t v = 0; v < desc_.size[axis_v]; ++v)
             for (std::uint32_t u = 0; u < desc_.size[axis_u]; ++u, to += texel)
                 std::memcpy(to, slab_.texel(u, v, s, t), texel);
-        const auto png = encode_png(shape, pixels);
-        if (!png.ok())
-            return png.status().with_context(folder_);
-        return output_.add(view_file_name(s, t), *png);
+        TESSERA_TRY_ASSIGN(const auto png, encode_png(shape, pixels).with_context(folder_));
+        return output_.add(view_file_name(s, t), png);
     }
 
     Status write_json() const {

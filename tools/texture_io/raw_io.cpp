@@ -180,10 +180,8 @@ Result<std::unique_ptr<TexelSource>> open_raw(std::unique_ptr<ByteSource> file,
 }
 
 Result<std::unique_ptr<TexelSource>> open_raw(const std::string& path, const TextureDesc& desc) {
-    auto file = open_file(path);
-    if (!file.ok())
-        return file.status();
-    return open_raw(std::move(*file), desc);
+    TESSERA_TRY_ASSIGN(auto file, open_file(path));
+    return open_raw(std::move(file), desc);
 }
 
 Result<std::unique_ptr<TexelSink>> raw_to_standard_output(const TextureDesc& desc) {
@@ -193,10 +191,8 @@ Result<std::unique_ptr<TexelSink>> raw_to_standard_output(const TextureDesc& des
 
 Result<std::unique_ptr<TexelSink>> create_raw(const std::string& path, const TextureDesc& desc) {
     TESSERA_TRY(check_desc(desc).with_context(path));
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    return std::unique_ptr<TexelSink>(new RawSink(std::move(*file), desc));
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    return std::unique_ptr<TexelSink>(new RawSink(std::move(file), desc));
 }
 
 } // namespace tessera

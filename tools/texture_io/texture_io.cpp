@@ -108,10 +108,8 @@ class TessSource : public TexelSource {
 public:
     static Result<std::unique_ptr<TessSource>> open(std::unique_ptr<ByteSource> bytes,
                                                     const DecodeOptions& options) {
-        auto decoder = Decoder::open(*bytes, options);
-        if (!decoder.ok())
-            return decoder.status();
-        return std::unique_ptr<TessSource>(new TessSource(std::move(bytes), std::move(*decoder)));
+        TESSERA_TRY_ASSIGN(auto decoder, Decoder::open(*bytes, options));
+        return std::unique_ptr<TessSource>(new TessSource(std::move(bytes), std::move(decoder)));
     }
     const Decoder& decoder() const { return decoder_; }
     const TextureDesc& desc() const override { return texels_->desc(); }
@@ -134,17 +132,15 @@ private:
 Status open_tess(std::unique_ptr<ByteSource> bytes, const TextureHints& hints,
                  OpenedTexture& opened) {
     const std::string path = bytes->name();
-    auto source = TessSource::open(std::move(bytes), hints.decode);
-    if (!source.ok())
-        return source.status();
-    const TextureDesc& desc = (*source)->desc();
+    TESSERA_TRY_ASSIGN(auto source, TessSource::open(std::move(bytes), hints.decode));
+    const TextureDesc& desc = source->desc();
     if (hints.size && *hints.size != desc.size)
         return {ErrorCode::bad_argument,
                 path + ": is " + to_string(desc.size) + ", not " + to_string(*hints.size)};
-    opened.metadata = (*source)->decoder().container().metadata();
-    opened.description = (*source)->decoder().container().description();
-    opened.decoder = &(*source)->decoder();
-    opened.source = std::move(*source);
+    opened.metadata = source->decoder().container().metadata();
+    opened.description = source->decoder().container().description();
+    opened.decoder = &source->decoder();
+    opened.source = std::move(source);
     return {};
 }
 
@@ -222,8 +218,7 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     Result<std::unique_ptr<TexelSource>> source = Status();
     if (opened.kind == TextureKind::png_views) {
         source = open_png_views(without_trailing_slashes(path), hints, opened.description);
-        if (!source.ok())
-            return source.status();
+        TESSERA_TRY(source);
         opened.source = std::move(*source);
         return opened;
     }
@@ -239,8 +234,7 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     Result<TextureDesc> raw = TextureDesc();
     if (opened.kind == TextureKind::raw) // what is not said is wrong whether there is a file or not
         raw = raw_desc(path == standard_stream ? name : path, hints);
-    if (!raw.ok())
-        return raw.status();
+    TESSERA_TRY(raw);
     if (!bytes.ok() && (opened.kind != TextureKind::unknown || path == standard_stream))
         return bytes.status();
     switch (opened.kind) {
@@ -260,8 +254,7 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     case TextureKind::unknown:
         return unknown_input(path, name);
     }
-    if (!source.ok())
-        return source.status();
+    TESSERA_TRY(source);
     opened.source = std::move(*source);
     return opened;
 }
@@ -269,18 +262,14 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
 Result<std::pair<OpenedTexture, OpenedTexture>>
 open_two_textures(const std::string& first, const std::string& second, TextureHints hints) {
     const bool raw_first = kind_of_input(first) == TextureKind::raw;
-    auto one = open_texture(raw_first ? second : first, hints);
-    if (!one.ok())
-        return one.status();
+    TESSERA_TRY_ASSIGN(auto one, open_texture(raw_first ? second : first, hints));
     const std::string& left = raw_first ? first : second;
     if (!hints.size && kind_of_input(left) == TextureKind::raw)
-        hints.size = one->source->desc().size;
-    auto other = open_texture(left, hints);
-    if (!other.ok())
-        return other.status();
+        hints.size = one.source->desc().size;
+    TESSERA_TRY_ASSIGN(auto other, open_texture(left, hints));
     if (raw_first)
-        std::swap(*one, *other);
-    return std::pair(std::move(*one), std::move(*other));
+        std::swap(one, other);
+    return std::pair(std::move(one), std::move(other));
 }
 
 Status check_texture_output(const std::string& path, const TextureDesc& desc) {

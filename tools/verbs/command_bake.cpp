@@ -60,16 +60,15 @@ Result<EncodeOptions> options_for(const Arguments& a, const TextureDesc& desc) {
     Metadata metadata = {{"Scene", a.scene},
                          {"Samples per texel", std::to_string(a.samples)},
                          {"Seed", std::to_string(a.seed)}};
-    auto options = make_encode_options(a.encode, a.texture.threads, std::move(metadata),
-                                       baked_description(desc.type));
-    if (!options.ok())
-        return options;
-    TESSERA_TRY(check_for(a.encode, *options, desc));
+    TESSERA_TRY_ASSIGN(auto options,
+                       make_encode_options(a.encode, a.texture.threads, std::move(metadata),
+                                           baked_description(desc.type)));
+    TESSERA_TRY(check_for(a.encode, options, desc));
     TESSERA_TRY(compressed ? check_tess_output(a.encode, a.output)
                            : check_texture_output(a.output, desc));
-    options->source_facts = {{"scene", a.scene},
-                             {"samples per texel", std::to_string(a.samples)},
-                             {"seed", std::to_string(a.seed)}};
+    options.source_facts = {{"scene", a.scene},
+                            {"samples per texel", std::to_string(a.samples)},
+                            {"seed", std::to_string(a.seed)}};
     return options;
 }
 
@@ -78,19 +77,17 @@ Json scene_json(const Arguments& a) {
 }
 
 Status bake_compressed(const Arguments& a, TexelSource& source, EncodeOptions options) {
-    const auto report = [&] {
+    TESSERA_TRY_ASSIGN(const auto report, [&] {
         Progress progress("tessera bake", a.texture.quiet);
         options.progress = progress.function();
         return encode_to(source, a.output, options);
-    }();
-    if (!report.ok())
-        return report.status();
+    }());
     if (a.encode.json) {
-        Json json = report_json(a.output, source.desc(), options, *report);
+        Json json = report_json(a.output, source.desc(), options, report);
         json.update(scene_json(a));
         print_json(json);
     } else if (!a.texture.quiet) {
-        print_report(summary_stream(a.output), a.output, source.desc(), *report);
+        print_report(summary_stream(a.output), a.output, source.desc(), report);
     }
     return {};
 }
@@ -98,12 +95,11 @@ Status bake_compressed(const Arguments& a, TexelSource& source, EncodeOptions op
 Status bake_plain(const Arguments& a, TexelSource& source, const EncodeOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
-    auto sink = create_texture(a.output, desc, options.description, a.texture.threads);
-    if (!sink.ok())
-        return sink.status();
+    TESSERA_TRY_ASSIGN(auto sink,
+                       create_texture(a.output, desc, options.description, a.texture.threads));
     {
         Progress progress("tessera bake", a.texture.quiet);
-        TESSERA_TRY(copy_texture(source, *interruptible(std::move(*sink)), a.texture.threads,
+        TESSERA_TRY(copy_texture(source, *interruptible(std::move(sink)), a.texture.threads,
                                  progress.function(), "baking", options.slab_bytes));
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -128,21 +124,14 @@ Status run(const Arguments& a) {
     if (a.scene.empty() || a.output.empty())
         return {ErrorCode::bad_argument,
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
-    const auto scene = corpus::find_scene(a.scene);
-    if (!scene.ok())
-        return scene.status();
-    const auto size = parse_extent_or(a.texture.size, "--size", scene->default_size);
-    if (!size.ok())
-        return size.status();
-    auto baked = corpus::make_baked_source(a.scene, *size, a.samples, a.seed);
-    if (!baked.ok())
-        return baked.status();
-    const auto source = interruptible(std::move(*baked)); // bakes where it is read
-    const auto options = options_for(a, source->desc());
-    if (!options.ok())
-        return options.status();
-    return with_memory_hint(is_compressed(a) ? bake_compressed(a, *source, *options)
-                                             : bake_plain(a, *source, *options));
+    TESSERA_TRY_ASSIGN(const auto scene, corpus::find_scene(a.scene));
+    TESSERA_TRY_ASSIGN(const auto size,
+                       parse_extent_or(a.texture.size, "--size", scene.default_size));
+    TESSERA_TRY_ASSIGN(auto baked, corpus::make_baked_source(a.scene, size, a.samples, a.seed));
+    const auto source = interruptible(std::move(baked)); // bakes where it is read
+    TESSERA_TRY_ASSIGN(const auto options, options_for(a, source->desc()));
+    return with_memory_hint(is_compressed(a) ? bake_compressed(a, *source, options)
+                                             : bake_plain(a, *source, options));
 }
 
 } // namespace

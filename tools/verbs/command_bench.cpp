@@ -25,8 +25,7 @@ Status run(const Arguments& a) {
         options.progress = progress.function();
         report = bench_gpu(a.file, options);
     }
-    if (!report.ok())
-        return report.status();
+    TESSERA_TRY(report);
     if (a.json)
         print_json(to_json(*report));
     else

@@ -42,33 +42,28 @@ struct Inputs {
 
 // The scene, baked box by box as it is read, beside the only file.
 Result<Inputs> open_baked(const Arguments& arguments) {
-    const auto hints = make_hints(arguments.texture);
-    if (!hints.ok())
-        return hints.status();
-    auto file = open_texture(arguments.a, *hints);
+    TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
+    auto file = open_texture(arguments.a, hints);
     if (!file.ok())
-        return with_partial_hint(file.status(), arguments.a, hints->decode);
-    auto baked = bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
-                            file->source->desc().size, file->metadata);
-    if (!baked.ok())
-        return baked.status();
+        return with_partial_hint(file.status(), arguments.a, hints.decode);
+    TESSERA_TRY_ASSIGN(auto baked,
+                       bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
+                                  file->source->desc().size, file->metadata));
     std::vector<const Decoder*> decoders;
     if (file->decoder != nullptr)
         decoders.push_back(file->decoder);
-    return Inputs{interruptible(std::move(*baked)), interruptible(std::move(file->source)),
+    return Inputs{interruptible(std::move(baked)), interruptible(std::move(file->source)),
                   decoders};
 }
 
 Result<Inputs> open_both(const Arguments& arguments) {
-    const auto hints = make_hints(arguments.texture);
-    if (!hints.ok())
-        return hints.status();
-    auto opened = open_two_textures(arguments.a, arguments.b, *hints);
+    TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
+    auto opened = open_two_textures(arguments.a, arguments.b, hints);
     if (!opened.ok()) {
-        const Status hinted = with_partial_hint(opened.status(), arguments.a, hints->decode);
+        const Status hinted = with_partial_hint(opened.status(), arguments.a, hints.decode);
         return hinted.message() != opened.status().message()
                    ? hinted
-                   : with_partial_hint(hinted, arguments.b, hints->decode);
+                   : with_partial_hint(hinted, arguments.b, hints.decode);
     }
     auto& [first, second] = *opened;
     std::vector<const Decoder*> decoders;
@@ -203,10 +198,8 @@ void print_text(const Arguments& a, const TextureDesc& desc, const Comparison& c
 // outlive the options. Errors: bad_argument (--memory), those of open_mask.
 Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& desc,
                                        Progress& progress, std::unique_ptr<TexelSource>& mask) {
-    auto memory = slab_budget(a.memory, a.texture.threads);
-    if (!memory.ok())
-        return memory.status();
-    auto opened = open_mask(a.mask, desc.size, a.texture.threads, *memory);
+    TESSERA_TRY_ASSIGN(auto memory, slab_budget(a.memory, a.texture.threads));
+    auto opened = open_mask(a.mask, desc.size, a.texture.threads, memory);
     if (!opened.ok())
         return with_memory_hint(opened.status());
     mask = std::move(*opened);
@@ -216,24 +209,18 @@ Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& de
     options.threads = a.texture.threads;
     options.progress = progress.function();
     const std::uint64_t held = 2 + 8 / desc.texel_bytes() + 1;
-    options.slab_bytes = std::min(options.slab_bytes, *memory / held);
+    options.slab_bytes = std::min(options.slab_bytes, memory / held);
     return options;
 }
 
 // The reference of --beginnings. A raw one takes its size from the file that is measured.
 Result<std::unique_ptr<TexelSource>> open_reference(const Arguments& a, ByteSource& measured) {
-    const auto reader = ContainerReader::open(measured);
-    if (!reader.ok())
-        return reader.status();
-    auto hints = make_hints(a.texture);
-    if (!hints.ok())
-        return hints.status();
-    if (!hints->size && kind_of_input(a.a) == TextureKind::raw)
-        hints->size = reader->desc().size;
-    auto opened = open_texture(a.a, *hints);
-    if (!opened.ok())
-        return opened.status();
-    return interruptible(std::move(opened->source));
+    TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(measured));
+    TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
+    if (!hints.size && kind_of_input(a.a) == TextureKind::raw)
+        hints.size = reader.desc().size;
+    TESSERA_TRY_ASSIGN(auto opened, open_texture(a.a, hints));
+    return interruptible(std::move(opened.source));
 }
 
 void print_points(const std::vector<PrefixPoint>& points) {
@@ -250,23 +237,17 @@ void print_points(const std::vector<PrefixPoint>& points) {
 Status run_beginnings(const Arguments& a) {
     if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
         return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
-    const auto file = open_bytes(a.b);
-    if (!file.ok())
-        return file.status();
-    const auto reference = open_reference(a, **file);
-    if (!reference.ok())
-        return reference.status();
+    TESSERA_TRY_ASSIGN(const auto file, open_bytes(a.b));
+    TESSERA_TRY_ASSIGN(const auto reference, open_reference(a, *file));
     Result<std::vector<PrefixPoint>> points = Status();
     {
         Progress progress("tessera compare", a.texture.quiet || a.json);
         std::unique_ptr<TexelSource> mask;
-        const auto options = compare_options(a, (*reference)->desc(), progress, mask);
-        if (!options.ok())
-            return options.status();
-        points = prefix_curve(**reference, **file, *a.beginnings, *options);
+        TESSERA_TRY_ASSIGN(const auto options,
+                           compare_options(a, reference->desc(), progress, mask));
+        points = prefix_curve(*reference, *file, *a.beginnings, options);
     }
-    if (!points.ok())
-        return points.status();
+    TESSERA_TRY(points);
     if (a.json) {
         Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
         for (const PrefixPoint& p : *points)
@@ -287,37 +268,33 @@ Status run(const Arguments& a) {
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
         return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
-    const auto inputs = a.scene.empty() ? open_both(a) : open_baked(a);
-    if (!inputs.ok())
-        return inputs.status();
+    TESSERA_TRY_ASSIGN(const auto inputs, a.scene.empty() ? open_both(a) : open_baked(a));
     Result<Comparison> comparison = Status();
     {
         Progress progress("tessera compare", a.texture.quiet);
         std::unique_ptr<TexelSource> mask;
-        const auto options = compare_options(a, inputs->a->desc(), progress, mask);
-        if (!options.ok())
-            return options.status();
-        comparison =
-            a.sample ? compare_sample(*inputs->a, *inputs->b, *a.sample, a.sample_seed, *options)
-                     : compare_textures(*inputs->a, *inputs->b, *options);
+        TESSERA_TRY_ASSIGN(const auto options,
+                           compare_options(a, inputs.a->desc(), progress, mask));
+        comparison = a.sample
+                         ? compare_sample(*inputs.a, *inputs.b, *a.sample, a.sample_seed, options)
+                         : compare_textures(*inputs.a, *inputs.b, options);
     }
-    if (!comparison.ok())
-        return comparison.status();
+    TESSERA_TRY(comparison);
     if (a.min_ssim && !comparison->has_ssim)
         return {ErrorCode::unsupported,
                 a.sample ? "a sample has no SSIM" : "the views are too large for SSIM"};
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    const TextureDesc& desc = inputs->a->desc();
+    const TextureDesc& desc = inputs.a->desc();
     const auto missed = missed_thresholds(a, *comparison);
     if (a.json) {
         Json json = to_json(a, desc, *comparison, missed, seconds.count());
-        for (const Decoder* decoder : inputs->decoders)
+        for (const Decoder* decoder : inputs.decoders)
             if (a.texture.decode.allow_partial || a.texture.decode.allow_damaged)
                 json["filled"].push_back(fill_json(*decoder));
         print_json(json);
     } else if (!a.texture.quiet) {
         print_text(a, desc, *comparison, seconds.count());
-        for (const Decoder* decoder : inputs->decoders)
+        for (const Decoder* decoder : inputs.decoders)
             std::fputs(fill_text(*decoder, "  ").c_str(), stdout);
     }
     if (missed.empty())

@@ -47,18 +47,14 @@ private:
 };
 
 Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, TextureDesc desc) {
-    const auto slab_bytes = slab_budget(a.memory, a.texture.threads);
-    if (!slab_bytes.ok())
-        return slab_bytes.status();
+    TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
     desc.size = box.extent();
-    auto sink =
-        create_texture(a.output, desc, decoder.container().description(), a.texture.threads);
-    if (!sink.ok())
-        return sink.status();
-    PartSink part(interruptible(std::move(*sink)), box.begin);
+    TESSERA_TRY_ASSIGN(auto sink, create_texture(a.output, desc, decoder.container().description(),
+                                                 a.texture.threads));
+    PartSink part(interruptible(std::move(sink)), box.begin);
     Progress progress("tessera decode", a.texture.quiet);
     const Status status = with_memory_hint(
-        decoder.decode(box, part, a.texture.threads, progress.function(), *slab_bytes));
+        decoder.decode(box, part, a.texture.threads, progress.function(), slab_bytes));
     const bool named = status.message().find(a.output) != std::string::npos ||
                        status.message().find(a.input) != std::string::npos;
     return named ? status : status.with_context(a.output);
@@ -97,28 +93,23 @@ void print_summary(const Arguments& a, const Decoder& decoder, const ByteSource&
 
 Status run(const Arguments& a) {
     TESSERA_TRY(check_json_output(a.json, a.output));
-    TESSERA_TRY(slab_budget(a.memory, a.texture.threads).status());
+    TESSERA_TRY(slab_budget(a.memory, a.texture.threads));
     const auto start = std::chrono::steady_clock::now();
-    const auto file = open_tess_bytes(a.input, "decode");
-    if (!file.ok())
-        return file.status();
-    const auto decoder = Decoder::open(**file, a.texture.decode);
+    TESSERA_TRY_ASSIGN(const auto file, open_tess_bytes(a.input, "decode"));
+    const auto decoder = Decoder::open(*file, a.texture.decode);
     if (!decoder.ok())
-        return with_partial_hint(decoder.status(), **file, a.texture.decode);
+        return with_partial_hint(decoder.status(), *file, a.texture.decode);
     const TextureDesc desc = decoder->desc();
     Box4 box = Box4::whole(desc.size);
     if (!a.box.empty()) {
-        const auto parsed = parse_box(a.box, desc.size);
-        if (!parsed.ok())
-            return parsed.status().with_context("--box");
-        box = *parsed;
+        TESSERA_TRY_ASSIGN(box, parse_box(a.box, desc.size).with_context("--box"));
     }
     TESSERA_TRY(decode_into(a, *decoder, box, desc));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     if (a.json)
-        print_json(to_json(a, *decoder, **file, box, seconds.count()));
+        print_json(to_json(a, *decoder, *file, box, seconds.count()));
     else if (!a.texture.quiet)
-        print_summary(a, *decoder, **file, box, seconds.count());
+        print_summary(a, *decoder, *file, box, seconds.count());
     return {};
 }
 

@@ -40,35 +40,29 @@ Status run(const Arguments& a) {
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
-    const auto hints = make_hints(a.texture);
-    if (!hints.ok())
-        return hints.status();
-    TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}).status());
-    auto input = open_texture(a.input, *hints);
-    if (!input.ok())
-        return input.status();
-    input->metadata.erase(software_key); // the encoder names itself
-    auto options = make_encode_options(a.encode, a.texture.threads, std::move(input->metadata),
-                                       input->description);
-    if (!options.ok())
-        return options.status();
-    const auto source = interruptible(std::move(input->source));
-    TESSERA_TRY(check_for(a.encode, *options, source->desc()));
-    const auto mask =
-        open_mask(a.mask, source->desc().size, a.texture.threads, options->slab_bytes);
+    TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
+    TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}));
+    TESSERA_TRY_ASSIGN(auto input, open_texture(a.input, hints));
+    input.metadata.erase(software_key); // the encoder names itself
+    TESSERA_TRY_ASSIGN(auto options,
+                       make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
+                                           input.description));
+    const auto source = interruptible(std::move(input.source));
+    TESSERA_TRY(check_for(a.encode, options, source->desc()));
+    const auto mask = open_mask(a.mask, source->desc().size, a.texture.threads, options.slab_bytes);
     if (!mask.ok())
         return with_memory_hint(mask.status());
-    options->mask = mask->get();
-    options->source_facts = facts_of(a);
+    options.mask = mask->get();
+    options.source_facts = facts_of(a);
     const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
-        options->progress = progress.function();
-        return encode_to(*source, a.output, *options);
+        options.progress = progress.function();
+        return encode_to(*source, a.output, options);
     }();
     if (!report.ok())
         return about_file(with_memory_hint(report.status()), a.input, a.output);
     if (a.encode.json) {
-        Json json = report_json(a.output, source->desc(), *options, *report);
+        Json json = report_json(a.output, source->desc(), options, *report);
         json["input"] = a.input;
         print_json(json);
     } else if (!a.texture.quiet) {

@@ -168,42 +168,31 @@ Metadata metadata_of(const Json& json) {
 }
 
 Result<Json> describe_tess(const std::string& path) {
-    const auto bytes = open_bytes(path);
-    if (!bytes.ok())
-        return bytes.status();
-    const auto file = ContainerReader::open(**bytes);
-    if (!file.ok())
-        return file.status();
-    const auto tiles = file->summarise_tiles();
-    if (!tiles.ok())
-        return tiles.status();
-    return tess_json(path, *file, *tiles);
+    TESSERA_TRY_ASSIGN(const auto bytes, open_bytes(path));
+    TESSERA_TRY_ASSIGN(const auto file, ContainerReader::open(*bytes));
+    TESSERA_TRY_ASSIGN(const auto tiles, file.summarise_tiles());
+    return tess_json(path, file, tiles);
 }
 
 Result<Json> describe_other(const Arguments& a) {
-    const auto hints = make_hints(a.texture);
-    if (!hints.ok())
-        return hints.status();
-    const auto opened = open_texture(a.input, *hints);
-    if (!opened.ok())
-        return opened.status();
-    Json json = texture_json(a.input, opened->source->desc(), opened->description);
-    json["kind"] = opened->kind == TextureKind::exr           ? "exr"
-                   : opened->kind == TextureKind::raw         ? "raw"
-                   : opened->kind == TextureKind::png_picture ? "png picture"
-                                                              : "png views";
+    TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
+    TESSERA_TRY_ASSIGN(const auto opened, open_texture(a.input, hints));
+    Json json = texture_json(a.input, opened.source->desc(), opened.description);
+    json["kind"] = opened.kind == TextureKind::exr           ? "exr"
+                   : opened.kind == TextureKind::raw         ? "raw"
+                   : opened.kind == TextureKind::png_picture ? "png picture"
+                                                             : "png views";
     return json;
 }
 
 Status run(const Arguments& a) {
-    const auto json =
-        kind_of_input(a.input) == TextureKind::tess ? describe_tess(a.input) : describe_other(a);
-    if (!json.ok())
-        return json.status();
+    TESSERA_TRY_ASSIGN(const auto json, kind_of_input(a.input) == TextureKind::tess
+                                            ? describe_tess(a.input)
+                                            : describe_other(a));
     if (a.json)
-        print_json(*json);
+        print_json(json);
     else
-        print_for_people(for_people(*json, metadata_of(*json)), "");
+        print_for_people(for_people(json, metadata_of(json)), "");
     return {};
 }
 

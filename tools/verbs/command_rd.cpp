@@ -16,19 +16,14 @@ struct Arguments {
 
 Status run(const Arguments& a) {
     RdOptions options = a.options;
-    const auto hints = make_hints(a.texture);
-    if (!hints.ok())
-        return hints.status();
-    options.hints = *hints;
+    TESSERA_TRY_ASSIGN(options.hints, make_hints(a.texture));
     options.quiet = a.texture.quiet;
     options.print_lines = !a.texture.quiet && !a.json;
-    const auto report = run_rd(options);
-    if (!report.ok())
-        return report.status();
+    TESSERA_TRY_ASSIGN(const auto report, run_rd(options));
     if (a.json)
-        print_json(to_json(*report));
+        print_json(to_json(report));
     else if (!a.texture.quiet)
-        std::printf("\n%s%s\n", to_text(*report).c_str(),
+        std::printf("\n%s%s\n", to_text(report).c_str(),
                     ("Look at " + options.output + "/index.html").c_str());
     return {};
 }

@@ -128,9 +128,8 @@ public:
         }
         if (!write_)
             return {};
-        const Result<View> view = picture();
-        TESSERA_TRY(view.status());
-        return write_view(beside(output_, "frame-" + std::to_string(number)), *view, type_);
+        TESSERA_TRY_ASSIGN(const View view, picture());
+        return write_view(beside(output_, "frame-" + std::to_string(number)), view, type_);
     }
 
 private:
@@ -158,16 +157,14 @@ Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, bool writ
             return {};
         steps.begin();
         const auto start = std::chrono::steady_clock::now();
-        const auto view = renderer->render(planned.camera);
-        if (!view.ok())
-            return view.status();
-        picture = to_picture(*view, type);
+        TESSERA_TRY_ASSIGN(const auto view, renderer->render(planned.camera));
+        picture = to_picture(view, type);
         if (renderer != &stage.subject())
-            return write_all ? write_view(beside(planned.output, what), *view, type) : Status();
+            return write_all ? write_view(beside(planned.output, what), view, type) : Status();
         drawn.seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        drawn.remark = view->remark;
-        return write_view(planned.output, *view, type);
+        drawn.remark = view.remark;
+        return write_view(planned.output, view, type);
     };
     TESSERA_TRY(add(stage.compressed.get(), drawn.pictures.compressed, "compressed"));
     TESSERA_TRY(add(stage.uncompressed.get(), drawn.pictures.uncompressed, "uncompressed"));
@@ -180,10 +177,8 @@ Status write_sheet(const std::string& path, const std::vector<DrawnView>& views)
     std::vector<PanelRow> rows;
     for (const DrawnView& view : views)
         rows.push_back(to_panels(view.pictures));
-    const auto sheet = lay_out(rows);
-    if (!sheet.ok())
-        return sheet.status().with_context(path);
-    return write_png(path, *sheet);
+    TESSERA_TRY_ASSIGN(const auto sheet, lay_out(rows).with_context(path));
+    return write_png(path, sheet);
 }
 
 Json to_json(const glm::dvec3& point) {
@@ -261,10 +256,8 @@ void report_remarks(const std::vector<PlannedView>& plan, const std::vector<Draw
 }
 
 Status run(const Arguments& a) {
-    const auto plan = plan_views(a.views);
-    if (!plan.ok())
-        return plan.status();
-    TESSERA_TRY(check_outputs(a, *plan));
+    TESSERA_TRY_ASSIGN(const auto plan, plan_views(a.views));
+    TESSERA_TRY(check_outputs(a, plan));
     if (a.frames && a.stage.via != "feedback")
         return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
     Stage stage;
@@ -274,39 +267,34 @@ Status run(const Arguments& a) {
         Steps steps(progress.function(), 1);
         const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
                                     steps.function()};
-        auto made = set_up_stage(a.stage, options);
-        if (!made.ok())
-            return made.status();
-        stage = std::move(*made);
-        steps.set_count(plan->size() * stage.renderers());
-        for (const PlannedView& view : *plan)
+        TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
+        steps.set_count(plan.size() * stage.renderers());
+        for (const PlannedView& view : plan)
             TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
         FrameLog log(a, stage.desc.type);
         stage.subject().watch([&log](unsigned number, const DrawnFrame& frame,
                                      const auto& picture) { return log.add(number, frame, picture); });
         Traffic told; // so that the first view's includes opening
-        for (const PlannedView& view : *plan) {
+        for (const PlannedView& view : plan) {
             if (interrupted_by())
                 return {ErrorCode::runtime, "interrupted"};
             log.begin(views.size() + 1, view.output);
-            auto drawn = draw(view, stage, a.write_all, steps);
-            if (!drawn.ok())
-                return drawn.status();
-            drawn->traffic = stage.traffic() - told;
+            TESSERA_TRY_ASSIGN(auto drawn, draw(view, stage, a.write_all, steps));
+            drawn.traffic = stage.traffic() - told;
             told = stage.traffic();
-            drawn->frames = log.end(drawn->traffic);
+            drawn.frames = log.end(drawn.traffic);
             if (a.sheet.empty())
-                drawn->pictures = {};
-            views.push_back(std::move(*drawn));
+                drawn.pictures = {};
+            views.push_back(std::move(drawn));
         }
     }
-    report_remarks(*plan, views);
+    report_remarks(plan, views);
     if (!a.sheet.empty())
         TESSERA_TRY(write_sheet(a.sheet, views));
     if (a.json)
-        report_json(a, stage, *plan, views);
+        report_json(a, stage, plan, views);
     else if (!a.texture.quiet)
-        report_text(stage, *plan, views);
+        report_text(stage, plan, views);
     return {};
 }
 

@@ -37,10 +37,8 @@ Status run(const Arguments& a) {
     options.port = a.port;
     if (!a.quiet)
         options.log = print_request;
-    const auto server = FileServer::start(options);
-    if (!server.ok())
-        return server.status();
-    std::printf("%s\n", (*server)->url().c_str());
+    TESSERA_TRY_ASSIGN(const auto server, FileServer::start(options));
+    std::printf("%s\n", server->url().c_str());
     std::fflush(stdout);
     while (interrupted_by() == 0)
         std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -29,29 +29,22 @@ Result<std::vector<ShaderDefine>> parse_defines(const std::vector<std::string>& 
 }
 
 Status write_text(const std::filesystem::path& path, const std::string& text) {
-    auto file = OutputFile::create(path.string());
-    if (!file.ok())
-        return file.status();
-    TESSERA_TRY(file->append(std::as_bytes(std::span(text))));
-    return file->commit();
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path.string()));
+    TESSERA_TRY(file.append(std::as_bytes(std::span(text))));
+    return file.commit();
 }
 
 // Programs whole; sample.glsl without a head, to be pasted into a program of the reader's own.
 Status write_shader(std::string_view name, const Arguments& a, ShaderDialect dialect,
                     std::span<const ShaderDefine> defines) {
-    auto source = shader_source(name, dialect, defines);
-    if (!source.ok())
-        return source.status();
-    std::string text = *source;
+    TESSERA_TRY_ASSIGN(std::string text, shader_source(name, dialect, defines));
     if (name == "sample.glsl")
         text.erase(0, text.find('\n') + 1); // the #version line
     return write_text(std::filesystem::path(a.output) / name, text);
 }
 
 Status run(const Arguments& a) {
-    const auto defines = parse_defines(a.defines);
-    if (!defines.ok())
-        return defines.status();
+    TESSERA_TRY_ASSIGN(const auto defines, parse_defines(a.defines));
     ShaderDialect dialect = ShaderDialect::gl450;
     for (const auto& [name, value] : dialects)
         if (a.dialect == name)
@@ -62,7 +55,7 @@ Status run(const Arguments& a) {
         return {ErrorCode::io, a.output + ": " + error.message()};
     const std::vector<std::string_view> names = shader_names();
     for (const std::string_view name : names)
-        TESSERA_TRY(write_shader(name, a, dialect, *defines));
+        TESSERA_TRY(write_shader(name, a, dialect, defines));
     std::printf("%s: %zu shaders for %s\n", a.output.c_str(), names.size(), a.dialect.c_str());
     return {};
 }

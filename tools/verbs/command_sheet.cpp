@@ -29,23 +29,16 @@ Result<Picture> sheet_of_textures(const Arguments& a) {
     if (a.inputs.size() > 2)
         return Status(ErrorCode::bad_argument,
                       "a sheet shows two textures at most, or any number of .png files");
-    const auto hints = make_hints(a.texture);
-    if (!hints.ok())
-        return hints.status();
+    TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
     SheetOptions options = a.sheet;
     options.name_a = std::filesystem::path(a.inputs[0]).filename().string();
     OpenedTexture first, second;
     if (a.inputs.size() == 1) {
-        auto opened = open_texture(a.inputs[0], *hints);
-        if (!opened.ok())
-            return opened.status();
-        first = std::move(*opened);
+        TESSERA_TRY_ASSIGN(first, open_texture(a.inputs[0], hints));
     } else {
         options.name_b = std::filesystem::path(a.inputs[1]).filename().string();
-        auto opened = open_two_textures(a.inputs[0], a.inputs[1], *hints);
-        if (!opened.ok())
-            return opened.status();
-        std::tie(first, second) = std::move(*opened);
+        TESSERA_TRY_ASSIGN(auto opened, open_two_textures(a.inputs[0], a.inputs[1], hints));
+        std::tie(first, second) = std::move(opened);
     }
     const auto source = interruptible(std::move(first.source));
     return make_contact_sheet(*source, second.source.get(), options);
@@ -56,12 +49,11 @@ Status run(const Arguments& a) {
         return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
     TESSERA_TRY(check_output_path(a.output));
     const bool pictures = std::all_of(a.inputs.begin(), a.inputs.end(), is_png_file);
-    const auto picture = pictures ? make_picture_grid(a.inputs, a.grid) : sheet_of_textures(a);
-    if (!picture.ok())
-        return picture.status();
-    TESSERA_TRY(write_png(a.output, *picture));
+    TESSERA_TRY_ASSIGN(const auto picture,
+                       pictures ? make_picture_grid(a.inputs, a.grid) : sheet_of_textures(a));
+    TESSERA_TRY(write_png(a.output, picture));
     if (!a.texture.quiet)
-        std::printf("%s: %u x %u pixels\n", a.output.c_str(), picture->width, picture->height);
+        std::printf("%s: %u x %u pixels\n", a.output.c_str(), picture.width, picture.height);
     return {};
 }
 

@@ -82,13 +82,11 @@ void print_findings(const Arguments& a, const std::vector<Finding>& findings, bo
 }
 
 Status run(const Arguments& a) {
-    const auto opened = open_bytes(a.input);
-    if (!opened.ok())
-        return opened.status();
+    TESSERA_TRY_ASSIGN(const auto opened, open_bytes(a.input));
     // Every byte will be wanted, twice.
     const std::unique_ptr<ByteSource> ahead =
-        (*opened)->wants_prefetch() ? read_ahead(**opened) : nullptr;
-    ByteSource& bytes = ahead ? *ahead : **opened;
+        opened->wants_prefetch() ? read_ahead(*opened) : nullptr;
+    ByteSource& bytes = ahead ? *ahead : *opened;
     const OpenOptions open{a.texture.decode.allow_partial};
     std::vector<Finding> findings;
     {

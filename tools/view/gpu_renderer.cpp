@@ -58,31 +58,25 @@ public:
         options.coarse_from = {options_.coarse_level, options_.coarse_texels};
         // Means of all tiles, where no level is at hand, need all tiles.
         options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
-        auto texture = SampledTexture::create(reader_, options);
-        if (!texture.ok())
-            return texture.status();
-        texture_.emplace(std::move(*texture));
+        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader_, options));
+        texture_.emplace(std::move(texture));
         by_frames_ = options.residency == Residency::on_feedback;
-        auto view = GlViewRenderer::create(*texture_);
-        if (!view.ok())
-            return view.status();
-        view_.emplace(std::move(*view));
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(*texture_));
+        view_.emplace(std::move(view));
         return {};
     }
 
     Result<View> render(const Camera& camera) override {
         TESSERA_TRY(check_outside(window_, camera));
         TESSERA_TRY(context_.make_current());
-        const auto report = draw(gpu_camera(camera, window_, background_));
-        if (!report.ok())
-            return report.status();
+        TESSERA_TRY_ASSIGN(const auto report, draw(gpu_camera(camera, window_, background_)));
         if (texture_->damaged_tiles() > 0)
             return Status(ErrorCode::invalid_file,
                           reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
                               " tiles are damaged; tessera validate says which");
         auto view = read_view(camera.width, camera.height);
         if (view.ok())
-            view->remark = remark_on(*report);
+            view->remark = remark_on(report);
         return view;
     }
 
@@ -96,13 +90,11 @@ private:
     std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
 
     Result<View> read_view(std::uint32_t width, std::uint32_t height) const {
-        const auto pixels = view_->read();
-        if (!pixels.ok())
-            return pixels.status();
+        TESSERA_TRY_ASSIGN(const auto pixels, view_->read());
         View view{width, height, {}};
-        view.rgb.reserve(pixels->size() / 4 * 3);
-        for (std::size_t i = 0; i < pixels->size(); i += 4)
-            view.rgb.insert(view.rgb.end(), {(*pixels)[i], (*pixels)[i + 1], (*pixels)[i + 2]});
+        view.rgb.reserve(pixels.size() / 4 * 3);
+        for (std::size_t i = 0; i < pixels.size(); i += 4)
+            view.rgb.insert(view.rgb.end(), {pixels[i], pixels[i + 1], pixels[i + 2]});
         return view;
     }
 
@@ -116,10 +108,7 @@ private:
             TESSERA_TRY(view_->draw(camera));
             const Traffic before = traffic(); // update() reads for the next frame
             const UpdateReport last = std::exchange(report, {});
-            const auto updated = texture_->update(true);
-            if (!updated.ok())
-                return updated.status();
-            report = *updated;
+            TESSERA_TRY_ASSIGN(report, texture_->update(true));
             TESSERA_TRY(tell(camera, frame, report, last, before));
             if (!report.trouble.ok()) {
                 if (report.trouble.code() != ErrorCode::io || ++troubled == most_troubled)

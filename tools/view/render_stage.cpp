@@ -36,25 +36,21 @@ Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const 
     hints.size = stage.desc.size;
     hints.type = stage.desc.type;
     hints.channels = stage.desc.channels;
-    auto opened = open_texture(r.original, hints);
-    if (!opened.ok())
-        return opened.status();
-    return std::move(opened->source);
+    TESSERA_TRY_ASSIGN(auto opened, open_texture(r.original, hints));
+    return std::move(opened.source);
 }
 
 Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
                  const RenderOptions& options, Stage& stage) {
-    auto scene = corpus::make_scene(r.truth);
-    if (!scene.ok())
-        return scene.status().with_context("--truth");
+    TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(r.truth).with_context("--truth"));
     if (!of_scene.empty() && of_scene != r.truth)
         return {ErrorCode::bad_argument,
                 subject + ": is of the scene " + of_scene + ", not " + r.truth};
-    if (scene->type != stage.desc.type)
+    if (scene.type != stage.desc.type)
         return {ErrorCode::bad_argument, subject + ": is " + name_of(stage.desc.type) +
                                              ", and the scene " + r.truth + " is " +
-                                             name_of(scene->type)};
-    stage.truth = make_truth_renderer(std::move(*scene), stage.window, r.truth_samples, options);
+                                             name_of(scene.type)};
+    stage.truth = make_truth_renderer(std::move(scene), stage.window, r.truth_samples, options);
     return {};
 }
 
@@ -65,10 +61,7 @@ Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
 
 // A compressed file, and the texture that it was made from where there is something to compare.
 Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
-    auto bytes = open_tess_bytes(r.file, "render");
-    if (!bytes.ok())
-        return bytes.status();
-    stage.bytes = std::move(*bytes);
+    TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
     const bool remote = network_traffic(*stage.bytes).has_value();
     auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
@@ -77,10 +70,7 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();
-    const auto window = sphere_window(container.description());
-    if (!window.ok())
-        return window.status().with_context(r.file);
-    stage.window = *window;
+    TESSERA_TRY_ASSIGN(stage.window, sphere_window(container.description()).with_context(r.file));
     const glm::dvec3 background = background_of(container);
     if (!r.truth.empty()) {
         const auto said = container.metadata().find("Scene");
@@ -108,23 +98,20 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
             on_gpu.coarse_level = container.levels().back();
             on_gpu.coarse_texels = coarse.get();
         }
-        auto gpu = make_gpu_renderer(container, stage.window, background, on_gpu);
-        if (!gpu.ok())
-            return gpu.status();
-        stage.compressed = std::move(*gpu);
+        TESSERA_TRY_ASSIGN(stage.compressed,
+                           make_gpu_renderer(container, stage.window, background, on_gpu));
     }
     if (r.truth.empty() && r.original.empty())
         return {};
-    auto original = !r.original.empty() ? open_original(r, stage)
-                                        : bake_again({r.truth, r.samples, std::nullopt}, r.file,
-                                                     stage.desc.size, container.metadata());
-    if (!original.ok())
-        return original.status();
-    if ((*original)->desc() != stage.desc)
+    TESSERA_TRY_ASSIGN(auto original, !r.original.empty()
+                                          ? open_original(r, stage)
+                                          : bake_again({r.truth, r.samples, std::nullopt}, r.file,
+                                                       stage.desc.size, container.metadata()));
+    if (original->desc() != stage.desc)
         return {ErrorCode::bad_argument,
                 r.file + ": its samples are not of the type or number of those of " +
                     (r.original.empty() ? "the scene " + r.truth : r.original)};
-    stage.original = std::move(*original);
+    stage.original = std::move(original);
     stage.uncompressed =
         make_texture_renderer(*stage.original, lazy_block, stage.window, background, options);
     return {};
@@ -132,25 +119,19 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
 
 // A texture that no file holds: of any size, as only what is looked at is ever made.
 Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& stage) {
-    const auto info = corpus::find_scene(r.scene);
-    if (!info.ok())
-        return info.status().with_context("--scene");
-    const auto size = parse_extent_or(r.texture_size, "--texture-size", info->default_size);
-    if (!size.ok())
-        return size.status();
-    auto baked = corpus::make_baked_source(r.scene, *size, r.samples.value_or(usual_samples), 1);
-    if (!baked.ok())
-        return baked.status().with_context("--scene " + r.scene);
-    stage.original = std::move(*baked);
+    TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene).with_context("--scene"));
+    TESSERA_TRY_ASSIGN(const auto size,
+                       parse_extent_or(r.texture_size, "--texture-size", info.default_size));
+    TESSERA_TRY_ASSIGN(stage.original, corpus::make_baked_source(
+                                           r.scene, size, r.samples.value_or(usual_samples), 1)
+                                           .with_context("--scene " + r.scene));
     stage.desc = stage.original->desc();
     stage.window = {glm::dvec3{0.0}, corpus::window_radius};
     if (!r.truth.empty())
         TESSERA_TRY(add_truth(r, "--scene", r.scene, options, stage));
-    const auto scene = corpus::make_scene(r.scene);
-    if (!scene.ok())
-        return scene.status();
-    stage.uncompressed = make_texture_renderer(*stage.original, lazy_block, stage.window,
-                                               scene->background, options);
+    TESSERA_TRY_ASSIGN(const auto scene, corpus::make_scene(r.scene));
+    stage.uncompressed =
+        make_texture_renderer(*stage.original, lazy_block, stage.window, scene.background, options);
     return {};
 }
 

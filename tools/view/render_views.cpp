@@ -47,11 +47,9 @@ std::string numbered(const std::string& path, std::size_t number, std::size_t di
 
 Result<std::vector<NamedPose>> poses_of(const ViewRequest& request, const CameraPose& pose) {
     if (request.orbit > 0) {
-        const auto poses = orbit(pose, request.orbit);
-        if (!poses.ok())
-            return poses.status();
+        TESSERA_TRY_ASSIGN(const auto poses, orbit(pose, request.orbit));
         std::vector<NamedPose> named;
-        for (const CameraPose& p : *poses)
+        for (const CameraPose& p : poses)
             named.push_back({"frame " + std::to_string(named.size() + 1), p});
         return named;
     }
@@ -80,17 +78,13 @@ Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
         TESSERA_TRY(parse_point(request.look, "--look", pose.look));
     if (!request.size.empty())
         TESSERA_TRY(parse_picture_size(request.size, lens));
-    const auto poses = poses_of(request, pose);
-    if (!poses.ok())
-        return poses.status();
-    const std::size_t digits = std::to_string(poses->size()).size();
-    const bool many = request.orbit > 0 || poses->size() > 1;
+    TESSERA_TRY_ASSIGN(const auto poses, poses_of(request, pose));
+    const std::size_t digits = std::to_string(poses.size()).size();
+    const bool many = request.orbit > 0 || poses.size() > 1;
     std::vector<PlannedView> plan;
-    for (const NamedPose& p : *poses) {
-        const auto camera = make_camera(p.pose, lens);
-        if (!camera.ok())
-            return camera.status();
-        plan.push_back({p.name, *camera,
+    for (const NamedPose& p : poses) {
+        TESSERA_TRY_ASSIGN(const auto camera, make_camera(p.pose, lens));
+        plan.push_back({p.name, camera,
                         many ? numbered(request.output, plan.size() + 1, digits) : request.output});
     }
     return plan;

@@ -39,10 +39,8 @@ Result<glm::dvec4> CachedTexels::texel(std::uint32_t u, std::uint32_t v, std::ui
     const std::uint64_t number = cache_->block_of(u, v, s, t);
     Slot& slot = slots_[number % slots_.size()];
     if (!slot.texels || slot.number != number) {
-        Result<TexelCache::Block> block = cache_->load(number);
-        if (!block.ok())
-            return block.status();
-        slot = {number, grid.box(number), std::move(*block)};
+        TESSERA_TRY_ASSIGN(TexelCache::Block block, cache_->load(number));
+        slot = {number, grid.box(number), std::move(block)};
     }
     const Extent4 e = slot.box.extent();
     Extent4 offset;

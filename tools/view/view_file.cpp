@@ -20,10 +20,8 @@ std::string ending_of(const std::string& path) {
 
 Status write_exr(const std::string& path, const View& view) {
     TESSERA_TRY(make_parent_folders(path));
-    auto file = OutputFile::create(path);
-    if (!file.ok())
-        return file.status();
-    ExrOutput stream(*file);
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    ExrOutput stream(file);
     TESSERA_TRY(guard_exr(path, [&]() -> Status {
         const int width = static_cast<int>(view.width), height = static_cast<int>(view.height);
         Imf::Header header(width, height);
@@ -43,7 +41,7 @@ Status write_exr(const std::string& path, const View& view) {
         return {};
     }));
     TESSERA_TRY(stream.status()); // the table of offsets is written last, by a destructor
-    return file->commit();
+    return file.commit();
 }
 
 } // namespace

@@ -26,11 +26,10 @@ Result<View> draw(const Camera& camera, std::vector<Worker>& workers,
                 return {ErrorCode::runtime, "interrupted"};
             float* out = view.rgb.data() + j * camera.width * 3;
             for (std::uint32_t i = 0; i < camera.width; ++i) {
-                const Result<glm::dvec3> colour = pixel(worker, i, static_cast<std::uint32_t>(j));
-                if (!colour.ok())
-                    return colour.status();
+                TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
+                                   pixel(worker, i, static_cast<std::uint32_t>(j)));
                 for (int c = 0; c < 3; ++c)
-                    *out++ = static_cast<float>((*colour)[c]);
+                    *out++ = static_cast<float>(colour[c]);
             }
             return {};
         },
@@ -98,10 +97,8 @@ private:
         glm::dvec3 from_centre;
         if (!enter(window_, eye, direction, from_centre))
             return background_;
-        const Result<glm::dvec4> value = sample(texels, from_centre, -direction);
-        if (!value.ok())
-            return value.status();
-        return texels.desc().channels >= 3 ? glm::dvec3(*value) : glm::dvec3(value->x);
+        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, from_centre, -direction));
+        return texels.desc().channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
     }
 
     TexelCache cache_;
