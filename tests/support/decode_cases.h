@@ -7,7 +7,10 @@
 #include "codec/reconstruct/tile_decoder.h"
 #include "format/tile/coding_parameters.h"
 #include "format/container/container_writer.h"
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random_tile.h"
 #include "tests/support/efforts.h"
 #include "tests/support/random_predictions.h"
 
