@@ -165,8 +165,8 @@ TEST(Mask, GuaranteesHoldForWhatMatters) {
     MemoryTexture mask = make_mask(small.size, in_chart);
     for (const int bound : {0, 2}) {
         const RateTarget rate{Kind::max_error, static_cast<double>(bound)};
-        const EncodedFile masked = encode_file_of(noise, options_for(rate, &mask, quick_effort));
-        const EncodedFile plain = encode_file_of(noise, options_for(rate, nullptr, quick_effort));
+        const EncodedFile masked = encode_file_of(noise, options_for(rate, &mask, 0));
+        const EncodedFile plain = encode_file_of(noise, options_for(rate, nullptr, 0));
         const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
         EXPECT_LE(figures.max_error, bound);
         EXPECT_EQ(masked.report.max_error, figures.max_error);

@@ -8,6 +8,9 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/sample_probes.h"
 
+#include <map>
+#include <tuple>
+
 namespace tessera::test::sampled_files {
 
 // An open file, its texels decoded on the CPU.
@@ -38,9 +41,8 @@ private:
 };
 
 // Rough in one half, smooth in a quarter, and background in the rest: tiles of all kinds.
-inline Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers = false,
-                        const Extent4& size = {80, 40, 20, 12},
-                        const Extent4& tile = {32, 16, 8, 8}) {
+inline Bytes make_mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers,
+                             const Extent4& size, const Extent4& tile) {
     const TextureDesc desc{size, type, channels};
     const double gain = type == SampleType::half16 ? 4 : 1;
     MemoryTexture texture(desc, [&](int u, int v, int s, int t, int c) {
@@ -57,12 +59,23 @@ inline Bytes mixed_file(SampleType type, std::uint8_t channels, double quality, 
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = tile;
-    options.effort = quick_effort; // predictions have tests of their own
+    options.effort = 0; // predictions have tests of their own
     options.threads = 2;
     options.layers = layers;
     Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();
+    return file;
+}
+
+// Encoded once.
+inline const Bytes& mixed_file(SampleType type, std::uint8_t channels, double quality,
+                               bool layers = false, const Extent4& size = {80, 40, 20, 12},
+                               const Extent4& tile = {32, 16, 8, 8}) {
+    static std::map<std::tuple<SampleType, int, double, bool, Extent4>, Bytes> all;
+    Bytes& file = all[{type, channels, quality, layers, size}];
+    if (file.empty())
+        file = make_mixed_file(type, channels, quality, layers, size, tile);
     return file;
 }
 
