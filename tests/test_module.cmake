@@ -1,10 +1,16 @@
-# tessera_tests(MODULE [SLOW file...] [WITHOUT file...] USES library...)
+# tessera_tests(MODULE [SLOW file...] [THREADS file...] [WITHOUT file...] USES library...)
 #
 # All of MODULE/*_test.cpp as one program, MODULE_tests, and one ctest test a file, MODULE.file: one
-# process a file, so that its fixtures are made once. The tests of files in SLOW have the label
-# `slow`, which tools/test.sh --fast leaves out. Files in WITHOUT are left out of this build.
+# process a file, so that its fixtures are made once. Labels: the module; `slow` for files in SLOW, which
+# tools/test.sh --fast leaves out; `threads` for those in THREADS, which --sanitize thread runs. Files in
+# WITHOUT are left out of this build.
+set(test_timeout 600) # seconds
+if(TESSERA_SANITIZE)
+    set(test_timeout 3000)
+endif()
+
 function(tessera_tests module)
-    cmake_parse_arguments(ARG "" "" "SLOW;WITHOUT;USES" ${ARGN})
+    cmake_parse_arguments(ARG "" "" "SLOW;THREADS;WITHOUT;USES" ${ARGN})
     file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${module}/*_test.cpp)
     foreach(name IN LISTS ARG_WITHOUT)
         list(REMOVE_ITEM files ${CMAKE_CURRENT_SOURCE_DIR}/${module}/${name}.cpp)
@@ -30,14 +36,19 @@ function(tessera_tests module)
         list(TRANSFORM suites APPEND ".*" OUTPUT_VARIABLE patterns)
         list(JOIN patterns ":" filter)
         add_test(NAME ${module}.${name} COMMAND ${program} --gtest_filter=${filter})
-        set_tests_properties(${module}.${name} PROPERTIES TIMEOUT 600 LABELS "${module}")
-        if(name IN_LIST ARG_SLOW) # which begin first
-            set_tests_properties(${module}.${name} PROPERTIES LABELS "${module};slow" COST 100)
+        set(labels ${module})
+        if(name IN_LIST ARG_SLOW)
+            list(APPEND labels slow)
+            set_tests_properties(${module}.${name} PROPERTIES COST 100) # begins first
         endif()
+        if(name IN_LIST ARG_THREADS)
+            list(APPEND labels threads)
+        endif()
+        set_tests_properties(${module}.${name} PROPERTIES TIMEOUT ${test_timeout} LABELS "${labels}")
     endforeach()
-    foreach(name IN LISTS ARG_SLOW)
+    foreach(name IN LISTS ARG_SLOW ARG_THREADS)
         if(NOT TEST ${module}.${name} AND NOT name IN_LIST ARG_WITHOUT)
-            message(FATAL_ERROR "${module}: no ${name}.cpp, which is said to be slow")
+            message(FATAL_ERROR "${module}: no ${name}.cpp, which is said to be slow or to have threads")
         endif()
     endforeach()
     add_test(NAME ${module}.all_suites_are_run

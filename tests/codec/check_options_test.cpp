@@ -1,6 +1,6 @@
 #include "codec/encoder.h"
 
-#include "tests/support/codec_test_support.h"
+#include "tests/support/memory_texture.h"
 #include "tests/support/test_folder.h"
 
 #include <gtest/gtest.h>

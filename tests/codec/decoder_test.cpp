@@ -1,8 +1,9 @@
-// The decoder's face: what it owns, how it is told to stop. What it decodes: codec_test.cpp.
+// The decoder's face: what it owns, how it is told to stop. What it decodes: decoder_access_test.cpp.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
+#include "tests/support/memory_texture.h"
 #include "tests/support/test_folder.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Tables learnt from two starts, on textures of noise, where it matters.
 #include "codec/encoder.h"
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
+#include "tests/support/memory_texture.h"
 
 #include <cmath>
 #include <cstdio>

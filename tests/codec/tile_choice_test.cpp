@@ -3,7 +3,8 @@
 #include "codec/encoder.h"
 #include "format/texture.h"
 #include "codec/trials/tile_choice.h"
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
+#include "tests/support/memory_texture.h"
 #include "tests/support/efforts.h"
 
 #include <cmath>

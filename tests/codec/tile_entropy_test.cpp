@@ -1,17 +1,20 @@
-// Levels and corrections of a tile to bytes and back, and what damaged bytes do.
-#include "codec/tile_encoder/bit_costs.h"
-#include "codec/tile_encoder/block_quantizer.h"
+// Levels to bytes and back, and bytes that no encoder writes.
 #include "codec/entropy/corrections.h"
-#include "codec/fit/table_fit.h"
-#include "codec/reconstruct/tile_decoder.h"
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
-#include "tests/support/codec_test_support.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "codec/tile_encoder/block_quantizer.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
+#include "tests/support/random_codes.h"
+#include "tests/support/random_tile.h"
 
 #include <gtest/gtest.h>
 
 namespace tessera::test {
 namespace {
+
+using namespace tessera::test::random_codes;
 
 void expect_same(const TileLevels& got, const TileLevels& want) {
     ASSERT_EQ(got.shape, want.shape);
@@ -32,17 +35,6 @@ void expect_same(const TileLevels& got, const TileLevels& want) {
             ASSERT_EQ(a[i].level, b[i].level);
         }
     }
-}
-
-CodingParameters parameters_with(Random& random, bool rotation) {
-    CodingParameters parameters;
-    for (StepCode& step : parameters.step)
-        step = StepCode::nearest(1 + 20 * random.unit());
-    parameters.rotated_step = parameters.step[0];
-    parameters.colour_rotation = rotation;
-    parameters.dependent = random.chance(0.5);
-    parameters.parameters = random.chance(0.3) ? random_parameters(random) : default_parameters();
-    return parameters;
 }
 
 const std::vector<BlockShape> shapes = {
@@ -182,231 +174,6 @@ TEST(TileEntropy, EmptyPayloadIsBackground) {
     }
 }
 
-TEST(TableFit, FittedTablesBeatOthers) {
-    Random random(24);
-    CodingParameters parameters = parameters_with(random, false);
-    parameters.parameters = default_parameters();
-    const TileCoding before(parameters, SampleType::unorm8, 3);
-    const TileLevels tile =
-        RandomTile(random, before, {.split = 0.7, .density = 0.1}).make(shape_of(32, 32, 8, 8));
-    Statistics statistics;
-    count_symbols(tile, before, statistics);
-    const auto size_with = [&](const Parameters& tables) {
-        parameters.parameters = tables;
-        Bytes payload;
-        encode_levels(tile, {}, TileCoding(parameters, SampleType::unorm8, 3), payload);
-        return payload.size();
-    };
-    const std::size_t fitted = size_with(fit_parameters(statistics));
-    EXPECT_LT(fitted, size_with(default_parameters()));
-    EXPECT_LT(fitted, size_with(random_parameters(random)));
-}
-
-// ---------------------------------------------------------------- damage
-
-// ---------------------------------------------------------------- choosing levels
-
-// Adds up the ideal bits of what a walk codes.
-struct BitCounter {
-    const BitCosts& costs;
-    double bits = 0;
-
-    void split(int, int, int) {}
-    void first_length(int size, int token) {
-        bits += costs.first_length[static_cast<std::size_t>(size)][static_cast<std::size_t>(token)];
-    }
-    void other_length(int previous, int token) {
-        bits +=
-            costs.other_length[static_cast<std::size_t>(previous)][static_cast<std::size_t>(token)];
-    }
-    void colour(bool, int) {}
-    void zero(int parameter, bool is_zero) {
-        bits += costs.zero[static_cast<std::size_t>(parameter)][is_zero ? 0 : 1];
-    }
-    void magnitude(int table, int token) {
-        bits += costs.magnitude[static_cast<std::size_t>(table)][static_cast<std::size_t>(token)];
-    }
-    void raw(std::uint32_t, int) {} // in the costs of what they belong to
-};
-
-// One block and one way to quantise it.
-class QuantizerTrial {
-public:
-    QuantizerTrial(const BlockShape& shape, int planes, bool dependent)
-        : coding_(parameters(dependent), SampleType::unorm8, planes), costs_(coding_.tables) {
-        block_.shape = shape;
-        for (auto& plane : block_.plane)
-            plane.resize(static_cast<std::size_t>(shape.texels()));
-    }
-
-    // Falling with the frequency, Laplacian; in sample units with a step of 8.
-    void fill(Random& random, double gain) {
-        const ScanOrder& order = coding_.shape(block_.shape).order;
-        const auto& n = block_.shape.n;
-        for (int plane = 0; plane < coding_.planes; ++plane)
-            for (int i = 0; i < order.length(); ++i) {
-                const auto& k = order.entry[static_cast<std::size_t>(i)].k;
-                const double x = gain * std::log(1 - random.unit()) / (1 + 0.2 * i);
-                block_.plane[static_cast<std::size_t>(plane)][static_cast<std::size_t>(
-                    ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] =
-                    static_cast<float>(random.chance(0.5) ? x : -x);
-            }
-    }
-
-    // Quantises; the cost that the quantiser reports.
-    double run() {
-        tile_.clear();
-        tile_.shape = block_.shape;
-        tile_.splits = {0};
-        tile_.blocks = {Block{{0, 0, 0, 0}, block_.shape, 0, 0}};
-        return BlockQuantizer(coding_, costs_, {}).quantize(block_, tile_);
-    }
-    // Squared error against that of zeros, plus lambda times the bits, of the tile's levels.
-    double cost_of(const TileLevels& tile) const {
-        BitCounter counter{costs_};
-        TileWalker(coding_, counter).walk_block(tile, 0);
-        double cost = QuantizerOptions{}.lambda * counter.bits;
-        const ScanOrder& order = coding_.shape(block_.shape).order;
-        const auto& n = block_.shape.n;
-        for (int plane = 0; plane < coding_.planes; ++plane)
-            for (const NonZero& nz : tile.levels(tile.planes[static_cast<std::size_t>(plane)])) {
-                const auto& k = order.entry[nz.index].k;
-                const double x =
-                    block_.plane[static_cast<std::size_t>(plane)][static_cast<std::size_t>(
-                        ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] /
-                    8;
-                const double value = nz.level * (coding_.parameters.dependent ? 0.5 : 1.0);
-                cost += (x - value) * (x - value) - x * x;
-            }
-        return cost;
-    }
-    const TileLevels& tile() const { return tile_; }
-    TileLevels no_levels() const {
-        TileLevels none = tile_;
-        none.nonzeros.clear();
-        for (PlaneLevels& plane : none.planes)
-            plane = {};
-        return none;
-    }
-    // Of the first plane, as far as the chosen ones go: what dependent levels are without a plan.
-    TileLevels nearest_levels() const {
-        TileLevels tile = no_levels();
-        const ScanOrder& order = coding_.shape(block_.shape).order;
-        const auto& n = block_.shape.n;
-        int state = 0;
-        for (int i = 0; i < tile_.planes[0].coded_length; ++i) {
-            const auto& k = order.entry[static_cast<std::size_t>(i)].k;
-            const double x = block_.plane[0][static_cast<std::size_t>(
-                                 ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] /
-                             4; // half steps
-            const int quantiser = quantiser_of(state);
-            const int magnitude =
-                static_cast<int>(std::max(0.0, (std::fabs(x) + quantiser) / 2 + 0.4));
-            if (magnitude > 0) {
-                const int level = 2 * magnitude - quantiser;
-                tile.nonzeros.push_back({static_cast<std::uint16_t>(i), x < 0 ? -level : level});
-            }
-            state = next_state[static_cast<std::size_t>(state)]
-                              [static_cast<std::size_t>(magnitude & 1)];
-        }
-        tile.planes[0].count = static_cast<std::uint16_t>(tile.nonzeros.size());
-        if (!tile.nonzeros.empty())
-            tile.planes[0].coded_length = static_cast<std::uint16_t>(
-                round_up_coded_length(tile.nonzeros.back().index + 1, order.length()));
-        return tile;
-    }
-
-private:
-    static CodingParameters parameters(bool dependent) {
-        CodingParameters p;
-        p.step.fill(StepCode::nearest(8));
-        p.rotated_step = p.step[0];
-        p.dependent = dependent;
-        return p;
-    }
-    const TileCoding coding_;
-    const BitCosts costs_;
-    BlockCoefficients block_;
-    TileLevels tile_;
-};
-
-// What the quantiser believes its levels cost is what they cost.
-TEST(BlockQuantizer, ReportsTheCostOfItsLevels) {
-    for (const bool dependent : {false, true}) {
-        Random random(31);
-        double reported = 0, real = 0;
-        for (int round = 0; round < 60; ++round) {
-            QuantizerTrial trial(shape_of(8, 6, 4, 3), 1 + round % 4, dependent);
-            trial.fill(random, 4 << (round % 6));
-            const double now = trial.run();
-            const double cost = trial.cost_of(trial.tile());
-            reported += now;
-            real += cost;
-            // Paths that meet later than the window have seen each other's contexts, and a coded
-            // length may end behind levels that turned out to be zeros.
-            ASSERT_NEAR(now, cost, (dependent ? 0.01 : 1e-3) * std::fabs(cost) + 0.5) << round;
-        }
-        EXPECT_NEAR(reported, real, 2e-3 * std::fabs(real));
-    }
-}
-
-// Looking ahead costs less than taking, coefficient by coefficient, the nearest level that the state
-// allows, and than nothing.
-TEST(BlockQuantizer, LookingAheadPays) {
-    Random random(32);
-    double ahead = 0, nearest = 0;
-    for (int round = 0; round < 60; ++round) {
-        const BlockShape shape = round % 2 == 0 ? shape_of(8, 8, 4, 4) : shape_of(16, 4, 3, 5);
-        QuantizerTrial trial(shape, 1, true);
-        trial.fill(random, 8 << (round % 5));
-        trial.run();
-        const double cost = trial.cost_of(trial.tile());
-        const double greedy = trial.cost_of(trial.nearest_levels());
-        ASSERT_LE(cost, greedy + 0.3) << round; // what choices do to later contexts is not foreseen
-        ASSERT_LE(cost, trial.cost_of(trial.no_levels()) + 1e-3) << round;
-        ahead += cost;
-        nearest += greedy;
-    }
-    EXPECT_LT(ahead, nearest - 60 * 0.5);
-}
-
-// Every level sequence of a few coefficients, against the one chosen.
-TEST(BlockQuantizer, IsNearTheBestSequenceOfSmallBlocks) {
-    Random random(33);
-    for (const bool dependent : {false, true})
-        for (int round = 0; round < 40; ++round) {
-            QuantizerTrial trial(shape_of(2, 2, 1, 1), 1, dependent);
-            trial.fill(random, 24);
-            trial.run();
-            const double chosen = trial.cost_of(trial.tile());
-            double best = 1e30;
-            constexpr int most = 4; // magnitudes
-            const int signs = 2 * most + 1;
-            for (int code = 0; code < signs * signs * signs * signs; ++code) {
-                TileLevels tile = trial.tile();
-                tile.nonzeros.clear();
-                int state = 0, rest = code;
-                for (int i = 0; i < 4; ++i, rest /= signs) {
-                    const int x = rest % signs - most, magnitude = std::abs(x);
-                    const int level = dependent ? 2 * magnitude - quantiser_of(state) : magnitude;
-                    if (x != 0)
-                        tile.nonzeros.push_back(
-                            {static_cast<std::uint16_t>(i), x < 0 ? -level : level});
-                    if (dependent)
-                        state = next_state[static_cast<std::size_t>(state)]
-                                          [static_cast<std::size_t>(magnitude & 1)];
-                }
-                tile.planes[0].count = static_cast<std::uint16_t>(tile.nonzeros.size());
-                tile.planes[0].coded_length = static_cast<std::uint16_t>(
-                    tile.nonzeros.empty() ? 0 : tile.nonzeros.back().index + 1);
-                best = std::min(best, trial.cost_of(tile));
-            }
-            // Only contexts that a choice changes for later ones are not looked ahead for; and
-            // candidates below 0.55 steps are zeros.
-            EXPECT_LE(chosen, best + 0.35) << round;
-        }
-}
-
 // Everything a payload can reach: splitting, levels, reconstruction, texels, corrections.
 class HostileDecoder {
 public:
@@ -525,118 +292,6 @@ TEST(HostileTile, LargestLevelsAreDefined) {
             EXPECT_EQ(texels, again);
         }
     }
-}
-
-// ---------------------------------------------------------------- corrections
-
-Bytes random_samples(Random& random, std::size_t count, SampleType type) {
-    Bytes bytes;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint16_t sample =
-            type == SampleType::unorm8
-                ? static_cast<std::uint16_t>(random.range(0, 255))
-                : static_cast<std::uint16_t>(random.range(0, 0x7BFF) |
-                                             (random.chance(0.5) ? 0x8000 : 0));
-        bytes.push_back(static_cast<std::byte>(sample & 255));
-        if (type == SampleType::half16)
-            bytes.push_back(static_cast<std::byte>(sample >> 8));
-    }
-    return bytes;
-}
-
-std::int32_t code_at(const Bytes& texels, std::size_t i, SampleType type) {
-    if (type == SampleType::unorm8)
-        return std::to_integer<std::int32_t>(texels[i]);
-    return sample_code(
-        static_cast<std::uint16_t>(std::to_integer<unsigned>(texels[2 * i]) |
-                                   std::to_integer<unsigned>(texels[2 * i + 1]) << 8),
-        type);
-}
-
-TEST(Corrections, KeepTheirGuaranteeAndRoundTrip) {
-    Random random(28);
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (const int error : {0, 1, 2, 3, 4, 5, 100, 254, 255, 4000, 65535})
-            for (int channels = 1; channels <= 4; ++channels) {
-                if (type == SampleType::unorm8 && error > 255)
-                    continue;
-                const BlockShape shape =
-                    channels == 2 ? shape_of(32, 32, 4, 3) : shape_of(7, 5, 3, 2);
-                const TextureDesc desc{{1, 1, 1, 1}, type, static_cast<std::uint8_t>(channels)};
-                const auto samples = static_cast<std::size_t>(shape.texels() * channels);
-                const Bytes original = random_samples(random, samples, type);
-                Bytes decoded = random_samples(random, samples, type);
-                const std::size_t same = channels == 2 ? decoded.size() / 2 : decoded.size() / 8;
-                std::copy_n(original.begin(), same - same % 2, decoded.begin());
-                CorrectionMap map;
-                const bool any = find_corrections(original, decoded, desc, error, map);
-                EXPECT_EQ(any, std::ranges::any_of(map, [](std::int32_t k) { return k != 0; }));
-                const CodeTables tables(random.chance(0.5) ? random_parameters(random)
-                                                           : default_parameters());
-                PayloadParts parts;
-                const auto streams = encode_corrections(map, shape, channels, tables);
-                for (const auto& stream : streams)
-                    parts.corrections.emplace_back(stream);
-                CorrectionMap got;
-                ASSERT_TRUE(decode_corrections(parts, shape, channels, tables, got));
-                ASSERT_EQ(got, map);
-                apply_corrections(got, desc, error, decoded);
-                for (std::size_t i = 0; i < samples; ++i)
-                    ASSERT_LE(std::abs(code_at(original, i, type) - code_at(decoded, i, type)),
-                              error)
-                        << "error " << error << " sample " << i;
-                if (error == 0 && type == SampleType::unorm8) {
-                    EXPECT_EQ(decoded, original);
-                }
-            }
-}
-
-TEST(Corrections, NothingToCorrectCostsNothing) {
-    const BlockShape shape = shape_of(32, 32, 4, 3);
-    const CorrectionMap map(static_cast<std::size_t>(shape.texels()));
-    for (const auto& stream : encode_corrections(map, shape, 1, CodeTables(default_parameters())))
-        EXPECT_TRUE(stream.empty());
-}
-
-TEST(SampleCodes, AreMonotoneAndInvertible) {
-    for (int code = -31743; code <= 31743; ++code) {
-        const std::uint16_t half = code_sample(code, SampleType::half16);
-        ASSERT_EQ(sample_code(half, SampleType::half16), code);
-        if (code > -31743) {
-            ASSERT_GT(half_to_float(half),
-                      half_to_float(code_sample(code - 1, SampleType::half16)));
-        }
-    }
-    EXPECT_EQ(sample_code(0x8000, SampleType::half16), 0);
-    EXPECT_EQ(code_sample(1 << 30, SampleType::half16), 0x7BFF);
-    EXPECT_EQ(code_sample(-(1 << 30), SampleType::half16), 0xFBFF);
-    EXPECT_EQ(code_sample(-5, SampleType::unorm8), 0);
-    EXPECT_EQ(code_sample(300, SampleType::unorm8), 255);
-}
-
-TEST(TilePlanes, TexelsRoundTripExactly) {
-    Random random(29);
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (int channels = 1; channels <= 4; ++channels)
-            for (const ColourTransform transform :
-                 {ColourTransform::none, ColourTransform::ycocg_r}) {
-                if (channels < 3 && transform != ColourTransform::none)
-                    continue;
-                const BlockShape shape = shape_of(7, 5, 3, 2);
-                const ColourCoding colour{{{7, 5, 3, 2}, type, static_cast<std::uint8_t>(channels)},
-                                          transform,
-                                          {3, 77, 0, 200}};
-                Bytes texels = random_samples(
-                    random, static_cast<std::size_t>(shape.texels() * channels), type);
-                for (std::size_t i = 0; type == SampleType::half16 && i < texels.size(); i += 2)
-                    if (code_at(texels, i / 2, type) == 0) // -0 is coded as 0
-                        texels[i] = texels[i + 1] = std::byte{0};
-                TilePlanes planes;
-                planes_from_texels(texels, colour, shape, planes);
-                Bytes again(texels.size());
-                texels_from_planes(planes, colour, again);
-                EXPECT_EQ(again, texels) << channels;
-            }
 }
 
 } // namespace

@@ -6,7 +6,8 @@
 #include "format/io/bytes.h"
 #include "format/container_reader.h"
 #include "format/io/crc32c.h"
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
+#include "tests/support/memory_texture.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tessera::fuzz {

@@ -5,11 +5,14 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/reconstruct/tile_decoder.h"
-#include "format/tile/coding_parameters.h"
 #include "format/container/container_writer.h"
-#include "tests/support/codec_test_support.h"
+#include "format/tile/coding_parameters.h"
 #include "tests/support/efforts.h"
+#include "tests/support/format_values.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 #include "tests/support/random_predictions.h"
+#include "tests/support/random_tile.h"
 
 #include <gtest/gtest.h>
 
@@ -24,8 +27,7 @@ struct DecodeCase {
 };
 
 inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& desc, RateTarget rate,
-                               const Extent4& tile = {32, 32, 8, 8},
-                               int effort = copies_effort) {
+                               const Extent4& tile = {32, 32, 8, 8}, int effort = quick_effort) {
     MemoryTexture source = named_texture(desc, texture);
     EncodeOptions options;
     options.rate = rate;
@@ -55,7 +57,8 @@ inline std::vector<DecodeCase> encoded_cases() {
     const TextureDesc rgb{{34, 20, 10, 8}, SampleType::unorm8, 3};
     for (const char* name :
          {"black", "constant", "lambert", "checkerboard", "bright_texel", "grazing_ramp", "noise"})
-        cases.push_back(encoded_case(name, rgb, {Kind::quality, 75}));
+        cases.push_back(
+            encoded_case(name, rgb, {Kind::quality, 75}, {32, 32, 8, 8}, copies_effort));
     cases.push_back(encoded_case("noise", rgb, {Kind::max_error, 4}));
     cases.push_back(encoded_case("smooth", {{4, 3, 32, 40}, SampleType::unorm8, 3},
                                  {Kind::quality, 90}, {4, 4, 32, 32}));
@@ -69,7 +72,8 @@ inline std::vector<DecodeCase> encoded_cases() {
         cases.push_back(encoded_case("smooth", {{64, 64, 4, 4}, type, 3}, {Kind::quality, 70},
                                      {64, 64, 4, 4}, bytes ? copies_effort : quick_effort));
         cases.push_back(encoded_case("grazing_ramp", {{125, 45, 4, 2}, type, 3},
-                                     {Kind::quality, 60}, {63, 45, 5, 3}, bytes ? quick_effort : copies_effort));
+                                     {Kind::quality, 60}, {63, 45, 5, 3},
+                                     bytes ? quick_effort : copies_effort));
     }
     cases.push_back(encoded_case("lambert", {{64, 1, 32, 32}, SampleType::unorm8, 3},
                                  {Kind::quality, 70}, {64, 1, 32, 32}));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "format/tile/prediction.h"
-#include "tests/support/codec_test_support.h"
+#include "tests/support/random.h"
 
 #include <algorithm>
 

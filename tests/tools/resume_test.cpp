@@ -142,7 +142,7 @@ TEST_F(Resume, SecondPassAndCorrectionsSurviveKills) {
 
 // Many tiles, so that a signal after the first ones comes before the last.
 const std::string scene = "gallery --spp 4 --size 48x48x16x8";
-const std::string options = " --tile 8x8x8x8 -q -o x.tess ";
+const std::string options = " --tile 8x8x8x8 --effort 2 -q -o x.tess ";
 const std::string slow_bake = "bake " + scene + options;
 
 TEST_F(Resume, SignalsLeaveTheOldFileAndSayHowToGoOn) {

@@ -1,0 +1,344 @@
+// The encoder as a whole: what it reports, and the same bytes on every path.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "codec/pass/steps.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "format/io/crc32c.h"
+#include "tests/support/efforts.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
+#include "tests/support/round_trips.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::round_trips;
+
+using Kind = RateTarget::Kind;
+
+TEST(Codec, ReportsWhatDecodingGivesAndBoxesAreCrops) {
+    Random random(31);
+    for (const Extent4& size :
+         {Extent4{7, 5, 3, 2}, Extent4{1, 1, 1, 1}, Extent4{65, 33, 9, 13}, Extent4{40, 33, 17, 8},
+          Extent4{1, 70, 1, 40}, Extent4{2, 1, 33, 1}})
+        for (const SampleType type : types)
+            for (int channels = 1; channels <= 4; ++channels) {
+                const bool large = texel_count(size) > 100000;
+                if (large && channels != 1 + 2 * (type == SampleType::unorm8))
+                    continue; // one of each
+                const TextureDesc desc = describe(size, type, channels);
+                MemoryTexture texture =
+                    named_texture(desc, random.chance(0.5) ? "smooth" : "noise");
+                const double quality = std::array{20.0, 60.0, 100.0}[random() % 3];
+                const int effort = large ? quick_effort : copies_effort;
+                const Encoded encoded =
+                    encode(texture, options_for({Kind::quality, quality}, effort));
+                const std::string where = to_string(size) + " channels " +
+                                          std::to_string(channels) + " quality " +
+                                          std::to_string(quality);
+                ASSERT_EQ(encoded.report.file_bytes, encoded.file.size()) << where;
+                ASSERT_EQ(encoded.report.raw_bytes, texture.texels.size()) << where;
+                const Bytes all = decode_all(encoded.file, desc);
+                const Difference d = difference(texture.texels, all, type);
+                ASSERT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << where;
+                ASSERT_EQ(encoded.report.max_error, d.largest) << where;
+                ASSERT_NEAR(encoded.report.bits_per_texel,
+                            8.0 * static_cast<double>(encoded.file.size()) /
+                                static_cast<double>(texel_count(size)),
+                            1e-9);
+                for (int i = 0; i < 6; ++i) {
+                    const Box4 box = random_box(random, size);
+                    ASSERT_EQ(decode(encoded.file, box, i % 2 ? Integrity::page : Integrity::tile),
+                              crop(texture, all, box))
+                        << where << " box " << to_string(box);
+                }
+            }
+}
+
+TEST(Codec, NamedHardTextures) {
+    for (const SampleType type : types) {
+        const TextureDesc desc = describe({33, 17, 6, 5}, type);
+        std::map<std::string, std::size_t> bytes;
+        for (const NamedTexture& named : named_textures(desc)) {
+            MemoryTexture texture(desc, named.sample);
+            const Encoded encoded = encode(texture, options_for({Kind::quality, 75}));
+            const Difference d = difference(texture.texels, decode_all(encoded.file, desc), type);
+            EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << named.name;
+            EXPECT_GT(d.psnr, type == SampleType::unorm8 ? 34 : 30) << named.name;
+            bytes[named.name] = encoded.file.size();
+            if (std::string(named.name) == "black" || std::string(named.name) == "constant") {
+                EXPECT_EQ(d.largest, 0) << named.name;
+                EXPECT_LT(encoded.file.size(), 500u) << named.name;
+            }
+        }
+        EXPECT_LT(bytes["bright_texel"], 1500u);
+        EXPECT_LT(bytes["lambert"], bytes["smooth"]); // no change with the angle
+        EXPECT_LT(bytes["smooth"], bytes["noise"]);
+    }
+}
+
+// A block of 4096 texels has more coefficients than three planes may code in one segment; the last
+// ones hold all of a checkerboard's energy, so the search must cut the block.
+TEST(Codec, CoefficientsBeyondTheLengthLimitAreNotCountedOn) {
+    for (const Extent4& size : {Extent4{8, 8, 8, 8}, Extent4{16, 16, 4, 4}, Extent4{17, 20, 3, 4}})
+        for (const char* name : {"checkerboard", "noise"}) {
+            const TextureDesc desc = describe(size);
+            MemoryTexture texture = named_texture(desc, name);
+            const Encoded encoded = encode(texture, options_for({Kind::quality, 75}));
+            EXPECT_GT(encoded.report.psnr, 34) << name << " " << to_string(size);
+        }
+}
+
+TEST(Codec, EveryEffortRoundTrips) {
+    const TextureDesc desc = describe({17, 10, 7, 5}, SampleType::unorm8, 4);
+    MemoryTexture texture = named_texture(desc, "smooth");
+    for (int effort = 0; effort <= most_effort; ++effort) {
+        const Encoded encoded = encode(texture, options_for({Kind::quality, 80}, effort));
+        const Difference d = difference(texture.texels, decode_all(encoded.file, desc), desc.type);
+        EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << effort;
+        EXPECT_GT(d.psnr, 38) << effort;
+    }
+}
+
+TEST(Codec, TileExtentsAreKept) {
+    const TextureDesc desc = describe({35, 20, 9, 6});
+    MemoryTexture texture = named_texture(desc, "smooth");
+    for (const Extent4& tile : {Extent4{1, 1, 1, 1}, Extent4{7, 3, 5, 2}, Extent4{32, 1, 32, 32},
+                                Extent4{16, 16, 16, 16}}) {
+        EncodeOptions options = options_for({Kind::quality, 60});
+        options.tile_extent = tile;
+        const Encoded encoded = encode(texture, options);
+        EXPECT_NEAR(encoded.report.psnr,
+                    difference(texture.texels, decode_all(encoded.file, desc), desc.type).psnr,
+                    1e-9)
+            << to_string(tile);
+    }
+    for (const Extent4& tile : {Extent4{0, 1, 1, 1}, Extent4{65, 1, 1, 1}, Extent4{1, 1, 33, 1},
+                                Extent4{32, 32, 32, 32}}) {
+        EncodeOptions options;
+        options.tile_extent = tile;
+        Bytes out;
+        EXPECT_EQ(encode_memory(texture, out, options).status().code(), ErrorCode::bad_argument);
+    }
+}
+
+TEST(SameBytes, ForAnyNumberOfThreads) {
+    for (const SampleType type : types)
+        for (const auto& [rate, effort] : {std::pair{RateTarget{Kind::quality, 70}, 0},
+                                           {RateTarget{Kind::quality, 90}, 3},
+                                           {RateTarget{Kind::quality, 50}, 5},
+                                           {RateTarget{Kind::max_error, 1}, 1},
+                                           {RateTarget{Kind::bytes, 3000}, 2}}) {
+            if (type == SampleType::half16 && rate.kind != Kind::quality)
+                continue;
+            MemoryTexture texture = named_texture(describe({29, 12, 9, 5}, type), "smooth");
+            EncodeOptions options = options_for(rate, effort);
+            options.tile_extent = {16, 8, 4, 4};
+            options.threads = 1;
+            const Bytes want = encode(texture, options).file;
+            for (const unsigned threads : {2u, 3u, 8u}) {
+                options.threads = threads;
+                ASSERT_EQ(encode(texture, options).file, want)
+                    << threads << " threads, effort " << effort;
+            }
+            options.verify = false;
+            ASSERT_EQ(encode(texture, options).file, want);
+        }
+}
+
+// Encoders of tiles keep scratch memory; which tile came before depends on the threads. Nearly empty
+// tiles are where the trellis has states out of reach.
+TEST(SameBytes, WhateverTileCameBefore) {
+    const TextureDesc desc = describe({32, 32, 8, 8}, SampleType::half16);
+    Random random(3);
+    MemoryTexture texture(desc, [&](int u, int v, int s, int t, int c) {
+        return 1000 * (0.5 + 0.25 * std::sin((u + 2 * s) * 0.5 + c) * std::cos((v + 2 * t) * 0.4) +
+                       0.12 * (random.unit() - 0.5));
+    });
+    const TileGrid grid(desc.size, {16, 16, 4, 4});
+    const EffortSettings effort = EffortSettings::of(usual_effort);
+    const ColourCoding colour{desc, ColourTransform::ycocg_r, {}};
+    for (const double quality : {35., 36.}) {
+        const TileCoding coding(
+            parameters_for_step(step_of_quality(quality, desc.type), desc, effort), desc.type, 3);
+        const BitCosts costs(coding.tables);
+        const auto levels_after = [&](std::uint64_t before, std::uint64_t tile) {
+            TileEncoder encoder(coding, costs, colour, effort);
+            TileLevels levels;
+            for (const std::uint64_t i : {before, tile}) {
+                Bytes texels(desc.box_bytes(grid.box(i)));
+                EXPECT_TRUE(texture.read(grid.box(i), texels));
+                encoder.encode({texels, {}}, tile_shape(grid.box(i)), levels);
+            }
+            return levels;
+        };
+        for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile)
+            for (std::uint64_t before = 0; before < grid.tiles(); ++before)
+                EXPECT_TRUE(levels_after(before, tile) == levels_after(tile, tile))
+                    << quality << ": tile " << tile << " after " << before;
+    }
+}
+
+std::uint32_t digest() {
+    Bytes all;
+    const auto add = [&](const char* name, const Extent4& size, SampleType type, int effort) {
+        MemoryTexture texture = named_texture(describe(size, type), name);
+        const Encoded encoded = encode(texture, options_for({Kind::quality, 70}, effort));
+        all.insert(all.end(), encoded.file.begin(), encoded.file.end());
+        const Bytes texels = decode_all(encoded.file, texture.desc());
+        all.insert(all.end(), texels.begin(), texels.end());
+    };
+    for (const SampleType type : types) {
+        for (const int effort : {0, copies_effort})
+            for (const char* name : {"smooth", "noise", "grazing_ramp"})
+                add(name, {33, 17, 9, 5}, type, effort);
+        add("smooth", {17, 9, 5, 5}, type, EncodeOptions().effort);
+    }
+    return crc32c(all);
+}
+
+// Not a test: what SameBytes.OnEveryPath runs in processes of their own.
+TEST(SameBytes, DISABLED_PrintDigest) {
+    std::printf("digest %08x\n", digest());
+}
+
+TEST(SameBytes, OnEveryPath) {
+    const std::uint32_t want = digest();
+    for (const char* path : {"scalar", "avx2"}) {
+        const std::string command = std::string("TESSERA_SIMD=") + path + " '" +
+                                    testing::internal::GetArgvs()[0] +
+                                    "' --gtest_also_run_disabled_tests "
+                                    "--gtest_filter=SameBytes.DISABLED_PrintDigest";
+        std::FILE* pipe = popen(command.c_str(), "r");
+        ASSERT_NE(pipe, nullptr);
+        char line[256];
+        unsigned value = 0;
+        bool found = false;
+        while (std::fgets(line, sizeof line, pipe) != nullptr)
+            found = std::sscanf(line, "digest %x", &value) == 1 || found;
+        ASSERT_EQ(pclose(pipe), 0);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(value, want) << path;
+    }
+}
+
+void put_half(Bytes& texels, std::size_t sample, std::uint16_t half) {
+    texels[2 * sample] = static_cast<std::byte>(half & 255);
+    texels[2 * sample + 1] = static_cast<std::byte>(half >> 8);
+}
+
+TEST(SpecialValues, NonFiniteSamplesAreCountedAndReplaced) {
+    const TextureDesc desc = describe({9, 7, 3, 4}, SampleType::half16);
+    MemoryTexture texture(desc, [](int u, int, int, int, int) { return 0.5 + u; });
+    const std::uint16_t specials[] = {0x7C00, 0xFC00, 0x7E00, 0xFE01,
+                                      0x7C01, 0x7DFF, 0x8000, 0x0001};
+    for (std::size_t i = 0; i < std::size(specials); ++i)
+        put_half(texture.texels, 40 * i + 3, specials[i]);
+    EncodeOptions options = options_for({Kind::max_error, 0});
+    const Encoded encoded = encode(texture, options);
+    EXPECT_EQ(encoded.report.nan_count, 4u);
+    EXPECT_EQ(encoded.report.infinity_count, 2u);
+    Bytes want = texture.texels;
+    const std::uint16_t replaced[] = {0x7BFF, 0xFBFF, 0, 0, 0, 0, 0, 0x0001};
+    for (std::size_t i = 0; i < std::size(replaced); ++i)
+        put_half(want, 40 * i + 3, replaced[i]);
+    EXPECT_EQ(decode_all(encoded.file, desc), want);
+
+    options.strict = true;
+    Bytes out;
+    const Result<EncodeReport> refused = encode_memory(texture, out, options);
+    EXPECT_EQ(refused.status().code(), ErrorCode::invalid_file);
+    EXPECT_TRUE(out.empty());
+    for (std::size_t i = 0; i < 6; ++i)
+        put_half(texture.texels, 40 * i + 3, 0x3C00);
+    EXPECT_TRUE(encode_memory(texture, out, options));
+}
+
+TEST(SpecialValues, NonFiniteCountsDoNotGrowWithPasses) {
+    const TextureDesc desc = describe({17, 9, 5, 4}, SampleType::half16);
+    MemoryTexture texture = named_texture(desc, "smooth");
+    put_half(texture.texels, 1000, 0x7E00);
+    put_half(texture.texels, 1500, 0xFC00);
+    for (const RateTarget rate : {RateTarget{Kind::psnr, 40}, RateTarget{Kind::bytes, 1500}}) {
+        const Encoded encoded = encode(texture, options_for(rate, most_effort));
+        EXPECT_EQ(encoded.report.nan_count, 1u);
+        EXPECT_EQ(encoded.report.infinity_count, 1u);
+    }
+}
+
+TEST(SpecialValues, ExtremeHalvesStayFinite) {
+    const TextureDesc desc = describe({16, 16, 4, 4}, SampleType::half16, 4);
+    Random random(33);
+    MemoryTexture texture(desc, [&](int, int, int, int, int) {
+        return random.chance(0.5) ? 65504.0 : random.chance(0.5) ? -65504.0 : 5.96e-8;
+    });
+    for (const double quality : {1.0, 50.0, 100.0}) {
+        const Bytes texels =
+            decode_all(encode(texture, options_for({Kind::quality, quality})).file, desc);
+        for (std::size_t i = 0; i < texels.size() / 2; ++i)
+            ASSERT_LE(std::abs(code_at(texels, i, desc.type)), 0x7BFF);
+    }
+}
+
+TEST(Metadata, AndDescriptionSurvive) {
+    MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
+    EncodeOptions options;
+    options.metadata = {{"Author", "Lëa"}, {"empty", ""}};
+    Description& d = options.description;
+    d.proxy = Proxy::sphere;
+    d.surface_map = SurfaceMap::sphere_longitude_latitude;
+    d.angular_map = AngularMap::hemisphere_alpha_beta;
+    d.transfer = Transfer::srgb;
+    d.primaries = Primaries::bt709;
+    d.sphere_centre[1] = 2.5f;
+    d.sphere_radius = 1.25f;
+    d.viewing_radius[0] = 2;
+    d.viewing_radius[1] = 9;
+    const Encoded encoded = encode(texture, options);
+    const auto source = wrap_memory(encoded.file);
+    const Result<Decoder> decoder = Decoder::open(*source);
+    ASSERT_TRUE(decoder);
+    EXPECT_EQ(decoder->container().description(), d);
+    Metadata want = options.metadata;
+    want["Software"] = std::string("Tessera ") + library_version;
+    want["tessera:rate"] = "quality 75";
+    want["tessera:effort"] = std::to_string(options.effort);
+    EXPECT_EQ(decoder->container().metadata(), want);
+    EXPECT_TRUE(decoder->container().validate().empty());
+}
+
+TEST(Metadata, SaysHowTheFileWasMadeAndNothingThatVaries) {
+    MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
+    EncodeOptions options;
+    options.effort = 1;
+    // As a file says that is encoded again: its making is not this one's.
+    options.metadata = {{"Software", "other"}, {"tessera:tools", "-half"}, {"tessera:x", "y"}};
+    const auto recorded = [&](RateTarget rate, unsigned threads) {
+        options.rate = rate;
+        options.threads = threads;
+        const Encoded encoded = encode(texture, options);
+        const auto source = wrap_memory(encoded.file);
+        const Result<Decoder> decoder = Decoder::open(*source);
+        return decoder ? decoder->container().metadata() : Metadata();
+    };
+    for (const auto& [rate, text] :
+         {std::pair(RateTarget{Kind::psnr, 40}, "psnr 40"),
+          std::pair(RateTarget{Kind::bpt, 24.25}, "bpt 24.25"),
+          std::pair(RateTarget{Kind::bytes, 100000}, "bytes 100000"),
+          std::pair(RateTarget{Kind::max_error, 2}, "max-error 2"),
+          std::pair(RateTarget{Kind::quality, 0.1 + 50}, "quality 50.1")})
+        EXPECT_EQ(
+            recorded(rate, 1),
+            (Metadata{{"Software", "other"}, {"tessera:rate", text}, {"tessera:effort", "1"}}));
+    options.tools = "-copies";
+    const Metadata switched = recorded({Kind::quality, 50}, 1);
+    EXPECT_EQ(switched.at("tessera:tools"), "-copies");
+    EXPECT_EQ(recorded({Kind::quality, 50}, 2), switched);
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,341 @@
+// Every set of kernels gives the same; the inverse transform meets IEEE 1180.
+#include "codec/kernels/forward_dct.h"
+#include "codec/kernels/kernels.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
+#include "tests/support/slow_dct.h"
+#include "tests/support/transforms.h"
+
+#include <cstdio>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::transforms;
+
+struct Ieee1180 {
+    double peak = 0, squares = 0, sum = 0, samples = 0;
+    void add(const Ieee1180& other) {
+        peak = std::max(peak, other.peak);
+        squares += other.squares;
+        sum += other.sum;
+        samples += other.samples;
+    }
+    double mse() const { return squares / samples; }
+    double mean() const { return sum / samples; }
+};
+
+// The generator of IEEE 1180-1990.
+class Ieee1180Random {
+public:
+    double operator()(long low, long high) {
+        state_ = state_ * 1103515245u + 12345u;
+        const double x = static_cast<double>(state_ & 0x7FFFFFFEu) / 0x7FFFFFFF;
+        return std::floor(x * static_cast<double>(high - low + 1)) + static_cast<double>(low);
+    }
+
+private:
+    std::uint32_t state_ = 1;
+};
+
+// One of the standard's runs. Blocks of any shape stand for its 8x8; its coefficient range
+// -2048..2047 is that of the orthonormal transform of 9-bit samples, here 256 * sqrt(texels).
+Ieee1180 ieee1180_run(const BlockShape& shape, long low, long high, double sign, int blocks) {
+    Ieee1180Random random;
+    Ieee1180 result;
+    const double limit = 256 * std::sqrt(shape.texels());
+    for (int b = 0; b < blocks; ++b) {
+        std::vector<double> x(static_cast<std::size_t>(shape.texels()));
+        for (double& value : x)
+            value = sign * random(low, high);
+        slow_dct(x, shape, false);
+        std::vector<double> kept(x.size(), 0.0);
+        for_each_coded(shape, [&](std::size_t i) {
+            kept[i] = std::clamp(std::floor(x[i] + 0.5), -limit, limit - 1);
+        });
+        x.swap(kept);
+        const std::vector<std::int32_t> y = inverse_by_kernels(exact_fixed_point(x, shape), shape);
+        slow_dct(x, shape, true);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const int shift = fraction_bits(SampleType::unorm8);
+            const double got = std::clamp((y[i] + (1 << (shift - 1))) >> shift, -256, 255);
+            double want = std::clamp(std::floor(x[i] + 0.5), -256.0, 255.0);
+            // Short transforms hit exact ties often, where both neighbours are equally right and
+            // the reference's own rounding errors would decide.
+            if (std::fabs(x[i] - std::floor(x[i]) - 0.5) < 1e-9 && std::fabs(got - x[i]) < 0.6)
+                want = got;
+            const double error = got - want;
+            result.peak = std::max(result.peak, std::fabs(error));
+            result.squares += error * error;
+            result.sum += error;
+        }
+        result.samples += static_cast<double>(x.size());
+    }
+    return result;
+}
+
+Ieee1180 ieee1180(const BlockShape& shape, int samples) {
+    const int blocks = std::max(1, samples / shape.texels());
+    Ieee1180 worst;
+    for (const double sign : {1.0, -1.0})
+        for (const auto& [low, high] : {std::pair{-256L, 255L}, {-5L, 5L}, {-300L, 300L}}) {
+            const Ieee1180 run = ieee1180_run(shape, low, high, sign, blocks);
+            EXPECT_LE(run.peak, 1) << name_of(shape) << " range " << low;
+            EXPECT_LE(run.mse(), 0.004) << name_of(shape) << " range " << low;
+            EXPECT_LE(std::fabs(run.mean()), 0.0015) << name_of(shape) << " range " << low;
+            worst.peak = std::max(worst.peak, run.peak);
+            worst.samples = 1;
+            worst.squares = std::max(worst.squares, run.mse());
+            worst.sum = std::max(worst.sum, std::fabs(run.mean()));
+        }
+    return worst;
+}
+
+void report(const char* what, const Ieee1180& worst) {
+    std::printf("%-12s peak %.0f, worst mean square error %.6f, worst |mean| %.6f\n", what,
+                worst.peak, worst.squares, worst.sum);
+}
+
+TEST(InverseTransform, MeetsIeee1180InEverySizeAlongEveryAxis) {
+    for (std::size_t axis : {0u, 3u}) { // rows, planes
+        Ieee1180 worst;
+        for (int n = 1; n <= max_side_along(axis); ++n) {
+            BlockShape shape;
+            shape.n[axis] = static_cast<std::uint8_t>(n);
+            const Ieee1180 one = ieee1180(shape, 80000);
+            worst.peak = std::max(worst.peak, one.peak);
+            worst.squares = std::max(worst.squares, one.squares);
+            worst.sum = std::max(worst.sum, one.sum);
+        }
+        report(axis == 0 ? "1D rows" : "1D planes", worst);
+    }
+}
+
+TEST(InverseTransform, MeetsIeee1180InFourDimensions) {
+    std::vector<BlockShape> shapes = shapes_4d;
+    shapes.insert(shapes.end(), {shape_of(64, 64, 4, 4), shape_of(64, 45, 2, 3)});
+    for (const BlockShape& shape : shapes)
+        report(name_of(shape).c_str(), ieee1180(shape, 200000));
+}
+
+TEST(InverseTransform, ZeroInGivesZeroOut) {
+    for (const BlockShape& shape : shapes_4d) {
+        const std::vector<std::int32_t> zero(static_cast<std::size_t>(shape.texels()));
+        EXPECT_EQ(inverse_by_kernels(zero, shape), zero);
+    }
+}
+
+class KernelPaths : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!avx2_available())
+            GTEST_SKIP() << "this CPU or build has one path only";
+    }
+};
+
+std::vector<std::int32_t> random_integers(Random& random, std::size_t count) {
+    constexpr std::int32_t extremes[] = {std::numeric_limits<std::int32_t>::min(),
+                                         std::numeric_limits<std::int32_t>::max(),
+                                         0,
+                                         -1,
+                                         1,
+                                         1 << 26,
+                                         -(1 << 26),
+                                         (1 << 26) - 1};
+    std::vector<std::int32_t> x(count);
+    const unsigned kind = random() % 3;
+    for (std::int32_t& value : x)
+        value = kind == 0 || (kind == 1 && random() % 4 == 0) ? extremes[random() % 8]
+                                                              : static_cast<std::int32_t>(random());
+    return x;
+}
+
+TEST_F(KernelPaths, InverseRowsAreEqual) {
+    Random random(5);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int support = 1; support <= std::min(n, max_frequencies); ++support)
+            for (const int rows : {1, 5}) {
+                const auto in = random_integers(random, static_cast<std::size_t>(rows * support));
+                std::vector<std::int32_t> a(static_cast<std::size_t>(rows * n)), b(a.size(), 1);
+                kernels_scalar.inverse_rows(in.data(), a.data(), rows, support, n);
+                kernels_avx2.inverse_rows(in.data(), b.data(), rows, support, n);
+                ASSERT_EQ(a, b) << n << " " << support << " " << rows;
+            }
+}
+
+TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
+    Random random(6);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (int support = 1; support <= std::min(n, max_frequencies); ++support)
+            for (const int inner : {1, 2, 3, 4, 7, 8, 9, 16, 31, 40}) {
+                const auto in = random_integers(random, static_cast<std::size_t>(support * inner));
+                std::vector<std::int32_t> a(static_cast<std::size_t>(n * inner)), b(a.size(), 1);
+                kernels_scalar.inverse_planes(in.data(), a.data(), support, n, inner);
+                kernels_avx2.inverse_planes(in.data(), b.data(), support, n, inner);
+                ASSERT_EQ(a, b) << n << " " << support << " " << inner;
+                std::vector<std::int32_t> row(static_cast<std::size_t>(support)),
+                    out(static_cast<std::size_t>(n));
+                const int i = random.range(0, inner - 1);
+                for (int k = 0; k < support; ++k)
+                    row[static_cast<std::size_t>(k)] = in[static_cast<std::size_t>(k * inner + i)];
+                kernels_scalar.inverse_rows(row.data(), out.data(), 1, support, n);
+                for (int x = 0; x < n; ++x)
+                    ASSERT_EQ(out[static_cast<std::size_t>(x)],
+                              a[static_cast<std::size_t>(x * inner + i)])
+                        << n << " " << support << " " << inner;
+            }
+}
+
+TEST_F(KernelPaths, RoundingIsEqual) {
+    Random random(12);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (const int shift : {8, 14}) {
+            const int rows = random.range(1, 9), stride = n + random.range(0, 5);
+            const auto in = random_integers(random, static_cast<std::size_t>(rows * n));
+            std::vector<std::int32_t> a(static_cast<std::size_t>(rows * stride), 7), b = a;
+            std::vector<std::int32_t> small = in; // what the passes can give
+            for (std::int32_t& x : small)
+                x >>= 4;
+            kernels_scalar.round_rows(small.data(), a.data(), rows, n, stride, shift);
+            kernels_avx2.round_rows(small.data(), b.data(), rows, n, stride, shift);
+            ASSERT_EQ(a, b) << n;
+            for (int r = 0; r < rows; ++r)
+                for (int x = 0; x < stride; ++x) {
+                    const auto at = static_cast<std::size_t>(r * stride + x);
+                    const std::int64_t value =
+                        x < n ? small[static_cast<std::size_t>(r * n + x)] : 0;
+                    ASSERT_EQ(a[at], x < n ? (value + (1 << (shift - 1))) >> shift : 7);
+                }
+        }
+}
+
+TEST_F(KernelPaths, CopiesAreEqual) {
+    Random random(12);
+    constexpr std::size_t most = max_tile_side;
+    for (int filter = 0; filter < 8; ++filter)
+        for (int n = 1; n <= max_tile_side; ++n) {
+            std::vector<std::vector<std::int32_t>> texels(3);
+            for (auto& row : texels)
+                for (std::size_t i = 0; i < most + 2; ++i)
+                    row.push_back(random.range(-(1 << 18), (1 << 18) - 1));
+            const std::int32_t* const rows[3] = {texels[0].data() + 1, texels[1].data() + 1,
+                                                 texels[2].data() + 1};
+            std::vector<std::int32_t> a(most, 5), b(most, 5);
+            kernels_scalar.add_copies(rows, filter, n, a.data());
+            kernels_avx2.add_copies(rows, filter, n, b.data());
+            ASSERT_EQ(a, b) << filter << " " << n;
+        }
+}
+
+TEST_F(KernelPaths, ColourStoresAreEqual) {
+    Random random(13);
+    for (const int texels : {1, 5, 8, 16, 35, 64})
+        for (const int images : {1, 3, 8, 9, 16, 24, 64}) {
+            const auto count = static_cast<std::size_t>(texels * images);
+            std::array<std::vector<std::int32_t>, 3> planes;
+            for (auto& plane : planes) {
+                plane.resize(count);
+                for (std::int32_t& x : plane)
+                    x = random.chance(0.1) ? random.range(-(1 << 24), 1 << 24)
+                                           : random.range(-4800, 4800);
+            }
+            const PlaneSet in{{planes[0].data(), planes[1].data(), planes[2].data()},
+                              {100, -3, 17}};
+            // Exactly the tile's bytes, so that the address sanitizer sees a store past them.
+            std::vector<unsigned char> a(3 * count), b(3 * count, 1);
+            kernels_scalar.store_ycocg8(in, texels, images, a.data());
+            kernels_avx2.store_ycocg8(in, texels, images, b.data());
+            ASSERT_EQ(a, b) << texels << " " << images;
+            for (int x = 0; x < texels; ++x)
+                for (int i = 0; i < images; ++i) {
+                    const auto at = static_cast<std::size_t>(i * texels + x);
+                    const auto code = [&](std::size_t plane) { // from sixteenths
+                        return static_cast<int>(std::floor(planes[plane][at] / 16.0 + 0.5));
+                    };
+                    const int y = code(0) + 100, co = code(1) - 3, cg = code(2) + 17;
+                    const int t = y - (cg >> 1), blue = t - (co >> 1);
+                    const int rgb[3] = {blue + co, cg + t, blue};
+                    for (int c = 0; c < 3; ++c)
+                        ASSERT_EQ(a[static_cast<std::size_t>(3 * (x * images + i) + c)],
+                                  std::clamp(rgb[c], 0, 255));
+                }
+        }
+}
+
+TEST_F(KernelPaths, ForwardPassesAreEqual) {
+    Random random(7);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
+            const auto in = random_floats(random, n * inner, 1e4);
+            std::vector<float> a(in.size()), b(in.size(), 1);
+            kernels_scalar.forward_planes(in.data(), a.data(), n, inner, forward_basis(n));
+            kernels_avx2.forward_planes(in.data(), b.data(), n, inner, forward_basis(n));
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << n << " " << inner;
+            const int rows = inner;
+            kernels_scalar.forward_rows(in.data(), a.data(), rows, n, n, forward_basis(n));
+            kernels_avx2.forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << n << " " << inner;
+        }
+}
+
+// The search's own transform: the kept frequencies, in the order that forward_order says.
+TEST_F(KernelPaths, ForwardImagesAreEqualAndRight) {
+    Random random(14);
+    for (int nu = 1; nu <= max_tile_side; ++nu)
+        for (int nv = 1; nv <= max_tile_side; ++nv) {
+            const int stride = nu + random.range(0, 3), kept_u = forward_kept(nu);
+            // Exactly the image, so that the address sanitizer sees an access past its end.
+            const auto in = random_floats(random, stride * (nv - 1) + nu, 255);
+            std::vector<float> a(static_cast<std::size_t>(kept_u * forward_kept(nv))),
+                b(a.size(), 1);
+            kernels_scalar.forward_image(in.data(), stride, nu, nv, a.data());
+            kernels_avx2.forward_image(in.data(), stride, nu, nv, b.data());
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << nu << "x" << nv;
+            std::vector<double> want;
+            for (int v = 0; v < nv; ++v)
+                want.insert(want.end(), in.begin() + v * stride, in.begin() + v * stride + nu);
+            slow_dct(want, shape_of(nu, nv, 1, 1), false);
+            const double bound = 255 * 6e-8 * (nu + nv) * std::sqrt(nu * nv);
+            for (int k = 0; k < forward_kept(nv); ++k)
+                for (int i = 0; i < kept_u; ++i)
+                    ASSERT_NEAR(a[static_cast<std::size_t>(k * kept_u + i)],
+                                want[static_cast<std::size_t>(k * nu + forward_order(nu, i))],
+                                bound)
+                        << nu << "x" << nv << " row " << k << " place " << i;
+        }
+}
+
+TEST_F(KernelPaths, CodingCostsAreEqual) {
+    Random random(8);
+    for (int count = 1; count <= 600; ++count) {
+        const auto x = random_floats(random, count, count % 3 == 0 ? 1e-3 : 300);
+        auto base = random_floats(random, count, 3);
+        for (float& value : base)
+            if (random.chance(0.1)) // cannot be coded
+                value = std::numeric_limits<float>::infinity();
+        const CostSum a = kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum b = kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << count;
+        ASSERT_TRUE(std::isfinite(a.cost)) << count;
+        double energy = 0;
+        for (const float value : x)
+            energy += std::pow(static_cast<double>(value) * 0.37, 2);
+        ASSERT_NEAR(a.energy / energy, 1, 1e-4) << count;
+    }
+}
+
+// The environment decides; ctest runs this test with TESSERA_SIMD=scalar as well.
+TEST(Kernels, FollowTheEnvironment) {
+    const char* wish = std::getenv("TESSERA_SIMD");
+    const bool scalar = (wish != nullptr && std::string(wish) == "scalar") || !avx2_available();
+    EXPECT_STREQ(kernels().name, scalar ? "scalar" : "avx2");
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,100 @@
+// Targets of rate are kept.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "tests/support/efforts.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
+#include "tests/support/round_trips.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::round_trips;
+
+using Kind = RateTarget::Kind;
+
+TEST(Rate, MaximumErrorIsAGuarantee) {
+    for (const SampleType type : types)
+        for (const int channels : {1, 3, 4}) {
+            const TextureDesc desc = describe({11, 9, 5, 4}, type, channels);
+            for (const NamedTexture& named : named_textures(desc))
+                for (const int error : {0, 1, 2, 5, type == SampleType::unorm8 ? 255 : 60}) {
+                    if (channels != 3 && error > 1)
+                        continue;
+                    MemoryTexture texture(desc, named.sample);
+                    const Encoded encoded = encode(
+                        texture, options_for({Kind::max_error, static_cast<double>(error)}, 0));
+                    const Difference d =
+                        difference(texture.texels, decode_all(encoded.file, desc), type);
+                    ASSERT_LE(d.largest, error) << named.name << " channels " << channels;
+                    ASSERT_EQ(encoded.report.max_error, d.largest) << named.name;
+                    if (error == 0) {
+                        ASSERT_EQ(decode_all(encoded.file, desc), texture.texels) << named.name;
+                    }
+                }
+        }
+}
+
+// Of a texture large enough that PSNR moves in small steps; tiny ones jump by half a dB.
+TEST(Rate, PsnrIsReachedFromAbove) {
+    for (const SampleType type : types) {
+        MemoryTexture texture = named_texture(describe({33, 20, 9, 8}, type), "smooth");
+        for (const double psnr : {34.0, 41.5}) {
+            const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}, quick_effort));
+            EXPECT_GE(encoded.report.psnr, psnr);
+            EXPECT_LE(encoded.report.psnr, psnr + 0.15);
+            EXPECT_EQ(encoded.report.note, "");
+        }
+    }
+    MemoryTexture noise = named_texture(describe({8, 8, 4, 4}), "noise");
+    const Encoded missed = encode(noise, options_for({Kind::psnr, 110}));
+    EXPECT_NE(missed.report.note, "");
+}
+
+TEST(Rate, SizesAreNeverExceeded) {
+    for (const SampleType type : types)
+        for (const char* name : {"smooth", "noise", "bright_texel"}) {
+            if (type == SampleType::half16 && std::string(name) == "noise")
+                continue; // nothing that the others do not show
+            MemoryTexture texture = named_texture(describe({33, 20, 9, 8}, type), name);
+            const auto texels = static_cast<double>(texel_count(texture.desc().size));
+            for (const double bytes : {1500.0, 4000.0}) {
+                if (bytes < 4000 && std::string(name) != "smooth")
+                    continue;
+                const Encoded encoded = encode(texture, options_for({Kind::bytes, bytes}, 0));
+                EXPECT_LE(static_cast<double>(encoded.file.size()), bytes) << name;
+                if (std::string(name) == "smooth") { // a size that this texture can have
+                    EXPECT_GE(static_cast<double>(encoded.file.size()), 0.85 * bytes);
+                }
+            }
+            const Encoded encoded = encode(texture, options_for({Kind::bpt, 0.5}, 0));
+            EXPECT_LE(static_cast<double>(encoded.file.size()) * 8 / texels, 0.5) << name;
+            EXPECT_LE(encoded.report.bits_per_texel, 0.5) << name;
+        }
+    MemoryTexture texture = named_texture(describe({16, 16, 8, 8}), "smooth");
+    Bytes out;
+    const auto refused = encode_memory(texture, out, options_for({Kind::bytes, 50}));
+    EXPECT_EQ(refused.status().code(), ErrorCode::bad_argument);
+    EXPECT_NE(refused.status().message(), "");
+}
+
+TEST(Rate, TargetsOutOfRangeAreRefused) {
+    MemoryTexture texture = named_texture(describe({4, 4, 2, 2}), "smooth");
+    Bytes out;
+    for (const RateTarget rate :
+         {RateTarget{Kind::quality, 0}, RateTarget{Kind::quality, 101}, RateTarget{Kind::psnr, 0},
+          RateTarget{Kind::psnr, NAN}, RateTarget{Kind::bpt, 0}, RateTarget{Kind::bytes, -1},
+          RateTarget{Kind::max_error, -1}, RateTarget{Kind::max_error, 0.5},
+          RateTarget{Kind::max_error, 256}, RateTarget{Kind::bytes, INFINITY}})
+        EXPECT_EQ(encode_memory(texture, out, options_for(rate)).status().code(),
+                  ErrorCode::bad_argument)
+            << static_cast<int>(rate.kind) << " " << rate.value;
+    for (const int effort : {-1, most_effort + 1})
+        EXPECT_EQ(encode_memory(texture, out, options_for({}, effort)).status().code(),
+                  ErrorCode::bad_argument);
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,115 @@
+// Coding tools, one by one.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "codec/tile_encoder/tool_switches.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
+#include "tests/support/round_trips.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::round_trips;
+
+using Kind = RateTarget::Kind;
+
+// Coloured noise, smooth over two texels, that moves half a texel a view along s and one along t.
+MemoryTexture texture_with_parallax(SampleType type) {
+    Random random(11);
+    std::vector<double> lattice;
+    for (int i = 0; i < 3 * 64 * 64; ++i)
+        lattice.push_back(random.unit());
+    const double gain = type == SampleType::half16 ? 1000 : 1;
+    return {describe({24, 16, 6, 5}, type), [=](int u, int v, int s, int t, int c) {
+                const double x = 0.5 * (u + 0.5 * s) + 8, y = 0.5 * (v + t) + 8;
+                const int i = static_cast<int>(x), j = static_cast<int>(y);
+                const auto at = [&](int k, int l) {
+                    const auto place = static_cast<std::size_t>(l * 64 + k);
+                    return 0.7 * lattice[place] +
+                           0.3 * lattice[(static_cast<std::size_t>(c) << 12) + place];
+                };
+                const double f = x - i, g = y - j;
+                const double grain = (u * 7 + v * 13 + s * 29 + t * 31 + c * 3) % 17 / 17.0;
+                return gain * (0.9 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
+                                      g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
+                               0.1 * grain);
+            }};
+}
+
+// Section DATA of a file: what stands before it says how the file was made.
+Bytes data_of(const Bytes& file) {
+    const auto source = wrap_memory(file);
+    const Result<ContainerReader> reader = ContainerReader::open(*source);
+    EXPECT_TRUE(reader) << reader.status().message();
+    const SectionInfo& data = reader->sections().back();
+    EXPECT_EQ(data.type, "DATA");
+    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(data.offset);
+    return {begin, begin + static_cast<std::ptrdiff_t>(data.length)};
+}
+
+TEST(Tools, EachChangesTheFileAndItStillDecodes) {
+    for (const SampleType type : types) {
+        MemoryTexture texture = texture_with_parallax(type);
+        EncodeOptions all = options_for({Kind::quality, 70}, usual_effort);
+        all.tile_extent = {16, 16, 4, 4};
+        all.tools = "-dense-tables"; // its trials take most of the time
+        const Encoded full = encode(texture, all);
+        const auto check = [&](const std::string& name) {
+            EncodeOptions options = all;
+            options.tools = name == "-dense-tables" ? "+dense-tables" : "-dense-tables," + name;
+            const Encoded encoded = encode(texture, options);
+            // Whether copies are smoothed is left to a trial, a tree may be right as it is, and this grain
+            // is not to be filtered: prediction_test.cpp, tree_edits_test.cpp, tile_filter_test.cpp.
+            if (name != "-smooth" && name != "-refine" && name != "-filter") {
+                EXPECT_FALSE(data_of(encoded.file) == data_of(full.file)) << name;
+            }
+            const Bytes texels = decode_all(encoded.file, texture.desc());
+            const Difference d = difference(texture.texels, texels, type);
+            EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
+            EXPECT_NEAR(encoded.report.psnr, full.report.psnr, 2.5) << name;
+            if (type == SampleType::half16) // threads know no types
+                return;
+            options.threads = 3;
+            EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
+        };
+        for (const CodingToolInfo& info : coding_tools)
+            check(std::string("-") + info.name);
+        check("none");
+    }
+}
+
+TEST(Tools, OnTopOfAnyEffort) {
+    MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
+    const auto without = [&](int effort) {
+        EncodeOptions options = options_for({Kind::quality, 70}, effort);
+        options.tools = "none";
+        return data_of(encode(texture, options).file);
+    };
+    EXPECT_TRUE(without(0) == without(most_effort)); // nothing is left for an effort to choose
+    const Encoded fastest = encode(texture, options_for({Kind::quality, 70}, 0));
+    for (const char* tools : {"+copies", "+rotation", "+dependent", "+fitted-tables", "+grids"}) {
+        EncodeOptions options = options_for({Kind::quality, 70}, 0);
+        options.tools = tools;
+        const Encoded encoded = encode(texture, options);
+        EXPECT_FALSE(data_of(encoded.file) == data_of(fastest.file)) << tools;
+        const Bytes texels = decode_all(encoded.file, texture.desc());
+        EXPECT_NEAR(encoded.report.psnr,
+                    difference(texture.texels, texels, SampleType::unorm8).psnr, 1e-9);
+    }
+}
+
+TEST(Tools, KeepTheMaximumError) {
+    MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
+    EncodeOptions options = options_for({Kind::max_error, 2}, 3);
+    options.tools = "none";
+    const Encoded encoded = encode(texture, options);
+    EXPECT_LE(
+        difference(texture.texels, decode_all(encoded.file, texture.desc()), SampleType::unorm8)
+            .largest,
+        2);
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,397 @@
+// Views drawn on the device: budgets, coarse texels, eviction, lost reads, damage.
+#include "decoder_glsl/gl_view_renderer.h"
+#include "decoder_glsl/residency/gl_tile_decoder.h"
+#include "format/texture.h"
+#include "tests/support/sample_probes.h"
+#include "tests/support/sampled_files.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::sampled_files;
+
+class GpuView : public GpuSample {};
+
+// A camera that looks at the middle of the sphere from `degrees` around it.
+ViewCamera camera_at(double degrees, std::uint32_t width = 96, std::uint32_t height = 72) {
+    const double a = degrees * pi / 180;
+    const auto vec = [](double x, double y, double z) {
+        return std::array<float, 3>{static_cast<float>(x), static_cast<float>(y),
+                                    static_cast<float>(z)};
+    };
+    ViewCamera camera;
+    camera.eye = vec(10 * std::sin(a), 3, 10 * std::cos(a));
+    const double length = std::sqrt(109.0);
+    const glm::dvec3 forward{-10 * std::sin(a) / length, -3 / length, -10 * std::cos(a) / length};
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0)));
+    const glm::dvec3 up = glm::cross(right, forward);
+    camera.forward = vec(forward.x, forward.y, forward.z);
+    camera.right = vec(0.5 * right.x, 0.5 * right.y, 0.5 * right.z);
+    camera.up = vec(0.375 * up.x, 0.375 * up.y, 0.375 * up.z);
+    camera.radius = 3.5f;
+    camera.outside = {0.25f, 0.5f, 0.75f, 1.f};
+    camera.width = width;
+    camera.height = height;
+    return camera;
+}
+
+std::vector<float> drawn(SampledTexture& texture, GlViewRenderer& renderer,
+                         const ViewCamera& camera) {
+    for (int frame = 0; frame < 8; ++frame) {
+        EXPECT_TRUE(renderer.draw(camera));
+        const auto report = texture.update(true);
+        EXPECT_TRUE(report) << report.status().message();
+        if (!report || report->decoded == 0)
+            break;
+    }
+    const auto picture = renderer.read();
+    EXPECT_TRUE(picture);
+    return picture ? *picture : std::vector<float>();
+}
+
+double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        largest = std::max(largest, std::abs(double{a[i]} - b[i]));
+    return largest;
+}
+
+double mean_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        sum += std::abs(double{a[i]} - b[i]);
+    return sum / static_cast<double>(a.size());
+}
+
+// The smallest budget in steps of an eighth of a MiB that a cache can be made with.
+std::uint64_t smallest_budget(const ContainerReader& reader) {
+    for (std::uint64_t budget = 1ull << 20;; budget += 1ull << 17)
+        if (SampledTexture::create(reader, with(Residency::on_feedback, true, budget)))
+            return budget;
+}
+
+TEST_F(GpuView, BudgetsHoldAndAMovingCameraIsServed) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(whole) << whole.status().message();
+    auto reference = GlViewRenderer::create(*whole);
+    ASSERT_TRUE(reference);
+
+    const std::uint64_t least = smallest_budget(file.reader());
+    for (const std::uint64_t budget :
+         {least, least + (std::uint64_t{3} << 20), std::uint64_t{64} << 20}) {
+        SCOPED_TRACE(budget);
+        auto texture =
+            SampledTexture::create(file.reader(), with(Residency::on_feedback, true, budget));
+        ASSERT_TRUE(texture) << texture.status().message();
+        EXPECT_LE(texture->bytes(), budget);
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer) << renderer.status().message();
+        for (int frame = 0; frame < 24; ++frame) {
+            ASSERT_TRUE(renderer->draw(camera_at(15.0 * frame)));
+            const auto report = texture->update(true);
+            ASSERT_TRUE(report) << report.status().message();
+            EXPECT_LE(texture->bytes(), budget);
+            EXPECT_LE(report->decoded, texture->cache_slots());
+        }
+        // Still now: nothing more happens than what happened already.
+        drawn(*texture, *renderer, camera_at(0));
+        ASSERT_TRUE(renderer->draw(camera_at(0)));
+        const auto still = texture->update(true);
+        ASSERT_TRUE(still);
+        EXPECT_EQ(still->decoded, 0u);
+        const auto picture = drawn(*texture, *renderer, camera_at(0));
+        const auto expected = drawn(*whole, *reference, camera_at(0));
+        if (still->waiting == 0)
+            EXPECT_LE(largest_difference(picture, expected), 1.0 / 255);
+        else // coarse texels stand in: the picture is there, blurred
+            EXPECT_LE(mean_difference(picture, expected), 0.1);
+        if (still->waiting > 0) {
+            auto enough =
+                SampledTexture::create(file.reader(), with(Residency::on_feedback, true,
+                                                           texture->budget_for(still->touched)));
+            ASSERT_TRUE(enough) << enough.status().message();
+            EXPECT_GE(enough->cache_slots(), still->touched);
+        }
+        EXPECT_TRUE(budget != least || still->waiting > 0) << texture->cache_slots() << " slots";
+        EXPECT_TRUE(budget != 64ull << 20 || still->waiting == 0);
+    }
+}
+
+TEST_F(GpuView, ASlowOrbitDecodesFewTilesAFrame) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto texture = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    ASSERT_TRUE(texture);
+    auto renderer = GlViewRenderer::create(*texture);
+    ASSERT_TRUE(renderer);
+    ASSERT_TRUE(renderer->draw(camera_at(0)));
+    const auto cold = texture->update(true);
+    ASSERT_TRUE(cold);
+    EXPECT_GT(cold->decoded, 5u);
+    std::uint32_t later = 0;
+    for (int frame = 1; frame <= 10; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(frame)));
+        const auto report = texture->update(true);
+        ASSERT_TRUE(report);
+        EXPECT_TRUE(report->current);
+        later += report->decoded;
+    }
+    EXPECT_LT(later, cold->decoded);
+}
+
+// The first frame at a camera that sees most of the window.
+std::vector<float> first_frame(const SampledTexture& texture) {
+    auto renderer = GlViewRenderer::create(texture);
+    EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
+    return *renderer->read();
+}
+
+TEST_F(GpuView, CoarseTexelsStandInBeforeTilesCome) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    auto coarse = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    auto options = with(Residency::on_feedback, true);
+    options.coarse = false;
+    auto none = SampledTexture::create(file.reader(), options);
+    ASSERT_TRUE(whole && coarse && none);
+    const auto truth = first_frame(*whole);
+    const double with_coarse = mean_difference(first_frame(*coarse), truth);
+    EXPECT_LT(with_coarse, 0.06);
+    EXPECT_LT(with_coarse, 0.5 * mean_difference(first_frame(*none), truth));
+}
+
+// Says no for as long as it is told to.
+class MoodySource final : public ByteSource {
+public:
+    explicit MoodySource(ByteSource& inner) : inner_(inner) {}
+    std::uint64_t size() const override { return inner_.size(); }
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        if (!failure.ok())
+            return failure;
+        bytes += out.size();
+        return inner_.read(offset, out);
+    }
+    bool wants_prefetch() const override { return prefetch; }
+    std::string name() const override { return "moody"; }
+
+    Status failure;
+    bool prefetch = false;
+    std::uint64_t bytes = 0;
+
+private:
+    ByteSource& inner_;
+};
+
+// A coarse level instead of all tiles, of either sample type, whose texels come as they may.
+TEST_F(GpuView, CoarseLevelsStandIn) {
+    for (const auto& [type, channels, prefetch] :
+         {std::tuple<SampleType, std::uint8_t, bool>{SampleType::unorm8, 3, false},
+          {SampleType::half16, 4, true}}) {
+        SCOPED_TRACE(int{channels});
+        const Bytes file = mixed_file(type, channels, 75, true);
+        const auto memory = wrap_memory(file);
+        MoodySource source(*memory);
+        source.prefetch = prefetch;
+        const auto decoder = Decoder::open(source);
+        ASSERT_TRUE(decoder) << decoder.status().message();
+        const ContainerReader& reader = decoder->container();
+        ASSERT_GE(reader.levels().size(), 2u);
+        const auto level = decoded_level(*decoder, reader.levels().size() - 1);
+        auto options = with(Residency::on_feedback, true);
+        options.coarse_from = {reader.levels().back(), level.get()};
+        auto texture = SampledTexture::create(reader, options);
+        ASSERT_TRUE(texture) << texture.status().message();
+        EXPECT_LT(source.bytes, file.size() / 4) << "no tile of the texture";
+        auto whole = SampledTexture::create(reader, with(Residency::on_load, true));
+        options.coarse = false;
+        auto none = SampledTexture::create(reader, options);
+        ASSERT_TRUE(whole && none);
+        const auto truth = first_frame(*whole);
+        const double near = mean_difference(first_frame(*texture), truth);
+        EXPECT_LT(near, 0.06 * (type == SampleType::half16 ? 4 : 1));
+        EXPECT_LT(near, 0.7 * mean_difference(first_frame(*none), truth));
+    }
+}
+
+// Tiles that come at a second try, whether they are asked for one by one or together.
+TEST_F(GpuView, LostReadsAreRepeated) {
+    const Bytes file = mixed_file(SampleType::unorm8, 3, 75, true);
+    const auto memory = wrap_memory(file);
+    MoodySource source(*memory);
+    SampledFile sound(file);
+    auto whole = SampledTexture::create(sound.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(whole);
+    const auto truth = first_frame(*whole);
+    auto options = with(Residency::on_feedback, true);
+    options.coarse = false;
+    for (const bool prefetch : {false, true}) {
+        SCOPED_TRACE(prefetch);
+        source.prefetch = prefetch;
+        const auto decoder = Decoder::open(source);
+        ASSERT_TRUE(decoder) << decoder.status().message();
+        auto texture = SampledTexture::create(decoder->container(), options);
+        ASSERT_TRUE(texture) << texture.status().message();
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        for (const Status& failure : {Status(ErrorCode::io, "the line is dead"),
+                                      Status(ErrorCode::runtime, "interrupted")}) {
+            source.failure = failure;
+            ASSERT_TRUE(renderer->draw(camera_at(200)));
+            const auto report = texture->update(true);
+            ASSERT_TRUE(report) << report.status().message();
+            EXPECT_EQ(report->trouble.code(), failure.code());
+            EXPECT_GT(report->touched, 0u);
+            EXPECT_EQ(report->missing, report->touched);
+            EXPECT_EQ(report->waiting, report->touched);
+            EXPECT_EQ(report->decoded, 0u);
+        }
+        source.failure = {};
+        const auto picture = drawn(*texture, *renderer, camera_at(200));
+        EXPECT_LE(largest_difference(picture, truth), 1 / 255.0);
+        EXPECT_EQ(texture->cache_stats()->failures, 0u);
+    }
+}
+
+TEST_F(GpuView, UpdatesThatDoNotWaitArriveALittleLater) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    auto texture = SampledTexture::create(file.reader(), with(Residency::on_feedback, true));
+    auto whole = SampledTexture::create(file.reader(), with(Residency::on_load, true));
+    ASSERT_TRUE(texture && whole);
+    auto renderer = GlViewRenderer::create(*texture);
+    auto reference = GlViewRenderer::create(*whole);
+    ASSERT_TRUE(renderer && reference);
+    std::uint32_t decoded = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(30)));
+        const auto report = texture->update(false);
+        ASSERT_TRUE(report) << report.status().message();
+        decoded += report->decoded;
+    }
+    EXPECT_GT(decoded, 0u);
+    EXPECT_LE(largest_difference(*renderer->read(), drawn(*whole, *reference, camera_at(30))),
+              1.0 / 255);
+}
+
+// A file with tile 1 made of bytes that decode to nothing sound, its checksums right.
+Bytes with_bad_tile(const Bytes& good) {
+    const auto source = wrap_memory(good);
+    const auto decoder = Decoder::open(*source);
+    EXPECT_TRUE(decoder);
+    const ContainerReader& reader = decoder->container();
+    const FileHeader& header = reader.header();
+    ContainerContents contents;
+    contents.desc = header.desc;
+    contents.tile_extent = header.tile_extent;
+    contents.description = header.description;
+    contents.colour = header.colour;
+    contents.background = header.background;
+    contents.codec_parameters = reader.codec_parameters();
+    Random random(5);
+    std::vector<Bytes> tiles(reader.tile_count());
+    for (std::uint64_t i = 0; i < tiles.size(); ++i)
+        EXPECT_TRUE(reader.read_tile(i, tiles[i]));
+    tiles[1] = random.bytes(200);
+    contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
+    Bytes file;
+    VectorSink sink(file);
+    EXPECT_TRUE(write_container(contents, sink));
+    return file;
+}
+
+TEST_F(GpuView, DamagedTilesAreCountedAndDrawnAsBackground) {
+    const Bytes good = mixed_file(SampleType::unorm8, 3, 50);
+    const Bytes bad = with_bad_tile(good);
+    const auto source = wrap_memory(bad);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader) << reader.status().message();
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
+        SCOPED_TRACE(name_of(residency));
+        auto texture = SampledTexture::create(*reader, with(residency, false));
+        ASSERT_TRUE(texture) << texture.status().message();
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        for (const float value : drawn(*texture, *renderer, camera_at(100)))
+            ASSERT_TRUE(value >= 0 && value <= 1);
+        EXPECT_EQ(texture->damaged_tiles(), 1u);
+    }
+}
+
+// A page whose checksum is wrong is found while frames are drawn: the update says so, and what was to
+// be decoded with it is never shown undecoded.
+TEST_F(GpuView, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
+    Bytes file = mixed_file(SampleType::unorm8, 3, 50);
+    file[file.size() - 100] ^= std::byte{1};
+    const auto source = wrap_memory(file);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader) << reader.status().message();
+    auto options = with(Residency::on_feedback, true);
+    EXPECT_FALSE(SampledTexture::create(*reader, options)) << "coarse texels read every page";
+    options.coarse = false;
+    auto texture = SampledTexture::create(*reader, options);
+    ASSERT_TRUE(texture) << texture.status().message();
+    auto renderer = GlViewRenderer::create(*texture);
+    ASSERT_TRUE(renderer);
+    unsigned errors = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+        ASSERT_TRUE(renderer->draw(camera_at(30.0 * frame)));
+        const auto report = texture->update(true);
+        errors += !report;
+        EXPECT_TRUE(report || report.status().code() == ErrorCode::invalid_file);
+    }
+    EXPECT_GE(errors, 1u);
+    // Only the tiles of the page are lost.
+    EXPECT_GE(texture->cache_stats()->failures, 1u);
+    EXPECT_LE(texture->cache_stats()->failures, 8u);
+    for (const float value : drawn(*texture, *renderer, camera_at(0)))
+        ASSERT_TRUE(value >= 0 && value <= 1);
+}
+
+// The same view from a fragment shader, as an engine would draw it.
+TEST_F(GpuView, FragmentShadersDrawTheSame) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
+        SCOPED_TRACE(name_of(residency));
+        auto texture = SampledTexture::create(file.reader(), with(residency, false));
+        ASSERT_TRUE(texture);
+        auto renderer = GlViewRenderer::create(*texture);
+        ASSERT_TRUE(renderer);
+        const ViewCamera camera = camera_at(130);
+        const auto expected = drawn(*texture, *renderer, camera); // and the view's uniforms
+        const auto vertex = shader_source("render.vert.glsl", ShaderDialect::gl450);
+        const auto fragment =
+            shader_source("render.frag.glsl", ShaderDialect::gl450, texture->defines());
+        ASSERT_TRUE(vertex && fragment);
+        const auto program = GlProgram::graphics(*vertex, *fragment, "render");
+        ASSERT_TRUE(program) << program.status().message();
+        const auto target =
+            GlTexture::create(TexelFormat::rgba32f, {camera.width, camera.height, 1}, "target");
+        ASSERT_TRUE(target);
+        GLuint framebuffer = 0, vertices = 0;
+        glCreateFramebuffers(1, &framebuffer);
+        glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, target->id(), 0, 0);
+        glCreateVertexArrays(1, &vertices);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glBindVertexArray(vertices);
+        glViewport(0, 0, static_cast<GLsizei>(camera.width), static_cast<GLsizei>(camera.height));
+        texture->bind();
+        program->use();
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        std::vector<float> upside_down(expected.size()), picture;
+        ASSERT_TRUE(target->read(0, std::as_writable_bytes(std::span(upside_down))));
+        const std::size_t row = std::size_t{camera.width} * 4;
+        for (std::size_t y = camera.height; y-- > 0;)
+            picture.insert(picture.end(),
+                           upside_down.begin() + static_cast<std::ptrdiff_t>(y * row),
+                           upside_down.begin() + static_cast<std::ptrdiff_t>((y + 1) * row));
+        EXPECT_LE(largest_difference(picture, expected), 1e-3);
+        glDeleteFramebuffers(1, &framebuffer);
+        glDeleteVertexArrays(1, &vertices);
+    }
+}
+
+} // namespace
+} // namespace tessera::test

@@ -1,0 +1,171 @@
+// Step codes and the section CODE.
+#include "format/tile/coding_parameters.h"
+#include "format/tile/rans.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+TEST(StepCode, RoundTripsAndRoundsToNearest) {
+    double previous = 0;
+    for (int bits = 0; bits < (max_step_exponent + 1) << 11; ++bits) {
+        const StepCode code{static_cast<std::uint16_t>(bits)};
+        ASSERT_GT(code.value(), previous);
+        previous = code.value();
+        ASSERT_EQ(StepCode::nearest(code.value()), code) << bits;
+    }
+    Random random(1);
+    for (int i = 0; i < 20000; ++i) {
+        const double step = std::exp2(-1 + 20.9 * random.unit());
+        const double error = std::fabs(StepCode::nearest(step).value() / step - 1);
+        ASSERT_LE(error, 0.5 / 2048 + 1e-12) << step;
+    }
+    EXPECT_EQ(StepCode::nearest(0.0).value(), 0.5);
+    EXPECT_EQ(StepCode::nearest(1e30).value(), previous);
+    EXPECT_EQ(StepCode::nearest(1.0).value(), 1.0);
+}
+
+CodingParameters random_coding_parameters(Random& random, double changed) {
+    CodingParameters coding;
+    const auto step = [&] {
+        return StepCode{
+            static_cast<std::uint16_t>(random.range(0, ((max_step_exponent + 1) << 11) - 1))};
+    };
+    for (StepCode& code : coding.step)
+        code = step();
+    coding.rotated_step = step();
+    coding.colour_rotation = random.chance(0.5);
+    coding.prediction = random.chance(0.5);
+    coding.smooth_copies = coding.prediction && random.chance(0.5);
+    coding.dependent = random.chance(0.5);
+    if (random.chance(0.5))
+        coding.filter = random_filter(random);
+    for (auto& offsets : coding.offsets)
+        for (std::uint8_t& offset : offsets)
+            offset = static_cast<std::uint8_t>(random.range(0, 31));
+    for (std::uint8_t& weight : coding.scan_weights)
+        weight = static_cast<std::uint8_t>(random.range(1, 255));
+    coding.correction_error = static_cast<std::uint16_t>(random.range(0, 65535));
+    for (int i = 0; i < parameter_count; ++i)
+        if (random.chance(changed) && (coding.prediction || !is_of_copies(i)))
+            coding.parameters[static_cast<std::size_t>(i)] =
+                static_cast<std::uint8_t>(random.range(0, 63));
+    return coding;
+}
+
+void expect_in_range(const CodingParameters& coding) {
+    for (const StepCode& code : coding.step)
+        ASSERT_LE(code.bits >> 11, max_step_exponent);
+    ASSERT_LE(coding.rotated_step.bits >> 11, max_step_exponent);
+    for (const auto& offsets : coding.offsets)
+        for (const std::uint8_t offset : offsets)
+            ASSERT_LE(offset, 31);
+    for (const std::uint8_t weight : coding.scan_weights)
+        ASSERT_GE(weight, 1);
+    for (const std::uint8_t p : coding.parameters)
+        ASSERT_LE(p, 63);
+}
+
+TEST(CodingParameters, RoundTrip) {
+    Random random(9);
+    for (int round = 0; round < 60; ++round) {
+        const CodingParameters want =
+            round == 0 ? CodingParameters{} : random_coding_parameters(random, round % 4 * 0.3);
+        const Bytes bytes = write_coding_parameters(want);
+        const Result<CodingParameters> got = read_coding_parameters(bytes);
+        ASSERT_TRUE(got) << got.status().message();
+        EXPECT_EQ(got->step, want.step);
+        EXPECT_EQ(got->rotated_step, want.rotated_step);
+        EXPECT_EQ(got->colour_rotation, want.colour_rotation);
+        EXPECT_EQ(got->prediction, want.prediction);
+        EXPECT_EQ(got->smooth_copies, want.smooth_copies);
+        EXPECT_EQ(got->dependent, want.dependent);
+        EXPECT_EQ(got->filter, want.filter);
+        EXPECT_EQ(got->offsets, want.offsets);
+        EXPECT_EQ(got->scan_weights, want.scan_weights);
+        EXPECT_EQ(got->correction_error, want.correction_error);
+        EXPECT_EQ(got->parameters, want.parameters);
+    }
+    // Defaults cost nothing beyond the fixed part.
+    EXPECT_LE(write_coding_parameters({}).size(), 24u);
+}
+
+TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
+    CodingParameters coding;
+    int left_out = 0;
+    for (int i = 0; i < parameter_count; ++i)
+        if (is_of_copies(i)) {
+            std::uint8_t& parameter = coding.parameters[static_cast<std::size_t>(i)];
+            parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
+            ++left_out;
+        }
+    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16); // FORMAT.md 3.5
+    EXPECT_EQ(write_coding_parameters(coding).size(), write_coding_parameters({}).size());
+    coding.prediction = true;
+    const Result<CodingParameters> got = read_coding_parameters(write_coding_parameters(coding));
+    ASSERT_TRUE(got) << got.status().message();
+    EXPECT_EQ(got->parameters, coding.parameters);
+}
+
+TEST(CodingParameters, SmoothCopiesNeedPredictions) {
+    constexpr std::size_t flags = 23;
+    Bytes bytes = write_coding_parameters({});
+    for (const int value : {8, 12, 32, 64}) {
+        bytes[flags] = static_cast<std::byte>(value);
+        EXPECT_FALSE(read_coding_parameters(bytes)) << value;
+    }
+    bytes[flags] = std::byte{10};
+    const Result<CodingParameters> both = read_coding_parameters(bytes);
+    ASSERT_TRUE(both) << both.status().message();
+    EXPECT_TRUE(both->smooth_copies);
+}
+
+TEST(CodingParameters, FiltersHaveARangeAndAnEffect) {
+    constexpr std::size_t rings = 24;
+    CodingParameters coding;
+    coding.filter.ring[1][2] = {-127, 255};
+    const Bytes bytes = write_coding_parameters(coding);
+    EXPECT_EQ(bytes.size(), write_coding_parameters({}).size() + 12);
+    const Result<CodingParameters> got = read_coding_parameters(bytes);
+    ASSERT_TRUE(got) << got.status().message();
+    EXPECT_EQ(got->filter, coding.filter);
+    const auto expect_refused = [&](std::size_t at, int value, const char* why) {
+        Bytes changed = bytes;
+        changed[at] = static_cast<std::byte>(value);
+        EXPECT_FALSE(read_coding_parameters(changed)) << why;
+    };
+    expect_refused(rings, 128, "strength -128");
+    expect_refused(rings + 1, 0, "reach 0");
+    expect_refused(rings + 10, 0, "no ring has a strength");
+}
+
+TEST(CodingParameters, DamageIsRefusedOrHarmless) {
+    Random random(10);
+    const Bytes bytes = write_coding_parameters(random_coding_parameters(random, 0.3));
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+        const Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
+        const Result<CodingParameters> got = read_coding_parameters(cut);
+        if (got)
+            expect_in_range(*got);
+        else
+            ASSERT_EQ(got.status().code(), ErrorCode::invalid_file);
+        // Half a word or a missing field is always noticed.
+        ASSERT_TRUE(!got || (length % 2 == bytes.size() % 2 && length >= 24)) << length;
+    }
+    for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
+        Bytes flipped = bytes;
+        flipped[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+        if (const Result<CodingParameters> got = read_coding_parameters(flipped))
+            expect_in_range(*got);
+    }
+    for (int round = 0; round < 500; ++round)
+        if (const auto got = read_coding_parameters(
+                random.bytes(static_cast<std::size_t>(random.range(0, 400)))))
+            expect_in_range(*got);
+}
+
+} // namespace
+} // namespace tessera::test

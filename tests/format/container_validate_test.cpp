@@ -1,0 +1,102 @@
+// Damage is found, and named.
+#include "format/container/container_writer.h"
+#include "format/container/index.h"
+#include "format/container/syntax.h"
+#include "format/container_reader.h"
+#include "tests/support/container_samples.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using namespace tessera::test::container_samples;
+
+using Bytes = std::vector<std::byte>;
+
+TEST(Damage, EveryTruncationIsRefused) {
+    const Bytes file = rich_sample()->write();
+    for (std::size_t length = 0; length < file.size(); ++length) {
+        const Status status =
+            open_status(Bytes(file.begin(), file.begin() + std::ptrdiff_t(length)));
+        ASSERT_EQ(status.code(), ErrorCode::invalid_file) << length;
+        ASSERT_NE(status.message().find("<memory>"), std::string::npos);
+    }
+    Bytes longer = file;
+    longer.push_back(std::byte{0});
+    EXPECT_EQ(open_status(longer).code(), ErrorCode::invalid_file);
+}
+
+TEST(Damage, EveryFlipIsFound) {
+    Bytes file = rich_sample()->write();
+    ASSERT_FALSE(found_by_reading(file));
+    for (std::size_t i = 0; i < file.size(); ++i)
+        for (const unsigned flip : {1u << (i % 8), 0xFFu}) {
+            file[i] ^= static_cast<std::byte>(flip);
+            ASSERT_TRUE(found_by_reading(file)) << i;
+            ASSERT_TRUE(any_fatal(validate_container(*wrap_memory(file)))) << i;
+            file[i] ^= static_cast<std::byte>(flip);
+        }
+}
+
+TEST(Damage, PageFindingNamesTheTiles) {
+    auto sample = rich_sample();
+    Bytes file = sample->write();
+    file.back() ^= std::byte{1};
+    const std::vector<Finding> findings = validate_container(*wrap_memory(file));
+    ASSERT_EQ(findings.size(), 2u); // and the note about section xtra
+    EXPECT_EQ(findings[0].number, static_cast<int>(ContainerRule::unknown_optional));
+    EXPECT_FALSE(findings[0].fatal);
+    EXPECT_EQ(findings[1].number, static_cast<int>(ContainerRule::page_crc));
+    EXPECT_EQ(findings[1].first_tile, 257u);
+    EXPECT_EQ(findings[1].tile_count, 1u);
+    for (const char* words :
+         {"page 0 of group 1", "tiles 257..257", "257:258,0:1,0:1,0:1", "at offset"})
+        EXPECT_NE(findings[1].text.find(words), std::string::npos) << findings[1].text;
+}
+
+TEST(Damage, IndexFindingNamesTheGroup) {
+    Bytes file = rich_sample()->write();
+    const auto source = wrap_memory(file);
+    const std::uint64_t index = ContainerReader::open(*source)->header().head_size;
+    file[index] ^= std::byte{4};
+    const std::vector<Finding> findings = validate_container(*source);
+    ASSERT_EQ(findings.size(), 2u);
+    EXPECT_EQ(findings[1].number, static_cast<int>(ContainerRule::index_crc));
+    EXPECT_EQ(findings[1].tile_count, 256u);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader);
+    EXPECT_EQ(reader->locate(3).status().code(), ErrorCode::invalid_file);
+    EXPECT_TRUE(reader->locate(257)) << "the other group is whole";
+}
+
+TEST(Damage, PagesOfAnotherFileAreNotTaken) {
+    // Same lengths, other bytes: DATA of one under the head of the other.
+    auto a = rich_sample(), b = rich_sample();
+    b->tiles[257] = Random(77).bytes(30);
+    Bytes file = a->write();
+    const Bytes other = b->write();
+    ASSERT_EQ(file.size(), other.size());
+    const std::uint64_t head = ContainerReader::open(*wrap_memory(file))->header().head_size;
+    std::copy(other.begin() + std::ptrdiff_t(head), other.end(),
+              file.begin() + std::ptrdiff_t(head));
+    const auto findings = validate_container(*wrap_memory(file));
+    EXPECT_EQ(
+        std::ranges::count(findings, static_cast<int>(ContainerRule::index_crc), &Finding::number),
+        2);
+}
+
+TEST(Damage, FindingsAreLimited) {
+    Sample sample(std::vector<Bytes>(3000, Bytes(200, std::byte{1})));
+    sample.contents.page_bytes = 256;
+    Bytes file = sample.write();
+    for (std::size_t i = file.size() - 600000; i < file.size(); i += 100)
+        file[i] ^= std::byte{1};
+    const auto findings = validate_container(*wrap_memory(file));
+    EXPECT_EQ(findings.size(), 1001u);
+    EXPECT_EQ(findings.back().number, static_cast<int>(ContainerRule::more));
+}
+
+} // namespace
+} // namespace tessera

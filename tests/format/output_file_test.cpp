@@ -1,0 +1,189 @@
+// Files that appear whole or not at all, and files as sources of bytes.
+#include "format/byte_source.h"
+#include "format/container/syntax.h"
+#include "format/io/bit_reader.h"
+#include "format/levels.h"
+#include "format/output_file.h"
+#include "tests/support/format_bytes.h"
+#include "tests/support/test_folder.h"
+#include <csignal>
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace tessera {
+namespace {
+
+using namespace tessera::test::format_bytes;
+
+class Files : public ::testing::Test {
+protected:
+    void SetUp() override { folder_ = test::make_test_folder("format"); }
+    void TearDown() override {
+        std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);
+        std::filesystem::remove_all(folder_);
+    }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    std::ptrdiff_t files() const {
+        return std::distance(std::filesystem::directory_iterator(folder_), {});
+    }
+    std::filesystem::path folder_;
+};
+
+TEST_F(Files, AppearsWhenCommitted) {
+    const std::string target = path("a.tess");
+    {
+        Result<OutputFile> file = OutputFile::create(target);
+        ASSERT_TRUE(file) << file.status().message();
+        ASSERT_TRUE(file->append(bytes_of("hello ")));
+        ASSERT_TRUE(file->append(bytes_of("world")));
+        ASSERT_TRUE(file->write_at(0, bytes_of("J")));
+        EXPECT_EQ(file->appended(), 11u);
+        EXPECT_FALSE(std::filesystem::exists(target));
+        OutputFile moved = std::move(*file);
+        ASSERT_TRUE(moved.commit());
+        EXPECT_EQ(moved.commit().code(), ErrorCode::io);
+        EXPECT_EQ(moved.append(bytes_of("x")).code(), ErrorCode::io);
+    }
+    EXPECT_EQ(test::slurp(target), "Jello world");
+    EXPECT_EQ(files(), 1);
+}
+
+TEST_F(Files, LeavesNothingBehindWithoutCommit) {
+    const std::string target = path("a.tess");
+    std::ofstream(target) << "old";
+    {
+        Result<OutputFile> file = OutputFile::create(target);
+        ASSERT_TRUE(file && file->append(bytes_of("new")));
+        EXPECT_EQ(files(), 2);
+    }
+    EXPECT_EQ(test::slurp(target), "old");
+    EXPECT_EQ(files(), 1);
+}
+
+TEST_F(Files, StaleTemporaryFileDoesNotHinder) {
+    const std::string target = path("a.tess");
+    std::ofstream(target + "." + std::to_string(::getpid()) + ".tmp") << "stale";
+    Result<OutputFile> file = OutputFile::create(target);
+    ASSERT_TRUE(file && file->append(bytes_of("new")) && file->commit());
+    EXPECT_EQ(test::slurp(target), "new");
+}
+
+void expect_io_error(const Status& status, const std::string& path, const std::string& word) {
+    EXPECT_EQ(status.code(), ErrorCode::io);
+    EXPECT_NE(status.message().find(path), std::string::npos) << status.message();
+    EXPECT_NE(status.message().find(word), std::string::npos) << status.message();
+}
+
+TEST_F(Files, TargetsThatCannotBe) {
+    expect_io_error(OutputFile::create(folder_.string()).status(), folder_.string(), "directory");
+    expect_io_error(OutputFile::create("/dev/full").status(), "/dev/full", "regular");
+    expect_io_error(OutputFile::create(path("none/a")).status(), path("none/a"), "No such file");
+    EXPECT_EQ(files(), 0);
+}
+
+TEST_F(Files, ReadOnlyFolder) {
+    std::filesystem::permissions(folder_, static_cast<std::filesystem::perms>(0555));
+    const auto child = [this] {
+        constexpr uid_t nobody = 65534; // root may write everywhere
+        if (::geteuid() == 0 && ::setuid(nobody) != 0)
+            std::_Exit(2);
+        expect_io_error(OutputFile::create(path("a")).status(), path("a"), "denied");
+        std::_Exit(HasFailure() || files() != 0 ? 1 : 0);
+    };
+    EXPECT_EXIT(child(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST_F(Files, FailingRename) {
+    const std::string target = path("a");
+    Result<OutputFile> file = OutputFile::create(target);
+    ASSERT_TRUE(file && file->append(bytes_of("x")));
+    std::filesystem::create_directory(target); // appears while we write
+    expect_io_error(file->commit(), target, "rename");
+    EXPECT_EQ(files(), 1);
+}
+
+TEST_F(Files, FullDisk) {
+    // In a child: the limit stands in for a full disk.
+    const auto child = [this] {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit{1000, 1000};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        Status status;
+        {
+            Result<OutputFile> file = OutputFile::create(path("a"));
+            const std::vector<std::byte> bytes(600);
+            status = file->append(bytes);
+            if (status)
+                status = file->append(bytes);
+        }
+        const bool good = status.code() == ErrorCode::io && files() == 0 &&
+                          status.message().find("offset 1000") != std::string::npos;
+        std::_Exit(good ? 0 : 1);
+    };
+    EXPECT_EXIT(child(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST_F(Files, Sources) {
+    std::ofstream(path("a")) << "0123456789";
+    Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
+    ASSERT_TRUE(file) << file.status().message();
+    const std::string digits = "0123456789";
+    std::unique_ptr<ByteSource> memory = wrap_memory(bytes_of(digits));
+    for (ByteSource* source : {file->get(), memory.get()}) {
+        EXPECT_EQ(source->size(), 10u);
+        CountingByteSource counting(*source);
+        std::array<std::byte, 4> four;
+        ASSERT_TRUE(counting.read(6, four));
+        EXPECT_EQ(four[3], std::byte{'9'});
+        EXPECT_EQ(counting.read(7, four).code(), ErrorCode::io);
+        EXPECT_EQ(counting.read(~0ull - 1, four).code(), ErrorCode::io);
+        EXPECT_TRUE(counting.read(10, {}));
+        ASSERT_EQ(counting.reads().size(), 4u);
+        EXPECT_EQ(counting.reads()[0].offset, 6u);
+        EXPECT_EQ(counting.reads()[0].length, 4u);
+    }
+    std::filesystem::resize_file(path("a"), 5);
+    std::array<std::byte, 4> four;
+    expect_io_error((*file)->read(4, four), path("a"), "shorter");
+}
+
+TEST_F(Files, ReadMany) {
+    std::ofstream(path("a")) << "0123456789";
+    Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
+    ASSERT_TRUE(file) << file.status().message();
+    const std::string digits = "0123456789";
+    std::unique_ptr<ByteSource> memory = wrap_memory(bytes_of(digits));
+    for (ByteSource* source : {file->get(), memory.get()}) {
+        CountingByteSource counting(*source);
+        std::array<std::byte, 2> a, b, c;
+        const ReadRequest three[] = {{6, a}, {0, b}, {5, c}};
+        ASSERT_TRUE(counting.read_many(three));
+        EXPECT_EQ(a[1], std::byte{'7'});
+        EXPECT_EQ(b[0], std::byte{'0'});
+        EXPECT_EQ(c[0], std::byte{'5'});
+        ASSERT_EQ(counting.reads().size(), 1u) << "near ranges count as one request";
+        EXPECT_EQ(counting.reads()[0].offset, 0u);
+        EXPECT_EQ(counting.reads()[0].length, 8u);
+        const ReadRequest outside[] = {{0, a}, {9, b}};
+        EXPECT_EQ(counting.read_many(outside).code(), ErrorCode::io);
+        EXPECT_EQ(source->read_many(outside).code(), ErrorCode::io);
+        EXPECT_TRUE(counting.read_many({}));
+        EXPECT_FALSE(counting.wants_prefetch());
+    }
+}
+
+TEST_F(Files, SourcesThatCannotBe) {
+    expect_io_error(open_file(path("none")).status(), path("none"), "No such file");
+    expect_io_error(open_file(folder_.string()).status(), folder_.string(), "directory");
+    expect_io_error(open_file("/dev/null").status(), "/dev/null", "regular");
+    ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+    expect_io_error(open_file(path("pipe")).status(), path("pipe"), "regular");
+}
+
+} // namespace
+} // namespace tessera

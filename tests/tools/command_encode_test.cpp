@@ -1,0 +1,163 @@
+// The verb encode: coding tools, targets, masks.
+#include "tests/support/cli_fixture.h"
+#include "tests/support/cli_scenes.h"
+
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+using namespace tessera::test;
+using namespace tessera::test::cli_scenes;
+
+class EncodeVerb : public CliFixture {};
+
+TEST_F(EncodeVerb, SwitchesCodingTools) {
+    succeed(small_scene + "-q -o a.rgb");
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess ";
+    // A file says which tools it was made with, so what it decodes to is compared.
+    const auto texels = [&](const std::string& tools) {
+        succeed(encode + tools);
+        succeed("decode x.tess -q -o x.rgb");
+        const auto decoded = slurp(at("x.rgb"));
+        fs::remove(at("x.rgb"));
+        return decoded;
+    };
+    const std::string all = texels("");
+    EXPECT_FALSE(texels("--tools -copies,-rotation") == all);
+    EXPECT_FALSE(texels("--tools none") == all);
+    EXPECT_FALSE(texels("--tools none,+copies") == texels("--tools=none"));
+    EXPECT_TRUE(texels("--tools -copies,+copies") == all); // the last word counts
+    EXPECT_TRUE(texels("--tools none --effort 0") == texels("--tools none"));
+    succeed(small_scene + "-q -o x.tess --tools none");
+    succeed("compare x.tess a.rgb --size 32x16x9x5 --min-psnr 38");
+    fail(1, encode + "--tools -copeis",
+         {"--tools", "'-copeis'", "did you mean 'copies'", "fitted-tables"});
+    fail(1, encode + "--tools +frobnication", {"--tools", "frobnication", "copies, half"});
+    fail(1, encode + "--tools copies", {"--tools", "+copies", "-copies"});
+    fail(1, encode + "--tools -copies,,+half", {"--tools"});
+    fail(1, small_scene + "-o y.tess --tools -copeis", {"did you mean 'copies'"});
+    fail(1, small_scene + "-o y.rgb --tools none", {".tess"});
+    fail(1, "rd composed -o report --tools -copeis", {"did you mean 'copies'"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "x.tess"}));
+    const std::string rd = "rd a.rgb --size 32x16x9x5 -o report --rivals none --quality 50 "
+                           "--efforts 0 --json ";
+    const Json without = json(rd + "--tools none"), with = json(rd); // the cache knows them apart
+    EXPECT_NE(without["textures"][0]["measurements"][0]["bytes"],
+              with["textures"][0]["measurements"][0]["bytes"]);
+    EXPECT_NE(without.dump().find("--tools none"), std::string::npos);
+    // Of those who compress it is no business, of those who measure it is.
+    for (const char* verb : {"encode", "bake"})
+        EXPECT_EQ(run(std::string(verb) + " --help").out.find("--tools"), std::string::npos);
+    EXPECT_NE(run("rd --help").out.find("--tools"), std::string::npos);
+}
+
+TEST_F(EncodeVerb, KeepsItsPromises) {
+    succeed(small_scene + "-q -o a.rgb");
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess " + quick;
+    succeed(encode + "--max-error 0");
+    EXPECT_EQ(json("compare a.rgb x.tess --json")["identical"], true);
+    succeed(encode + "--max-error 3");
+    EXPECT_LE(json("compare a.rgb x.tess --json")["max_error"].get<int>(), 3);
+    succeed(encode + "--target-psnr 36");
+    EXPECT_GE(json("compare a.rgb x.tess --json")["psnr"].get<double>(), 35.95);
+    succeed(encode + "--target-bytes 6000");
+    EXPECT_LE(fs::file_size(at("x.tess")), 6000u);
+    succeed(encode + "--target-bpt 2");
+    EXPECT_LE(static_cast<double>(fs::file_size(at("x.tess"))) * 8, 2.0 * 32 * 16 * 9 * 5);
+    succeed(encode + "--threads 1");
+    const std::string one = slurp(at("x.tess"));
+    succeed(encode + "--threads 3 --no-verify");
+    EXPECT_EQ(slurp(at("x.tess")), one);
+}
+
+TEST_F(EncodeVerb, MasksSayWhichTexelsMatter) {
+    succeed(small_scene + "-q -o a.rgb");
+    std::string places(32 * 16, '\0');
+    for (std::size_t i = 0; i < places.size(); ++i)
+        places[i] = i % 32 < 24 ? 'x' : '\0';
+    spit(at("m.gray"), places);
+    const std::string encode = "encode a.rgb --size 32x16x9x5 " + quick,
+                      sides = " --mask-size 32x16x1x1";
+    const Outcome coded = run(encode + "-o x.tess --mask m.gray" + sides);
+    EXPECT_EQ(coded.code, 0) << coded.err;
+    EXPECT_NE(coded.out.find("75.00 % of the texels matter"), std::string::npos) << coded.out;
+    succeed(encode + "-q -o plain.tess");
+    EXPECT_LT(fs::file_size(at("x.tess")), fs::file_size(at("plain.tess")));
+    // The same mask as another kind of texture.
+    succeed("encode m.gray --size 32x16x1x1 --max-error 0 -q -o m.tess");
+    for (const char* mask : {"m.exr", "m_views/"})
+        succeed(std::string("decode m.tess -q -o ") + mask);
+    for (const char* mask : {"m.tess", "m.exr", "m_views"}) {
+        succeed(encode + "-q -o y.tess --mask " + mask + sides);
+        EXPECT_EQ(slurp(at("y.tess")) == slurp(at("x.tess")), true) << mask;
+    }
+
+    const std::string compare = "compare a.rgb x.tess ";
+    const Json all = json(compare + "--json"),
+               part = json(compare + "--json --mask m.gray" + sides);
+    EXPECT_GT(part["psnr"], all["psnr"]);
+    EXPECT_EQ(part["mask"]["texels"], 24 * 16 * 9 * 5);
+    EXPECT_FALSE(part.contains("ssim"));
+    const Outcome text = run(compare + "--mask m.gray" + sides);
+    EXPECT_NE(text.out.find("17280 texels matter"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("no SSIM"), std::string::npos) << text.out;
+}
+
+TEST_F(EncodeVerb, RefusesMasksThatDoNotFit) {
+    succeed(small_scene + "-q -o a.rgb");
+    spit(at("m.gray"), std::string(32 * 16, 'x'));
+    const std::string encode = "encode a.rgb --size 32x16x9x5 -o x.tess --mask ",
+                      compare = "compare a.rgb a.rgb --size 32x16x9x5 --mask ";
+    for (const std::string& verb : {encode, compare}) {
+        fail(2, verb + "missing.gray", {"missing.gray"});
+        fail(3, verb + "m.gray", {"m.gray"}); // not of the texture's size
+        fail(1, verb + "m.gray --mask-size 16x32x1x1", {"m.gray", "16x32x1x1", "32x16x9x5"});
+        fail(1, verb + "m.gray --mask-size 16x32x1", {"--mask-size"});
+        fail(1, verb + "m.jpeg", {"m.jpeg"});
+    }
+    fail(1, "encode a.rgb --size 32x16x9x5 -o x.tess --mask-size 32x16x1x1", {"--mask"});
+    fail(1, compare + "m.gray --mask-size 32x16x1x1 --min-ssim 0.5", {"--min-ssim"});
+    // One that is loaded has to fit the budget; one byte a texel that is read in place has not.
+    const std::uintmax_t texels = 128ull * 64 * 32 * 32;
+    for (const auto& [name, channels] : {std::pair("large.gray", 1u), std::pair("large.rgb", 3u)}) {
+        spit(at(name), "");
+        fs::resize_file(at(name), texels * channels); // a hole
+    }
+    const std::string large = "encode large.gray --size 128x64x32x32 --effort 0 -q -o y.tess "
+                              "--threads 1 --memory 97M --mask ";
+    fail(5, large + "large.rgb", {"large.rgb", "memory", "--memory", ".gray"});
+    succeed(large + "large.gray");
+    EXPECT_FALSE(fs::exists(at("x.tess")));
+}
+
+TEST_F(EncodeVerb, TakesOddSizes) {
+    for (const std::string size : {"1x1x1x1", "7x5x3x2", "33x1x9x1"}) {
+        succeed("bake gallery --spp 1 -q -o a.exr --size " + size);
+        succeed("encode a.exr -q -o a.tess");
+        succeed("validate a.tess -q");
+        succeed("decode a.tess -q -o b/");
+        EXPECT_EQ(json("compare a.tess b --json")["identical"], true) << size;
+    }
+}
+
+TEST_F(EncodeVerb, HandlesHdr) {
+    succeed("bake lamps -q --spp 1 --size 16x8x4x4 -o a.tess --max-error 4");
+    succeed("bake lamps -q --spp 1 --size 16x8x4x4 -o a.exr");
+    const Json c = json("compare a.exr a.tess --json");
+    EXPECT_LE(c["max_error"].get<int>(), 4);
+    EXPECT_TRUE(c.contains("psnr_pu21") && c.contains("psnr_log2"));
+    EXPECT_EQ(json("info a.tess --json")["type"], "half16");
+    fail(5, "decode a.tess -o views/", {"views", "EXR"});
+    const std::string half("\x00\x7e\x00\x7c\x00\xfc\x00\x3c", 8); // NaN, inf, -inf, 1
+    spit(at("n.gray16f"), half);
+    const Outcome o = run("encode n.gray16f --size 2x2x1x1 -o n.tess --max-error 0");
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_NE(o.out.find("1 NaN replaced by 0, 2 infinities"), std::string::npos) << o.out;
+    fail(3, "encode n.gray16f --size 2x2x1x1 -o m.tess --strict", {"n.gray16f"});
+    EXPECT_FALSE(fs::exists(at("m.tess")));
+}
+
+} // namespace

@@ -1,0 +1,422 @@
+// Drawing on the device, against drawing on the CPU; frames that sharpen.
+#include "codec/encoder.h"
+#include "tests/support/efforts.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/rendering.h"
+#include "tests/support/sample_probes.h"
+#include "tests/support/test_folder.h"
+#include "tools/picture/png_file.h"
+#include "tools/support/json_text.h"
+#include "tools/verbs/command.h"
+#include "tools/view/gpu_renderer.h"
+#include "tools/view/texel_cache.h"
+#include "tools/view/view_file.h"
+#include "tools/view/view_renderer.h"
+#include "tools/view/view_report.h"
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <unistd.h>
+#ifdef TESSERA_HTTP
+#include "tests/support/raw_server.h"
+#endif
+
+namespace tessera {
+namespace {
+
+using namespace tessera::test::rendering;
+
+using test::slurp;
+namespace fs = std::filesystem;
+
+class GpuRender : public Render {
+protected:
+    void SetUp() override {
+        Render::SetUp();
+        if (test::no_gpu_asked())
+            GTEST_SKIP() << "TESSERA_NO_GPU=1";
+    }
+
+    // A file in small tiles, so that the borders of many cross the picture.
+    static std::vector<std::byte> small_tiles(const std::string& scene, int effort) {
+        const auto source = bake(scene, {64, 32, 16, 12}, 1);
+        EncodeOptions options;
+        options.tile_extent = {16, 8, 8, 8};
+        options.effort = effort;
+        return encoded(*source, options);
+    }
+};
+
+// Where single precision cannot be held to double: less than a thousandth of the radius from the
+// silhouette, where the place runs off like a square root and rounding decides between hit and
+// miss; and what sample_probes.h excepts for all tests of the sampler.
+bool is_ill_conditioned(const Extent4& size, const Camera& camera, std::uint32_t i,
+                        std::uint32_t j) {
+    const glm::dvec3 ray = camera.direction(i + 0.5, j + 0.5);
+    const glm::dvec3 gap = camera.eye - glm::dot(camera.eye, ray) * ray;
+    const double nearest = glm::length(gap) / corpus::window_radius;
+    if (std::abs(nearest - 1) < 1e-3)
+        return true;
+    if (nearest > 1)
+        return false;
+    const glm::dvec3 place = gap - corpus::window_radius * std::sqrt(1 - nearest * nearest) * ray;
+    const test::Condition c = test::condition_of(size, {glm::vec3(place), glm::vec3(-ray)});
+    return c.planar < 3e-4 || c.jumps;
+}
+
+// Over all pixels that can be judged, as displayed, in steps of 8 bits.
+double worst_difference(const View& a, const View& b, const Extent4& size, const Camera& camera,
+                        SampleType type) {
+    const auto shown = [&](float x) {
+        const double value = std::max(double{x}, 0.0);
+        return 255 * (type == SampleType::half16 ? value / (1 + value) : value);
+    };
+    double worst = 0;
+    std::size_t judged = 0;
+    for (std::uint32_t j = 0; j < camera.height; ++j)
+        for (std::uint32_t i = 0; i < camera.width; ++i) {
+            if (is_ill_conditioned(size, camera, i, j))
+                continue;
+            ++judged;
+            const std::size_t at = (std::size_t{j} * camera.width + i) * 3;
+            for (std::size_t c = at; c < at + 3; ++c)
+                worst = std::max(worst, std::abs(shown(a.rgb[c]) - shown(b.rgb[c])));
+        }
+    EXPECT_GT(judged, std::size_t{camera.width} * camera.height * 98 / 100);
+    return worst;
+}
+
+TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
+    for (const char* scene : {"composed", "lamps"}) {
+        // Without copies and with.
+        const bool copies = std::string(scene) == "lamps";
+        const std::vector<std::byte> bytes =
+            small_tiles(scene, copies ? test::copies_effort : test::quick_effort);
+        const auto file = wrap_memory(bytes);
+        const auto decoder = Decoder::open(*file);
+        ASSERT_TRUE(decoder.ok());
+        const auto texels = decoded_source(*decoder);
+        const TextureDesc& desc = decoder->desc();
+        const Camera cameras[] = {camera_at(aslant, {45, 120, 90}),
+                                  camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 90, 90}),
+                                  camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 90, 70})};
+        for (const char* via : {"gpu", "load", "feedback"}) {
+            const auto renderer =
+                make_gpu_renderer(decoder->container(), paper_window, grey, {via, 64});
+            ASSERT_TRUE(renderer.ok()) << renderer.status().message();
+            for (const Camera& camera : cameras) {
+                const View expected = texture_view(*texels, camera, {}, {16, 8, 8, 8});
+                const View view = view_of(**renderer, camera);
+                EXPECT_EQ(view.remark, "");
+                const double worst = worst_difference(view, expected, desc.size, camera, desc.type);
+                RecordProperty(std::string(scene) + " " + via, std::to_string(worst));
+                EXPECT_LE(worst, 1.5) << scene << " " << via << " " << camera.eye.x;
+            }
+            EXPECT_GT((*renderer)->device_use()->bytes, 0u);
+            EXPECT_LE((*renderer)->device_use()->bytes, 64u << 20);
+        }
+    }
+}
+
+TEST_F(GpuRender, KeepsThePlaceOfTheSphere) {
+    const std::vector<std::byte> bytes = small_tiles("composed", test::quick_effort);
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const glm::dvec3 there{1, -2, 5};
+    const auto here = make_gpu_renderer(decoder->container(), paper_window, grey, {"load", 64});
+    const auto moved = make_gpu_renderer(decoder->container(), {there, 2 * corpus::window_radius},
+                                         grey, {"load", 64});
+    ASSERT_TRUE(here.ok() && moved.ok()); // two contexts in one program
+    const View a = view_of(**here, camera_at(aslant, {45, 60, 45}));
+    const View b = view_of(
+        **moved, camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 60, 45}));
+    EXPECT_LE(worst_difference(a, b, decoder->desc().size, camera_at(aslant, {45, 60, 45}),
+                               SampleType::unorm8),
+              0.5);
+}
+
+// The budget that the remark gives holds what the view needs.
+TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
+    const auto source = bake("gallery", {256, 128, 8, 8}, 1);
+    EncodeOptions options;
+    options.tile_extent = {32, 16, 8, 8};
+    options.rate = {RateTarget::Kind::quality, 20};
+    options.effort = test::quick_effort;
+    const std::vector<std::byte> bytes = encoded(*source, options);
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const auto texels = decoded_source(*decoder);
+    const Camera camera = camera_at(aslant, {45, 80, 60});
+    const Picture expected = to_picture(texture_view(*texels, camera), SampleType::unorm8);
+    const auto tiny = make_gpu_renderer(decoder->container(), paper_window, grey, {"feedback", 6});
+    ASSERT_TRUE(tiny.ok()) << tiny.status().message();
+    const View coarse = view_of(**tiny, camera);
+    EXPECT_LE((*tiny)->device_use()->bytes, (6u << 20) + camera.width * camera.height * 16 + 4096);
+    unsigned missing = 0, touched = 0, budget = 0, advice = 0;
+    ASSERT_EQ(std::sscanf(coarse.remark.c_str(),
+                          "%u of the %u tiles that it touches found no place within --budget %u "
+                          "and are drawn coarsely; --budget %u",
+                          &missing, &touched, &budget, &advice),
+              4)
+        << coarse.remark;
+    EXPECT_GT(missing, 0u);
+    EXPECT_LT(missing, touched);
+    EXPECT_EQ(budget, 6u);
+    EXPECT_LT(advice, 20u) << "not just anything";
+    EXPECT_EQ(view_of(**tiny, camera).rgb, coarse.rgb) << "a view that stands still keeps still";
+    // Coarse is not empty: like the picture, unlike the background that it would be without.
+    const double psnr = likeness_of(expected, to_picture(coarse, SampleType::unorm8)).psnr;
+    EXPECT_GT(psnr, likeness_of(expected, blank_picture(80, 60, 128)).psnr + 3);
+    const auto enough =
+        make_gpu_renderer(decoder->container(), paper_window, grey, {"feedback", advice});
+    ASSERT_TRUE(enough.ok()) << enough.status().message();
+    const View whole = view_of(**enough, camera);
+    EXPECT_EQ(whole.remark, "");
+    EXPECT_GT(likeness_of(expected, to_picture(whole, SampleType::unorm8)).psnr, psnr + 10);
+}
+
+TEST_F(GpuRender, OrbitsByFeedback) {
+    const std::string file = encode("composed", "c.tess");
+    ASSERT_TRUE(run({file, "-o", at("f.png"), "--orbit", "3", "--size", "40x30", "--via",
+                     "feedback", "--original", file, "--json"})
+                    .ok());
+    const Json json = Json::parse(out_);
+    EXPECT_GT(json["device"]["bytes"].get<double>(), 0);
+    for (const Json& view : json["views"])
+        EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 45) << view;
+    ASSERT_TRUE(run({file, "-o", at("g.png"), "--size", "8x8", "--via", "load"}).ok());
+    EXPECT_NE(out_.find("MiB held"), std::string::npos) << out_;
+    fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1"},
+          "--via cpu");
+}
+
+// With coarse levels, on a sphere, of many tiles.
+class Sharpening : public GpuRender {
+protected:
+    static void SetUpTestSuite() {
+        if (test::no_gpu_asked())
+            return;
+        ::setenv("no_proxy", "127.0.0.1", 1);
+        EncodeOptions options;
+        options.layers = true;
+        options.tile_extent = {16, 16, 8, 8};
+        options.effort = test::quick_effort;
+        options.rate = {RateTarget::Kind::quality, 60};
+        options.description.proxy = Proxy::sphere;
+        options.description.sphere_radius = 3.5f;
+        options.description.surface_map = SurfaceMap::sphere_longitude_latitude;
+        options.description.angular_map = AngularMap::hemisphere_alpha_beta;
+        const auto source = bake("gallery", {128, 64, 16, 16}, 1);
+        bytes_ = encoded(*source, options);
+    }
+    static void TearDownTestSuite() { bytes_ = {}; }
+    void SetUp() override {
+        GpuRender::SetUp();
+        if (IsSkipped())
+            return;
+        std::ofstream(at("g.tess"), std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes_.data()),
+                   static_cast<std::streamsize>(bytes_.size()));
+    }
+    static Picture picture_at(const std::string& path) {
+        const auto shape = read_png_shape(path);
+        EXPECT_TRUE(shape.ok()) << path;
+        Picture picture = blank_picture(shape->width, shape->height, 0);
+        EXPECT_EQ(shape->channels, 3);
+        EXPECT_TRUE(read_png(path, *shape, shape->height,
+                             [&](std::uint32_t y, std::span<const std::byte> row) {
+                                 std::memcpy(picture.rgb.data() + y * row.size(), row.data(),
+                                             row.size());
+                             })
+                        .ok());
+        return picture;
+    }
+    // Draws a view of the file or URL in frames; the frames as JSON.
+    Json frames_of(const std::string& file, const std::string& name,
+                   const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--size",
+                                          "160x120",  "--eye",  "8,3,6",           "--via",
+                                          "feedback", "--json", "--frames"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Status status = run(words);
+        EXPECT_TRUE(status.ok()) << status.message();
+        return status.ok() ? Json::parse(out_)["views"][0]["frames"] : Json::array();
+    }
+
+    static inline std::vector<std::byte> bytes_; // the file, encoded once
+};
+
+TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {
+    const Json frames = frames_of(at("g.tess"), "v");
+    ASSERT_EQ(frames.size(), 2u) << frames;
+    EXPECT_EQ(frames[0]["coarse"], frames[0]["touched"]);
+    EXPECT_GT(frames[0]["touched"], 20);
+    EXPECT_EQ(frames[0]["decoded"], 0);
+    EXPECT_LT(frames[0]["bytes"], bytes_.size() / 4) << "no tile was read";
+    EXPECT_EQ(frames[1]["decoded"], frames[0]["touched"]);
+    EXPECT_EQ(frames[1]["coarse"], 0);
+    EXPECT_LT(frames[1]["bytes"], bytes_.size());
+    const Picture coarse = picture_at(at("v-frame-1.png")), sharp = picture_at(at("v.png"));
+    EXPECT_TRUE(slurp(at("v-frame-2.png")) == slurp(at("v.png")));
+    const double psnr = likeness_of(sharp, coarse).psnr;
+    RecordProperty("coarse_psnr", std::to_string(psnr));
+    EXPECT_GT(psnr, 20);
+    Picture shifted = sharp; // by a tenth of its width
+    std::rotate(shifted.rgb.begin(), shifted.rgb.begin() + 16 * 3, shifted.rgb.end());
+    EXPECT_GT(psnr, likeness_of(sharp, shifted).psnr + 1);
+    EXPECT_GT(psnr, likeness_of(sharp, blank_picture(160, 120, 128)).psnr + 3);
+}
+
+// Means of all decoded tiles, which need every tile, and those of the level give much the same first
+// frame; the last one is the same.
+TEST_F(Sharpening, LevelsReplaceMeansOfAllTiles) {
+    const auto source = wrap_memory(bytes_);
+    const auto decoder = Decoder::open(*source);
+    ASSERT_TRUE(decoder.ok());
+    const ContainerReader& reader = decoder->container();
+    const auto texels = decoded_level(*decoder, reader.levels().size() - 1);
+    const Camera camera = camera_at({{8, 3, 6}, {0, 0, 0}}, {45, 160, 120});
+    std::vector<Picture> first, last;
+    for (const bool from_level : {false, true}) {
+        GpuRenderOptions options{"feedback", 64, 0, {}, nullptr, {}};
+        if (from_level) {
+            options.coarse_level = reader.levels().back();
+            options.coarse_texels = texels.get();
+        }
+        const auto renderer = make_gpu_renderer(reader, paper_window, grey, options);
+        ASSERT_TRUE(renderer.ok()) << renderer.status().message();
+        (*renderer)->watch([&](unsigned number, const DrawnFrame&, const auto& picture) -> Status {
+            if (number == 1)
+                first.push_back(to_picture(*picture(), SampleType::unorm8));
+            return {};
+        });
+        last.push_back(to_picture(view_of(**renderer, camera), SampleType::unorm8));
+    }
+    EXPECT_EQ(first.size(), 2u);
+    EXPECT_TRUE(last[0].rgb == last[1].rgb);
+    const double means = likeness_of(last[0], first[0]).psnr;
+    const double level = likeness_of(last[1], first[1]).psnr;
+    RecordProperty("means_psnr", std::to_string(means));
+    RecordProperty("level_psnr", std::to_string(level));
+    EXPECT_GT(level, means - 3) << means;
+    EXPECT_GT(likeness_of(first[0], first[1]).psnr, 22) << level << " " << means;
+}
+
+TEST_F(Sharpening, InStepsOnRequest) {
+    frames_of(at("g.tess"), "v");
+    const Json frames = frames_of(at("g.tess"), "w", {"--tiles-per-frame", "7"});
+    ASSERT_GT(frames.size(), 4u);
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        EXPECT_LE(frames[i]["decoded"], 7);
+        EXPECT_EQ(frames[i]["coarse"].get<int>(),
+                  frames[i - 1]["coarse"].get<int>() - frames[i]["decoded"].get<int>());
+    }
+    EXPECT_EQ(frames.back()["coarse"], 0);
+    EXPECT_TRUE(slurp(at("v.png")) == slurp(at("w.png")));
+    EXPECT_TRUE(fs::exists(at("w-frame-" + std::to_string(frames.size()) + ".png")));
+    ASSERT_TRUE(run({at("g.tess"), "-o", at("o.png"), "--orbit", "2", "--size", "40x30", "--via",
+                     "feedback", "--log"})
+                    .ok());
+    EXPECT_EQ(out_.rfind("view 1 frame 1: ", 0), 0u) << out_;
+    EXPECT_NE(out_.find("view 2 frame 1: "), std::string::npos) << out_;
+    EXPECT_NE(out_.find(" coarse, 0 reads, 0 bytes\n"), std::string::npos) << out_;
+    fails(ErrorCode::bad_argument, {at("g.tess"), "-o", at("o.png"), "--frames"}, "feedback");
+    fails(ErrorCode::bad_argument, {at("g.tess"), "-o", at("o.png"), "--tiles-per-frame", "3"},
+          "feedback");
+}
+
+// A part of a file: what is not there stays coarse.
+TEST_F(Sharpening, ShowsBeginningsOfFiles) {
+    const auto source = wrap_memory(bytes_);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader.ok());
+    const std::uint64_t first = reader->locate(0)->offset;
+    for (const std::uint64_t length : {first, first + (bytes_.size() - first) / 2}) {
+        fs::copy_file(at("g.tess"), at("part.tess"), fs::copy_options::overwrite_existing);
+        fs::resize_file(at("part.tess"), length);
+        const Json frames = frames_of(at("part.tess"), "part", {"--allow-partial"});
+        ASSERT_FALSE(frames.empty());
+        EXPECT_GT(frames.back()["coarse"], 0);
+        if (length == first) // nothing but coarse data
+            EXPECT_EQ(frames.back()["coarse"], frames.back()["touched"]);
+        else
+            EXPECT_LT(frames.back()["coarse"], frames.back()["touched"]);
+    }
+}
+
+#ifdef TESSERA_HTTP
+TEST_F(Sharpening, ComesOverANetworkInFewRequests) {
+    frames_of(at("g.tess"), "near");
+    const std::string file(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+    const test::RawServer server([&](const std::string& head, unsigned) {
+        return test::RawServer::Answer{test::PartAnswer(head, file).text()};
+    });
+    const Json frames = frames_of(server.url(), "far");
+    ASSERT_EQ(frames.size(), 2u);
+    EXPECT_LE(frames[0]["requests"], 3);
+    EXPECT_LT(frames[0]["bytes"], bytes_.size() / 4);
+    EXPECT_TRUE(slurp(at("far.png")) == slurp(at("near.png")));
+    EXPECT_TRUE(slurp(at("far-frame-1.png")) == slurp(at("near-frame-1.png")));
+    EXPECT_EQ(server.requests(),
+              frames[0]["requests"].get<unsigned>() + frames[1]["requests"].get<unsigned>());
+    ASSERT_TRUE(
+        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback"}).ok());
+    EXPECT_NE(out_.find("view 1 frame 2: "), std::string::npos) << "usual for URLs\n" << out_;
+    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30"}).ok());
+    EXPECT_NE(out_.find("view 1: "), std::string::npos) << out_;
+    ASSERT_TRUE(
+        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}).ok());
+    EXPECT_EQ(out_, "");
+}
+
+// Refusals, and answers that break off; one range fails for longer than its requests are repeated, so
+// that a whole frame goes without, and the next one asks again.
+TEST_F(Sharpening, OutlivesAFailingNetwork) {
+    frames_of(at("g.tess"), "near");
+    const std::string file(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+    std::mutex mutex;
+    std::map<std::uint64_t, unsigned> asked;
+    std::optional<std::uint64_t> stubborn;
+    const test::RawServer server([&](const std::string& head, unsigned number) {
+        const std::string good = test::PartAnswer(head, file).text();
+        const std::lock_guard lock(mutex);
+        const std::uint64_t first = test::range_of(head)->first;
+        if (number >= 3 && !stubborn)
+            stubborn = first;
+        const unsigned before = asked[first]++;
+        if (stubborn == first ? before < 6 : number >= 3 && before == 0 && first % 2 == 0)
+            return test::RawServer::Answer{
+                "HTTP/1.1 503 Later\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n"};
+        if (number >= 3 && before == 0)
+            return test::RawServer::Answer{good.substr(0, good.size() - 1), false};
+        return test::RawServer::Answer{good};
+    });
+    const Json frames = frames_of(server.url(), "far");
+    ASSERT_EQ(frames.size(), 3u) << frames;
+    EXPECT_TRUE(frames[1].contains("trouble")) << frames;
+    EXPECT_EQ(frames[1]["coarse"], frames[0]["coarse"]);
+    EXPECT_FALSE(frames[2].contains("trouble")) << frames;
+    EXPECT_TRUE(slurp(at("far.png")) == slurp(at("near.png")));
+
+    // A server that never recovers ends the view with its own reason.
+    const test::RawServer gone([&](const std::string& head, unsigned number) {
+        return test::RawServer::Answer{
+            number < 3 ? test::PartAnswer(head, file).text()
+                       : "HTTP/1.1 503 Later\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n"};
+    });
+    fails(ErrorCode::io,
+          {gone.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}, "503");
+}
+#endif
+
+} // namespace
+} // namespace tessera

@@ -1,0 +1,140 @@
+// Drawing on the CPU: a texture, and the scene that it stands for.
+#include "codec/encoder.h"
+#include "corpus/catalog.h"
+#include "corpus/shade.h"
+#include "tests/support/efforts.h"
+#include "tests/support/rendering.h"
+#include "tools/verbs/command.h"
+#include "tools/view/texel_cache.h"
+#include "tools/view/view_file.h"
+#include "tools/view/view_renderer.h"
+#include "tools/view/view_report.h"
+
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace tessera {
+namespace {
+
+using namespace tessera::test::rendering;
+
+// A baked texture in memory, and how often it was read.
+class MemoryTexture final : public TexelSource {
+public:
+    explicit MemoryTexture(TexelSource& source)
+        : desc_(source.desc()), texels_(desc_.box_bytes(Box4::whole(desc_.size))) {
+        EXPECT_TRUE(source.read(Box4::whole(desc_.size), texels_).ok());
+    }
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        ++reads_;
+        std::byte* to = out.data();
+        const std::size_t n = desc_.texel_bytes();
+        const Extent4& e = desc_.size;
+        for (std::size_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            for (std::size_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                for (std::size_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
+                    for (std::size_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s, to += n)
+                        std::memcpy(to,
+                                    texels_.data() +
+                                        (((v * e[axis_u] + u) * e[axis_t] + t) * e[axis_s] + s) * n,
+                                    n);
+        return {};
+    }
+    int reads() const { return reads_; }
+
+private:
+    TextureDesc desc_;
+    std::vector<std::byte> texels_;
+    std::atomic<int> reads_{0};
+};
+
+View truth_view(const std::string& scene, const Camera& camera, unsigned samples,
+                const SphereWindow& window = paper_window) {
+    return view_of(*make_truth_renderer(*corpus::make_scene(scene), window, samples, {}), camera);
+}
+
+TEST(TextureRenderer, LazyBakingChangesNothing) {
+    const auto lazy = bake("mirror", {32, 16, 9, 8}, 2);
+    MemoryTexture whole(*lazy);
+    const Camera camera = camera_at(aslant, {45, 60, 45});
+    const View expected = texture_view(whole, camera, {1, 1u << 30, {}}, {32, 32, 32, 32});
+    EXPECT_EQ(whole.reads(), 1);
+    EXPECT_EQ(texture_view(*lazy, camera, {3, 1u << 30, {}}).rgb, expected.rgb);
+    EXPECT_EQ(texture_view(*lazy, camera, {2, 1, {}}, {5, 3, 2, 1}).rgb, expected.rgb)
+        << "a cache that keeps nothing";
+    const int before = whole.reads();
+    texture_view(whole, camera, {2, 1u << 30, {}}, {8, 8, 4, 4});
+    EXPECT_LT(whole.reads() - before, 4 * 2 * 3 * 2) << "the far side is not read";
+}
+
+// One ray per pixel in both, so that nothing but the texture's resolution is between them.
+TEST(TextureRenderer, ApproachesTheTruth) {
+    for (const char* scene : {"composed", "gallery"})
+        for (const NamedPose& named : paper_views()) {
+            const Camera camera = camera_at(named.pose, {45, 40, 30});
+            const auto psnr = [&](const Extent4& size) {
+                const auto source = bake(scene, size, 1);
+                return likeness_of(to_picture(truth_view(scene, camera, 1), SampleType::unorm8),
+                                   to_picture(texture_view(*source, camera, {}, {2, 2, 2, 2}),
+                                              SampleType::unorm8))
+                    .psnr;
+            };
+            const double coarse = psnr({32, 16, 8, 8}), fine = psnr({8192, 4096, 2048, 2048});
+            EXPECT_GT(fine, coarse + 10) << scene << " " << named.name;
+            RecordProperty(std::string(scene) + " " + named.name,
+                           std::to_string(coarse) + " " + std::to_string(fine));
+        }
+}
+
+TEST(TextureRenderer, ReadsACompressedFile) {
+    const auto source = bake("composed", {32, 16, 8, 8}, 2);
+    EncodeOptions options;
+    options.rate = {RateTarget::Kind::max_error, 0};
+    options.effort = test::quick_effort;
+    const std::vector<std::byte> bytes = encoded(*source, options);
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok());
+    const auto texels = decoded_source(*decoder);
+    const Camera camera = camera_at(aslant, {45, 60, 45});
+    EXPECT_EQ(texture_view(*texels, camera, {}, decoder->container().grid().tile_extent()).rgb,
+              texture_view(*source, camera).rgb);
+}
+
+TEST(TextureRenderer, KeepsOutsideTheSphere) {
+    const auto source = bake("composed", {8, 4, 2, 2}, 1);
+    const auto renderer = make_texture_renderer(*source, {8, 8, 8, 8}, paper_window, grey, {});
+    const Lens lens{90, 8, 8};
+    EXPECT_EQ(renderer->render(camera_at({{3.4, 0, 0}, {0, 0, 0}}, lens)).status().code(),
+              ErrorCode::bad_argument);
+    const View away = view_of(*renderer, camera_at({{5, 0, 0}, {10, 0, 0}}, lens));
+    for (const float x : away.rgb)
+        EXPECT_EQ(x, 0.5f);
+}
+
+TEST(TruthRenderer, TracesTheScene) {
+    const corpus::Scene scene = *corpus::make_scene("composed");
+    const Camera camera = camera_at(aslant, {45, 21, 15});
+    const View view = truth_view("composed", camera, 1);
+    for (std::uint32_t j = 0; j < 15; ++j)
+        for (std::uint32_t i = 0; i < 21; ++i) {
+            const glm::dvec3 expected =
+                corpus::trace_scene(scene, {camera.eye, camera.direction(i + 0.5, j + 0.5)});
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(view.rgb[(std::size_t{j} * 21 + i) * 3 + static_cast<std::size_t>(c)],
+                            expected[c], 1e-6);
+        }
+    // The same in a world twice as large and somewhere else.
+    const glm::dvec3 there{1, -2, 5};
+    const Camera moved =
+        camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 21, 15});
+    const View other = truth_view("composed", moved, 1, {there, 2 * corpus::window_radius});
+    for (std::size_t i = 0; i < view.rgb.size(); ++i)
+        EXPECT_NEAR(view.rgb[i], other.rgb[i], 1e-6);
+}
+
+} // namespace
+} // namespace tessera
