@@ -47,16 +47,16 @@ constexpr int usual_effort = 3, most_effort = 5;
 
 struct EncodeOptions {
     RateTarget rate;
-    int effort = usual_effort;         // 0 fastest .. most_effort smallest
+    int effort = usual_effort; // 0 fastest .. most_effort smallest
     // Coding tools to switch on (+) or off (-) on top of the effort, for experiments: "-copies,+refine";
     // "none" and "all" stand for every tool, later words win. Their names: coding_tools_help().
     std::string tools;
-    unsigned threads = 0;              // 0: all cores. Never changes the bytes.
+    unsigned threads = 0;                  // 0: all cores. Never changes the bytes.
     std::uint64_t slab_bytes = 512u << 20; // most texels of `source` that a slab holds at a time
                                            // (pictures; sources of Locality::any hold none). Never
                                            // changes the bytes.
-    bool verify = true;                // decode every tile again and compare before it is written
-    bool strict = false;               // refuse NaN and infinities instead of replacing them
+    bool verify = true;                  // decode every tile again and compare before it is written
+    bool strict = false;                 // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t
     // Which texels matter: one channel of unorm8, 0 where any value will do, sides that are the
     // texture's or 1 (the same all along it), Locality::any; outlives the call. nullptr: all matter.
@@ -66,7 +66,7 @@ struct EncodeOptions {
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;   // key/values; "Software" is filled in when absent, and keys
                          // with "tessera:" in front are the encoder's: how it encoded
-    Description description;           // proxy, maps, transfer, primaries
+    Description description; // proxy, maps, transfer, primaries
     ProgressFunction progress;
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
     std::function<bool()> cancelled;
@@ -91,16 +91,16 @@ struct CodedLevel {
 struct EncodeReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t raw_bytes = 0;
-    double bits_per_texel = 0; // file_bytes * 8 / texels
+    double bits_per_texel = 0;                       // file_bytes * 8 / texels
     std::optional<std::uint64_t> texels_that_matter; // only with a mask
     // dB over all samples of texels that matter (HDR: over the 16-bit codes); 999: lossless
     double psnr = 0;
-    double max_error = 0;      // samples: 8-bit steps, or half-float ulps
+    double max_error = 0; // samples: 8-bit steps, or half-float ulps
     double seconds = 0;
-    unsigned passes = 0;              // full passes over the source
-    std::uint64_t nan_count = 0;      // replaced by 0
-    std::uint64_t infinity_count = 0; // replaced by +-65504
-    std::string note;                 // why a target was missed, if it was
+    unsigned passes = 0;                   // full passes over the source
+    std::uint64_t nan_count = 0;           // replaced by 0
+    std::uint64_t infinity_count = 0;      // replaced by +-65504
+    std::string note;                      // why a target was missed, if it was
     std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
 };
 

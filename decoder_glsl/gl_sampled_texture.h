@@ -35,7 +35,7 @@ struct SampledTextureOptions {
     // Let the texture unit mix angular neighbours. Not done on feedback for tiles of about 64 x 32
     // texels along u and s, or v and t: no texture of 2,048 pixels has room for their borders.
     bool hardware_filter = true;
-    bool coarse = true;                  // on_feedback: draw coarse texels where tiles are missing
+    bool coarse = true; // on_feedback: draw coarse texels where tiles are missing
     // on_feedback: what the coarse texels are made from. Without texels here every tile is decoded
     // once for them, which reads the whole file.
     CoarseTexels coarse_from{};

@@ -78,7 +78,7 @@ private:
     std::uint64_t asked_ = 0;
 };
 
-// For passes through a whole file over a network: 
+// For passes through a whole file over a network:
 // `inner` read in aligned pieces of 1 MiB, of which the last 16 used are kept. Pays where nearly
 // every byte is wanted, in ascending order. After the first error all reads that need `inner` fail
 // with it: a network that is down is not waited for again at every page. Thread-safe; `inner` must outlive it.

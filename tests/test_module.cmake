@@ -19,7 +19,8 @@ function(tessera_tests module)
     add_executable(${program} ${files} support/main.cpp)
     target_link_libraries(${program} PRIVATE ${ARG_USES} GTest::gtest tessera_build)
     # Tests are compiled more often than they are run; what is to be fast is in the libraries.
-    target_compile_options(${program} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+    # GTest's macros are ifs: -Wdangling-else means them.
+    target_compile_options(${program} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1> -Wno-dangling-else)
     target_precompile_headers(${program} PRIVATE <gtest/gtest.h> ${precompiled_all}
                                ${precompiled_${module}})
 

@@ -1,10 +1,10 @@
 #include "codec/metrics.h"
 
-#include "format/work.h"
 #include "codec/texels/texel_mask.h"
 #include "codec/tile/tile_texels.h"
-#include "format/samples.h"
 #include "format/levels.h"
+#include "format/samples.h"
+#include "format/work.h"
 
 #include <algorithm>
 #include <bit>

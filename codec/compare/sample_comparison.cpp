@@ -1,9 +1,9 @@
 #include "codec/metrics.h"
 
-#include "format/work.h"
 #include "codec/texels/sample_tiles.h"
 #include "codec/texels/texel_mask.h"
 #include "format/levels.h"
+#include "format/work.h"
 
 #include <algorithm>
 #include <cmath>

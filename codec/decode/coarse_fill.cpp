@@ -1,10 +1,10 @@
 #include "codec/decode/coarse_fill.h"
 
-#include "format/texture.h"
-#include "codec/texels/level_texels.h"
 #include "codec/reconstruct/tile_decoder.h"
-#include "format/tile/coding_parameters.h"
+#include "codec/texels/level_texels.h"
 #include "format/container/tiles_ahead.h"
+#include "format/texture.h"
+#include "format/tile/coding_parameters.h"
 
 #include <algorithm>
 

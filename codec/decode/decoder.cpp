@@ -1,11 +1,11 @@
 #include "codec/decoder.h"
 
 #include "codec/decode/coarse_fill.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "codec/texels/slabs.h"
+#include "format/container/tiles_ahead.h"
 #include "format/texture.h"
 #include "format/work.h"
-#include "codec/texels/slabs.h"
-#include "codec/reconstruct/tile_decoder.h"
-#include "format/container/tiles_ahead.h"
 
 #include <algorithm>
 

@@ -3,10 +3,10 @@
 
 #include "codec/texels/texel_mask.h"
 #include "codec/trials/tile_choice.h"
-#include "format/tile/coding_parameters.h"
 #include "format/container/container_writer.h"
-#include "format/tile/limits.h"
 #include "format/container/syntax.h"
+#include "format/tile/coding_parameters.h"
+#include "format/tile/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,8 @@ Status check_tile(const EncodeOptions& options) {
             return refused("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
     }
     if (texel_count(options.tile_extent) > max_tile_texels)
-        return refused("a tile of " + to_string(options.tile_extent) + " has more than 65536 texels");
+        return refused("a tile of " + to_string(options.tile_extent) +
+                       " has more than 65536 texels");
     return {};
 }
 
@@ -69,7 +70,7 @@ Status check_rate(const RateTarget& rate, SampleType type) {
         return value >= 0 && value <= largest_error && value == std::floor(value)
                    ? Status()
                    : refused("maximum error must be a whole number from 0 to " +
-                         std::to_string(static_cast<int>(largest_error)));
+                             std::to_string(static_cast<int>(largest_error)));
     case Kind::bpt:
     case Kind::bytes:
         return value > 0 ? Status() : refused("the size target must be above 0");
@@ -81,7 +82,7 @@ Status check_rate(const RateTarget& rate, SampleType type) {
 template <class Enum> Status check_known(Enum value, Enum last, const char* name) {
     return value <= last ? Status()
                          : refused(std::string(name) + " " +
-                               std::to_string(static_cast<unsigned>(value)) + " is unknown");
+                                   std::to_string(static_cast<unsigned>(value)) + " is unknown");
 }
 
 Status check_description(const TextureDesc& desc, const Description& d) {
@@ -136,8 +137,8 @@ Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) 
     if (wanted >= static_cast<double>(least))
         return {};
     return refused("the target cannot be met: " + text_of(std::floor(wanted)) +
-               " bytes are asked for, and no file of this texture is smaller than " +
-               std::to_string(least));
+                   " bytes are asked for, and no file of this texture is smaller than " +
+                   std::to_string(least));
 }
 
 } // namespace

@@ -1,10 +1,10 @@
 #include "codec/encode/coarse_levels.h"
 
-#include "format/texture.h"
 #include "codec/pass/decoded_pass.h"
 #include "codec/texels/level_texels.h"
-#include "format/work.h"
 #include "format/samples.h"
+#include "format/texture.h"
+#include "format/work.h"
 
 #include <algorithm>
 #include <cmath>
@@ -201,7 +201,8 @@ private:
                 return level.source.read(box, texels);
             },
             [](std::size_t) {}));
-        share = static_cast<double>(sample.texel_count()) / static_cast<double>(texel_count(grid.size()));
+        share = static_cast<double>(sample.texel_count()) /
+                static_cast<double>(texel_count(grid.size()));
         return sample;
     }
 

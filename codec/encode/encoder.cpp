@@ -1,12 +1,12 @@
 #include "codec/encoder.h"
 
-#include "codec/trials/background.h"
 #include "codec/encode/coarse_levels.h"
-#include "codec/pass/encode_facts.h"
 #include "codec/encode/rate_control.h"
+#include "codec/pass/encode_facts.h"
 #include "codec/texels/texel_mask.h"
-#include "codec/trials/tile_choice.h"
 #include "codec/tile_encoder/tool_switches.h"
+#include "codec/trials/background.h"
+#include "codec/trials/tile_choice.h"
 #include "format/container/container_writer.h"
 #include "format/version.h"
 

@@ -1,8 +1,8 @@
 #include "codec/encode/rate_control.h"
 
+#include "codec/fit/table_fit.h"
 #include "codec/pass/steps.h"
 #include "codec/trials/copy_trial.h"
-#include "codec/fit/table_fit.h"
 #include "codec/trials/table_trial.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "codec/entropy/corrections.h"
 
-#include "codec/tile/tile_planes.h"
 #include "codec/entropy/tile_syntax.h"
+#include "codec/tile/tile_planes.h"
 
 #include <algorithm>
 #include <cstdlib>

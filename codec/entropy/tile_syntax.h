@@ -6,8 +6,8 @@
 #pragma once
 
 #include "codec/entropy/context_grid.h"
-#include "codec/tile/tile_coding.h"
 #include "codec/entropy/tile_entropy.h"
+#include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
 #include "format/tile/colour_rotation.h"
 

@@ -4,8 +4,8 @@
 #include "format/byte_source.h"
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
-#include "format/output_file.h"
 #include "format/io/system_calls.h"
+#include "format/output_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -12,10 +12,10 @@
 // disk: a power failure may cost tiles, which the checksums show.
 #pragma once
 
-#include "codec/journal/journal_tiles.h"
 #include "codec/entropy/tile_entropy.h"
-#include "format/tile/coding_parameters.h"
+#include "codec/journal/journal_tiles.h"
 #include "format/status.h"
+#include "format/tile/coding_parameters.h"
 
 #include <memory>
 #include <optional>

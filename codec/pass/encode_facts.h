@@ -1,8 +1,8 @@
 // Everything that decides the bytes of an encode, as names and values for its journal.
 #pragma once
 
-#include "codec/pass/encode_pass.h"
 #include "codec/journal/journal.h"
+#include "codec/pass/encode_pass.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
 #include "codec/pass/encode_pass.h"
 
-#include "format/work.h"
-#include "codec/texels/texel_mask.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "codec/texels/texel_mask.h"
 #include "format/io/crc32c.h"
+#include "format/work.h"
 
 #include <algorithm>
 #include <cmath>
@@ -173,8 +173,9 @@ void make_free_finite(TileTexels& source, const TextureDesc& desc) {
     CodedTile ignored;
     for (std::size_t i = 0; i < source.matters.size(); ++i)
         if (source.is_free(i))
-            make_finite(std::span(source.texels).subspan(i * desc.texel_bytes(), desc.texel_bytes()),
-                        desc.type, ignored);
+            make_finite(
+                std::span(source.texels).subspan(i * desc.texel_bytes(), desc.texel_bytes()),
+                desc.type, ignored);
 }
 
 Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, CodedTile& tile) {

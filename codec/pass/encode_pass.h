@@ -2,16 +2,16 @@
 #pragma once
 
 #include "codec/encoder.h"
+#include "codec/entropy/tile_entropy.h"
 #include "codec/fit/filter_fit.h"
 #include "codec/journal/journal.h"
-#include "codec/texels/slabs.h"
-#include "codec/tile_encoder/tile_encoder.h"
-#include "codec/entropy/tile_entropy.h"
 #include "codec/journal/tile_store.h"
+#include "codec/texels/slabs.h"
 #include "codec/tile/tile_texels.h"
+#include "codec/tile_encoder/tile_encoder.h"
 #include "codec/tile_encoder/tool_switches.h"
-#include "format/tile/coding_parameters.h"
 #include "format/levels.h"
+#include "format/tile/coding_parameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ struct EncodePlan {
     TileGrid grid;
     ColourCoding colour;
     EffortSettings effort;
-    Journal* journal = nullptr; // nullptr: payloads stay in memory
+    Journal* journal = nullptr;  // nullptr: payloads stay in memory
     TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
     std::uint64_t texels_that_matter = 0;
     ToolSwitches tools = {}; // options.tools, parsed
@@ -50,7 +50,7 @@ struct PassResult {
 
 // Texels of some tiles, held in memory.
 struct Sample {
-    std::vector<Box4> boxes; // of the tiles
+    std::vector<Box4> boxes;       // of the tiles
     std::vector<TileTexels> tiles; // finite
 
     std::uint64_t texel_count() const;

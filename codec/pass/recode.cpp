@@ -1,8 +1,8 @@
-#include "codec/pass/encode_pass.h"
-#include "format/work.h"
 #include "codec/fit/table_fit.h"
+#include "codec/pass/encode_pass.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "format/io/crc32c.h"
+#include "format/work.h"
 
 namespace tessera {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "codec/tile/tile_coding.h"
-#include "format/tile/prediction.h"
 #include "format/texture.h"
+#include "format/tile/prediction.h"
 
 #include <cstdint>
 #include <vector>

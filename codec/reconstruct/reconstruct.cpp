@@ -1,7 +1,7 @@
 #include "codec/reconstruct/reconstruct.h"
 
-#include "codec/reconstruct/copy_prediction.h"
 #include "codec/kernels/kernels.h"
+#include "codec/reconstruct/copy_prediction.h"
 #include "format/tile/colour_rotation.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 
 #include "codec/entropy/corrections.h"
 #include "codec/reconstruct/reconstruct.h"
-#include "codec/tile/tile_coding.h"
 #include "codec/reconstruct/tile_filter.h"
+#include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 
 #include <cstddef>

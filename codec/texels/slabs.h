@@ -1,9 +1,9 @@
 // How a texture is walked: slabs of whole tiles, in the shape its source or sink likes.
 #pragma once
 
+#include "format/levels.h"
 #include "format/status.h"
 #include "format/texture.h"
-#include "format/levels.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,8 +1,8 @@
 #include "codec/texels/texel_mask.h"
 
-#include "format/work.h"
 #include "codec/tile/tile_texels.h"
 #include "format/levels.h"
+#include "format/work.h"
 
 #include <array>
 #include <atomic>

@@ -1,8 +1,8 @@
 // A file's coding parameters made ready for use, with per-shape tables that are built on first use.
 #pragma once
 
-#include "format/tile/coding_parameters.h"
 #include "format/texture.h"
+#include "format/tile/coding_parameters.h"
 
 #include <array>
 #include <map>
@@ -30,7 +30,7 @@ public:
     const CodingParameters parameters;
     const CodeTables tables;
     const SampleType type;
-    const int planes;   // one a channel
+    const int planes;    // one a channel
     const bool rotates;  // blocks carry a colour symbol
     const bool predicts; // blocks carry a prediction
 

@@ -33,7 +33,7 @@ struct TileLevels {
     // no block copies anything.
     std::vector<BlockPrediction> predictions;
     std::vector<std::uint16_t> order;
-    std::vector<PlaneLevels> planes;   // blocks.size() * number of planes
+    std::vector<PlaneLevels> planes; // blocks.size() * number of planes
     std::vector<NonZero> nonzeros;
 
     bool operator==(const TileLevels&) const = default;

@@ -1,10 +1,10 @@
 // A tile's texels as integer planes, relative to the file's background (FORMAT.md 4.5).
 #pragma once
 
-#include "format/tile/block.h"
-#include "format/tile/colour_transform.h"
 #include "format/container/syntax.h"
 #include "format/texture.h"
+#include "format/tile/block.h"
+#include "format/tile/colour_transform.h"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "codec/tile_encoder/block_search.h"
 
-#include "codec/tile_encoder/colour_choice.h"
 #include "codec/reconstruct/copy_prediction.h"
+#include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -442,9 +442,9 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     float rotated = others + options_.lambda * rotation_bits;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         project_colours(colours, rotation, axis, rotated_.data());
-        rotated += plane_cost(
-            k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope), count,
-            options_.lambda);
+        rotated +=
+            plane_cost(k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope),
+                       count, options_.lambda);
     }
     return std::min(cost, rotated) + unseen + luck;
 }

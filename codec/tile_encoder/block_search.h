@@ -1,12 +1,12 @@
 // Chooses how a tile is cut into blocks, by estimated rate-distortion cost.
 #pragma once
 
-#include "codec/tile_encoder/bit_costs.h"
-#include "codec/tile_encoder/displacement_search.h"
-#include "codec/tile_encoder/block_quantizer.h"
 #include "codec/kernels/forward_dct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
+#include "codec/tile_encoder/bit_costs.h"
+#include "codec/tile_encoder/block_quantizer.h"
+#include "codec/tile_encoder/displacement_search.h"
 
 #include <algorithm>
 #include <array>
@@ -18,8 +18,8 @@ namespace tessera {
 // Which block grids are tried: bit s * 8 + a stands for s spatial and a angular halvings.
 struct SearchOptions {
     std::uint64_t grids = ~std::uint64_t{0};
-    int smallest_spatial = 4; // a side is not cut below this by the search
-    float lambda = 0.11f;     // squared steps per bit
+    int smallest_spatial = 4;     // a side is not cut below this by the search
+    float lambda = 0.11f;         // squared steps per bit
     bool rotated_colours = false; // costs take rotations of the colour axes into account
     DisplacementRange copies;     // that choose_copies tries
 };
@@ -44,12 +44,12 @@ private:
     // Costs and choices of all nodes at one pair of depths.
     struct Grid {
         std::array<std::vector<Segment>, 4> segments;
-        std::array<int, 4> cells{};       // entries of each axis
-        std::vector<float> cost;          // of the best way to code each cell
-        std::vector<float> activity;      // energy about the cell's mean, in squared steps
-        std::vector<float> mean_cost;     // of zeroing or coding the DC of each plane
-        std::vector<std::uint8_t> choice; // Split
-        std::vector<float> own_cost;      // of each cell as one block that copies nothing
+        std::array<int, 4> cells{};              // entries of each axis
+        std::vector<float> cost;                 // of the best way to code each cell
+        std::vector<float> activity;             // energy about the cell's mean, in squared steps
+        std::vector<float> mean_cost;            // of zeroing or coding the DC of each plane
+        std::vector<std::uint8_t> choice;        // Split
+        std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
 
         std::size_t index(const std::array<int, 4>& c) const {
@@ -79,7 +79,8 @@ private:
     bool is_tried(int spatial, int angular) const {
         // A tile that cannot be cut so deep tries its deepest cut instead.
         for (int grid = 0; grid < 64; ++grid)
-            if ((options_.grids >> grid & 1) != 0 && std::min(grid / 8, spatial_depths_) == spatial &&
+            if ((options_.grids >> grid & 1) != 0 &&
+                std::min(grid / 8, spatial_depths_) == spatial &&
                 std::min(grid % 8, angular_depths_) == angular)
                 return true;
         return false;
@@ -115,7 +116,8 @@ private:
     float inverse_rotated_step_ = 1;
     std::array<std::vector<float>, max_planes> source_, angular_;
     std::vector<float> scratch_a_, rotated_;
-    std::array<std::vector<float>, max_planes> coefficients_; // of a cell, in the order of forward_image
+    std::array<std::vector<float>, max_planes>
+        coefficients_; // of a cell, in the order of forward_image
     std::vector<Grid> grids_;
     DisplacementSearch displacements_;
     std::array<std::vector<std::vector<Match>>, copy_directions> matches_;

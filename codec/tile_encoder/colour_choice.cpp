@@ -88,8 +88,9 @@ void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficie
     out.colour = rotation + 1;
     for (std::size_t plane = 0; plane < 3; ++plane) {
         out.plane[plane].resize(count);
-        project_colours({{block.plane[0].data(), block.plane[1].data(), block.plane[2].data()}, count},
-                        rotation, plane, out.plane[plane].data());
+        project_colours(
+            {{block.plane[0].data(), block.plane[1].data(), block.plane[2].data()}, count},
+            rotation, plane, out.plane[plane].data());
     }
     for (std::size_t plane = 3; plane < out.plane.size(); ++plane)
         out.plane[plane] = block.plane[plane];

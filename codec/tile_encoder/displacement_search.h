@@ -2,8 +2,8 @@
 // does it, along s and along t.
 #pragma once
 
-#include "codec/tile_encoder/bit_costs.h"
 #include "codec/kernels/forward_dct.h"
+#include "codec/tile_encoder/bit_costs.h"
 #include "format/tile/prediction.h"
 
 #include <array>

@@ -98,9 +98,8 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
     copies_.predictions.resize(out.blocks.size());
     Refinement refinement{std::vector<TreeEdit>(out.blocks.size()), all_siblings(copies_)};
     encode_copies(copies_, &refinement);
-    if (std::all_of(refinement.edits.begin(), refinement.edits.end(), [](const TreeEdit& edit) {
-            return edit.kind == TreeEdit::Kind::keep;
-        }))
+    if (std::all_of(refinement.edits.begin(), refinement.edits.end(),
+                    [](const TreeEdit& edit) { return edit.kind == TreeEdit::Kind::keep; }))
         return false;
     copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
     apply_edits(refinement.edits, copies_);

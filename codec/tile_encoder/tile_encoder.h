@@ -1,14 +1,14 @@
 // One tile's texels -> its levels, in stages: planes, blocks, transform, quantisation.
 #pragma once
 
-#include "codec/tile_encoder/block_quantizer.h"
-#include "codec/tile_encoder/block_search.h"
-#include "codec/tile_encoder/dont_care.h"
-#include "codec/tile_encoder/effort_settings.h"
 #include "codec/reconstruct/reconstruct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 #include "codec/tile/tile_texels.h"
+#include "codec/tile_encoder/block_quantizer.h"
+#include "codec/tile_encoder/block_search.h"
+#include "codec/tile_encoder/dont_care.h"
+#include "codec/tile_encoder/effort_settings.h"
 #include "codec/tile_encoder/tree_edits.h"
 
 namespace tessera {

@@ -1,9 +1,9 @@
 #include "codec/trials/tile_choice.h"
 
-#include "codec/trials/background.h"
-#include "format/texture.h"
 #include "codec/pass/steps.h"
 #include "codec/texels/sample_tiles.h"
+#include "codec/trials/background.h"
+#include "format/texture.h"
 
 #include <algorithm>
 

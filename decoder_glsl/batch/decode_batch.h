@@ -3,8 +3,8 @@
 
 #include "decoder_glsl/batch/decode_tables.h"
 #include "decoder_glsl/batch/tree_size.h"
-#include "format/tile/payload.h"
 #include "format/levels.h"
+#include "format/tile/payload.h"
 
 #include <array>
 #include <cstddef>
@@ -41,10 +41,10 @@ struct DecodeBatch {
     // are too deep. They decode to the background.
     std::vector<std::uint64_t> damaged;
     std::uint32_t most_segments = 0; // of one tile
-    std::uint32_t raw_chunks = 0;  // of 64 levels
-    std::uint32_t corrections = 0; // streams
-    std::uint32_t waves = 1;       // of passes 4 and 5: one more than the largest depth of copies
-    std::uint32_t most_texels = 0; // of one tile
+    std::uint32_t raw_chunks = 0;    // of 64 levels
+    std::uint32_t corrections = 0;   // streams
+    std::uint32_t waves = 1;         // of passes 4 and 5: one more than the largest depth of copies
+    std::uint32_t most_texels = 0;   // of one tile
     std::uint64_t work_words = 0;
     std::uint64_t coefficients = 0;
 };

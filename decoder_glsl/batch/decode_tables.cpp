@@ -1,13 +1,13 @@
 #include "decoder_glsl/batch/decode_tables.h"
 
-#include "format/container/syntax.h"
 #include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/shaders/shader_layout.h"
+#include "format/container/syntax.h"
+#include "format/samples.h"
 #include "format/tile/code_tables.h"
 #include "format/tile/coding_parameters.h"
 #include "format/tile/colour_rotation.h"
 #include "format/tile/dct_basis.h"
-#include "format/samples.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,9 +1,9 @@
 // What the shaders need to know of a file: the words of binding 0 (shaders/layout.glsl).
 #pragma once
 
+#include "format/container_reader.h"
 #include "format/tile/block.h"
 #include "format/tile/code_tables.h"
-#include "format/container_reader.h"
 
 #include <cstdint>
 #include <map>

@@ -21,8 +21,8 @@ constexpr std::uint32_t parts_along(int axis) {
 
 // Texels of the level that a part of a tile lies on, along one axis.
 struct Span {
-    std::uint32_t first = 0;     // relative to the box that was read
-    std::vector<float> weights;  // how many texels of level 0 each stands for there
+    std::uint32_t first = 0;    // relative to the box that was read
+    std::vector<float> weights; // how many texels of level 0 each stands for there
 };
 
 // The texels of level 0 in part `part` of a tile of `extent` texels, as coarse.comp.glsl has them.
@@ -213,12 +213,11 @@ private:
 
 Status make_coarse_cells(const TileGrid& grid, const LevelEntry& level, TexelSource& source,
                          const PutCoarse& put) {
-    const bool fits =
-        level.spatial_lod <= max_lod && level.angular_lod <= max_lod &&
-        level.size ==
-            coarse_level(grid.size(), level.spatial_lod, level.angular_lod, level.step_shift)
-                .size &&
-        source.desc().size == level.size;
+    const bool fits = level.spatial_lod <= max_lod && level.angular_lod <= max_lod &&
+                      level.size == coarse_level(grid.size(), level.spatial_lod, level.angular_lod,
+                                                 level.step_shift)
+                                        .size &&
+                      source.desc().size == level.size;
     if (!fits)
         return {ErrorCode::bad_argument, "texels of " + to_string(source.desc().size) +
                                              " are no coarse level of " + to_string(grid.size())};

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "format/container/level_table.h"
-#include "format/texture.h"
 #include "format/levels.h"
+#include "format/texture.h"
 
 #include <cstdint>
 #include <functional>

@@ -1,8 +1,8 @@
 // The two residencies behind SampledTexture, and what they share.
 #pragma once
 
-#include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "decoder_glsl/gl_sampled_texture.h"
+#include "decoder_glsl/residency/gl_tile_decoder.h"
 
 #include <array>
 #include <memory>

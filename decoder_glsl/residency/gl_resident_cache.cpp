@@ -1,7 +1,7 @@
 // On feedback: a tile cache with a page table, filled by what frames mark.
-#include "decoder_glsl/cache/tile_cache.h"
 #include "decoder_glsl/cache/cache_borders.h"
 #include "decoder_glsl/cache/coarse_cells.h"
+#include "decoder_glsl/cache/tile_cache.h"
 #include "decoder_glsl/gl/gl_error.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/shaders/shader_layout.h"
@@ -159,7 +159,8 @@ private:
             lines = std::max<std::uint64_t>(most / columns_, 1);
         rows_ = static_cast<std::uint32_t>((lines + 2047) / 2048);
         const std::uint64_t layers = lines / rows_;
-        if (slot_.width > most_slot_pixels || slot_.height * std::uint64_t{rows_} > most_slot_pixels)
+        if (slot_.width > most_slot_pixels ||
+            slot_.height * std::uint64_t{rows_} > most_slot_pixels)
             return {ErrorCode::unsupported,
                     file_.reader.name() +
                         ": more tiles than a texture array takes; lower the budget"};
@@ -168,7 +169,9 @@ private:
         return {};
     }
 
-    std::uint64_t slots_across() const { return std::clamp(most_slot_pixels / slot_.width, 1u, 1024u); }
+    std::uint64_t slots_across() const {
+        return std::clamp(most_slot_pixels / slot_.width, 1u, 1024u);
+    }
 
     Status create_objects() {
         TESSERA_TRY_ASSIGN(texels_, GlTexture::create(file_.format(), shape_, "tile cache"));

@@ -1,7 +1,7 @@
 // On load: every tile decoded into an ordinary texture; or texels that the caller has.
+#include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/gl/gl_error.h"
 #include "decoder_glsl/residency/gl_residency.h"
-#include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/shaders/shader_layout.h"
 #include "format/container/tiles_ahead.h"
 

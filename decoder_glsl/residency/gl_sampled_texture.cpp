@@ -1,9 +1,9 @@
 #include "decoder_glsl/gl_sampled_texture.h"
 
-#include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "decoder_glsl/cache/cache_borders.h"
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/residency/gl_residency.h"
+#include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "decoder_glsl/shaders/shader_layout.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // What an open container keeps in memory; shared by its reading and its prefetching.
 #pragma once
 
-#include "format/io/claim_cache.h"
 #include "format/container/index.h"
+#include "format/io/claim_cache.h"
 
 namespace tessera {
 

@@ -49,9 +49,8 @@ Result<GroupIndex> OpenContainer::read_group(std::uint32_t group, ContainerRule&
     return parse_group(group, bytes, rule);
 }
 
-Result<GroupIndex> OpenContainer::parse_group(std::uint32_t group,
-                                                std::span<const std::byte> bytes,
-                                                ContainerRule& rule) const {
+Result<GroupIndex> OpenContainer::parse_group(std::uint32_t group, std::span<const std::byte> bytes,
+                                              ContainerRule& rule) const {
     bool crc_error = false;
     Result<GroupIndex> index = read_index_record(bytes, group_key(group), &crc_error);
     rule = crc_error ? ContainerRule::index_crc : ContainerRule::index_record;
@@ -117,7 +116,7 @@ Status OpenContainer::read_tile(std::uint64_t tile, std::vector<std::byte>& out)
 }
 
 Status OpenContainer::check_page(std::uint32_t group, std::size_t number, const Page& page,
-                                   std::span<const std::byte> bytes) const {
+                                 std::span<const std::byte> bytes) const {
     if (page_crc(header_.identity, group, static_cast<std::uint32_t>(number), bytes) == page.crc)
         return {};
     return invalid("page " + std::to_string(number) + " of group " + std::to_string(group) +
@@ -126,7 +125,7 @@ Status OpenContainer::check_page(std::uint32_t group, std::size_t number, const 
 }
 
 Result<std::vector<std::byte>> OpenContainer::read_page(std::uint32_t group, std::size_t number,
-                                                          const Page& page) const {
+                                                        const Page& page) const {
     std::vector<std::byte> bytes(page.length);
     TESSERA_TRY(read_bytes(page.offset, bytes));
     TESSERA_TRY(check_page(group, number, page, bytes));
@@ -151,7 +150,7 @@ Result<TileBytes> OpenContainer::load_tile(std::uint64_t tile) const {
 
 // The bytes of `pages`, which follow each other.
 Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRange& pages,
-                                    std::span<const std::byte> bytes) const {
+                                  std::span<const std::byte> bytes) const {
     for (std::size_t number = pages.begin; number < pages.end; ++number) {
         const Page& page = place.index->pages[number];
         TESSERA_TRY(check_page(place.group, number, page, bytes.first(page.length)));
@@ -162,7 +161,7 @@ Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRang
 
 // A tile of several pages shares none of them: one read brings all, and they are kept as one.
 Result<TileBytes> OpenContainer::load_large_tile(const Place& place,
-                                                   const GroupIndex::PageRange& pages) const {
+                                                 const GroupIndex::PageRange& pages) const {
     TESSERA_TRY_ASSIGN(
         auto bytes, caches_->pages.get(place.begin, [&]() -> Result<std::vector<std::byte>> {
             std::vector<std::byte> read(static_cast<std::size_t>(place.end - place.begin));

@@ -61,7 +61,7 @@ void OpenContainer::note_curiosities(std::vector<Finding>& out) const {
 }
 
 void OpenContainer::validate_group(std::uint32_t group, std::vector<Finding>& out,
-                                     std::uint64_t& missing) const {
+                                   std::uint64_t& missing) const {
     const auto add = [&](ContainerRule rule, const Status& status, std::uint64_t first,
                          std::uint64_t count) {
         Finding result = finding(
@@ -121,7 +121,8 @@ std::vector<Finding> validate_container(ByteSource& source,
     OpenContainer container;
     ContainerRule rule{};
     const Status status = container.load(source, options, rule);
-    return status ? container.validate(progress) : std::vector{finding(rule, true, status.message())};
+    return status ? container.validate(progress)
+                  : std::vector{finding(rule, true, status.message())};
 }
 
 } // namespace tessera

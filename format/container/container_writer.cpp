@@ -1,9 +1,9 @@
 #include "format/container/container_writer.h"
 
-#include "format/io/bytes.h"
-#include "format/io/crc32c.h"
 #include "format/container/index.h"
 #include "format/container/level_table.h"
+#include "format/io/bytes.h"
+#include "format/io/crc32c.h"
 
 #include <algorithm>
 #include <limits>

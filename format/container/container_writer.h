@@ -2,10 +2,10 @@
 #pragma once
 
 #include "format/container/level_table.h"
+#include "format/container/syntax.h"
 #include "format/metadata.h"
 #include "format/output_file.h"
 #include "format/status.h"
-#include "format/container/syntax.h"
 #include "format/texture.h"
 
 #include <array>
@@ -56,7 +56,8 @@ struct ExtraSection {
 // Everything that goes into a file. Spans are borrowed until write_container returns.
 struct ContainerContents {
     TextureDesc desc;
-    Extent4 tile_extent{32, 32, 8, 8}; // texels, 1..64 along u and v, 1..32 along s and t, product at most 65,536
+    Extent4 tile_extent{
+        32, 32, 8, 8}; // texels, 1..64 along u and v, 1..32 along s and t, product at most 65,536
     Description description;
     Metadata metadata;
     ColourTransform colour = ColourTransform::none;

@@ -1,10 +1,10 @@
 #include "format/container/index.h"
 
+#include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
 #include "format/io/bit_writer.h"
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
-#include "format/container/syntax.h"
 
 #include <algorithm>
 #include <array>

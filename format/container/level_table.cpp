@@ -1,8 +1,8 @@
 #include "format/container/level_table.h"
 
+#include "format/container/syntax.h"
 #include "format/io/bytes.h"
 #include "format/tile/limits.h"
-#include "format/container/syntax.h"
 
 namespace tessera {
 namespace {

@@ -2,8 +2,8 @@
 // grouped and ordered (FORMAT.md 1.4, sections LEVL).
 #pragma once
 
-#include "format/status.h"
 #include "format/levels.h"
+#include "format/status.h"
 
 #include <cstddef>
 #include <cstdint>

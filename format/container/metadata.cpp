@@ -1,7 +1,7 @@
 #include "format/metadata.h"
 
-#include "format/io/bytes.h"
 #include "format/container/syntax.h"
+#include "format/io/bytes.h"
 
 #include <zstd.h>
 

@@ -1,12 +1,12 @@
 // The fixed numbers and records of FORMAT.md part 1, shared by reader and writer.
 #pragma once
 
-#include "format/tile/limits.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
 #include "format/tile/colour_transform.h"
 #include "format/tile/features.h"
+#include "format/tile/limits.h"
 #include "format/version.h"
 
 #include <array>

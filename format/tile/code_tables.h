@@ -124,12 +124,12 @@ constexpr int correction_offset = split_offset + split_parameters;
 constexpr int correction_parameters = correction_contexts * correction_chain;
 constexpr int colour_offset = correction_offset + correction_parameters;
 constexpr int colour_parameters =
-    2 * (colour_kinds - 1); // after a plain block, after a rotated one
-constexpr int prediction_kinds = 3;      // nothing, along s, along t (see format/tile/prediction.h)
-constexpr int prediction_contexts = 6;   // what lies before: s, t, both; times the block before
-constexpr int displacement_kinds = 3;    // the last one, the one before it, a new one
-constexpr int displacement_tokens = 9;   // bit length of a component's magnitude, 0..255
-constexpr int displacement_classes = 2;  // along the parallax, across it
+    2 * (colour_kinds - 1);             // after a plain block, after a rotated one
+constexpr int prediction_kinds = 3;     // nothing, along s, along t (see format/tile/prediction.h)
+constexpr int prediction_contexts = 6;  // what lies before: s, t, both; times the block before
+constexpr int displacement_kinds = 3;   // the last one, the one before it, a new one
+constexpr int displacement_tokens = 9;  // bit length of a component's magnitude, 0..255
+constexpr int displacement_classes = 2; // along the parallax, across it
 constexpr int prediction_offset = colour_offset + colour_parameters;
 constexpr int prediction_parameters = prediction_contexts * (prediction_kinds - 1);
 constexpr int displacement_kind_offset = prediction_offset + prediction_parameters;

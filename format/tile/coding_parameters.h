@@ -1,10 +1,10 @@
 // Everything a decoder needs besides a tile's own bytes: the section CODE (FORMAT.md 3.5, 4.1).
 #pragma once
 
+#include "format/status.h"
 #include "format/tile/code_tables.h"
 #include "format/tile/dequantizer.h"
 #include "format/tile/scan_order.h"
-#include "format/status.h"
 #include "format/tile/tile_filter.h"
 
 #include <array>
@@ -19,9 +19,9 @@ struct CodingParameters {
     StepCode rotated_step;        // of the first three planes of blocks with rotated colour
     bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
     bool prediction = false;      // blocks say what they copy (required feature 4)
-    bool smooth_copies = false;   // copies go through the smooth filter of 4.6; with prediction only
-    TileFilter filter;            // of the decoded tile
-    bool dependent = false;       // levels depend on the ones before: format/tile/code_tables.h
+    bool smooth_copies = false; // copies go through the smooth filter of 4.6; with prediction only
+    TileFilter filter;          // of the decoded tile
+    bool dependent = false;     // levels depend on the ones before: format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
     std::uint16_t correction_error = 0; // E of 3.6, in sample codes; used with corrections

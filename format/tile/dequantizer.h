@@ -1,8 +1,8 @@
 // From levels to transform coefficients in integers, normative (FORMAT.md 4.1).
 #pragma once
 
-#include "format/tile/block.h"
 #include "format/texture.h"
+#include "format/tile/block.h"
 
 #include <array>
 #include <cstdint>

@@ -5,9 +5,9 @@
 
 namespace tessera {
 
-constexpr int max_tile_side = 64;          // along u and v
-constexpr int max_angular_side = 32;       // along s and t
-constexpr int max_frequencies = 32;        // coded along an axis, the lowest ones
+constexpr int max_tile_side = 64;    // along u and v
+constexpr int max_angular_side = 32; // along s and t
+constexpr int max_frequencies = 32;  // coded along an axis, the lowest ones
 constexpr int max_tile_texels = 65536;
 constexpr int max_leaves = 4096;       // of one tile
 constexpr int max_coded_length = 4096; // coefficients of one plane of one leaf

@@ -24,9 +24,8 @@ bool decode_displacement(RansDecoder& rans, const CodeTables& tables, int direct
         std::array<int, 2> at = {memory.known(direction, 0).u, memory.known(direction, 0).v};
         for (int component = 0; component < 2; ++component) {
             int& value = at[static_cast<std::size_t>(component)];
-            value += decode_component(
-                rans, tables.displacement[static_cast<std::size_t>(
-                          displacement_class(direction, component))]);
+            value += decode_component(rans, tables.displacement[static_cast<std::size_t>(
+                                                displacement_class(direction, component))]);
             if (value < -max_displacement || value > max_displacement)
                 return false;
         }
@@ -104,8 +103,8 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
         int depth = 0;
         for (int y = t; y < t_end; ++y)
             for (int x = s; x < s_end; ++x)
-                depth = std::max<int>(depth,
-                                      view_depth[static_cast<std::size_t>(y * tile.n[2] + x)]);
+                depth =
+                    std::max<int>(depth, view_depth[static_cast<std::size_t>(y * tile.n[2] + x)]);
         return depth;
     };
     result.depth.resize(blocks.size());

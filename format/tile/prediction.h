@@ -95,10 +95,11 @@ bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block&
 // Order in which the blocks of a tile are reconstructed: what a block copies from has a smaller
 // depth than the block itself.
 struct CopyDepths {
-    std::vector<std::uint8_t> depth;  // of each block; 0: copies nothing
-    std::vector<std::uint16_t> order; // of reconstruction, along the angular split path; goes by the
-                                      // blocks alone, whatever they copy
-    int largest = 0;                  // above max_copy_depth: the tile is invalid
+    std::vector<std::uint8_t> depth; // of each block; 0: copies nothing
+    std::vector<std::uint16_t>
+        order;       // of reconstruction, along the angular split path; goes by the
+                     // blocks alone, whatever they copy
+    int largest = 0; // above max_copy_depth: the tile is invalid
 };
 constexpr int max_copy_depth = 15;
 

@@ -2,8 +2,8 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 
-#include "tests/support/random.h"
 #include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 #include "tests/support/test_folder.h"
 
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 // Prediction from other views of a tile: coding, depths, reconstruction, and what the encoder gains.
 #include "codec/tile_encoder/tile_encoder.h"
+#include "tests/reference/spec_decoder.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
 #include "tests/support/random_predictions.h"
-#include "tests/reference/spec_decoder.h"
 
 #include <gtest/gtest.h>
 

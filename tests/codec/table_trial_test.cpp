@@ -1,7 +1,7 @@
 // Tables learnt from two starts, on textures of noise, where it matters.
 #include "codec/encoder.h"
-#include "tests/support/random.h"
 #include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 
 #include <cmath>
 #include <cstdio>
@@ -17,13 +17,13 @@ constexpr double deviation = 16;
 
 test::MemoryTexture white_noise() {
     auto random = std::make_shared<std::mt19937>(7);
-    return test::MemoryTexture(
-        {{64, 64, 8, 8}, SampleType::unorm8, 1}, [random](int, int, int, int, int) {
-            double sum = 0; // of twelve uniform numbers: normal enough
-            for (int i = 0; i < 12; ++i)
-                sum += static_cast<double>((*random)()) / 4294967296.0;
-            return 0.5 + deviation / 255 * (sum - 6);
-        });
+    return test::MemoryTexture({{64, 64, 8, 8}, SampleType::unorm8, 1},
+                               [random](int, int, int, int, int) {
+                                   double sum = 0; // of twelve uniform numbers: normal enough
+                                   for (int i = 0; i < 12; ++i)
+                                       sum += static_cast<double>((*random)()) / 4294967296.0;
+                                   return 0.5 + deviation / 255 * (sum - 6);
+                               });
 }
 
 // Bits a texel above what Shannon's bound for a Gaussian asks at the error that was made.

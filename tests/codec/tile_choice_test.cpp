@@ -1,11 +1,11 @@
 // Which tiles the encoder cuts a texture into when nobody says.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "codec/trials/tile_choice.h"
-#include "tests/support/random.h"
-#include "tests/support/memory_texture.h"
+#include "format/texture.h"
 #include "tests/support/efforts.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 
 #include <cmath>
 
@@ -97,9 +97,7 @@ class Unreadable : public TexelSource {
 public:
     explicit Unreadable(const Extent4& extent) : desc_{extent, SampleType::unorm8, 3} {}
     const TextureDesc& desc() const override { return desc_; }
-    Status read(const Box4&, std::span<std::byte>) override {
-        return {ErrorCode::io, "was read"};
-    }
+    Status read(const Box4&, std::span<std::byte>) override { return {ErrorCode::io, "was read"}; }
 
 private:
     TextureDesc desc_;

@@ -2,9 +2,10 @@
 // agree about it on any tile is tested where they are compared.
 #include "codec/fit/filter_fit.h"
 #include "codec/kernels/kernels.h"
-#include "codec/tile/padded_plane.h"
 #include "codec/reconstruct/tile_filter.h"
+#include "codec/tile/padded_plane.h"
 #include "tests/support/encoded_file.h"
+#include "tests/support/format_values.h"
 
 #include <gtest/gtest.h>
 

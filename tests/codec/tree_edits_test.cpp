@@ -1,14 +1,14 @@
 // Edits of split trees, and what the encoder gains by them.
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "codec/tile_encoder/tree_edits.h"
-#include "tests/support/random.h"
-#include "tests/support/memory_texture.h"
-#include "tests/support/format_values.h"
-#include "tests/support/random_tile.h"
+#include "format/texture.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/efforts.h"
+#include "tests/support/format_values.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 #include "tests/support/random_predictions.h"
+#include "tests/support/random_tile.h"
 
 #include <algorithm>
 #include <cmath>

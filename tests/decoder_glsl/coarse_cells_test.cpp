@@ -138,7 +138,8 @@ void check(const Extent4& size, const Extent4& tile, const LevelEntry& level, Sa
 }
 
 TEST(CoarseCells, AreMeansOfTheLevelsTexels) {
-    for (const auto& [spatial, angular] : {std::pair{0u, 1u}, {1u, 0u}, {2u, 1u}, {2u, 3u}, {5u, 4u}})
+    for (const auto& [spatial, angular] :
+         {std::pair{0u, 1u}, {1u, 0u}, {2u, 1u}, {2u, 3u}, {5u, 4u}})
         for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
             const Extent4 size{37, 20, 9, 12};
             check(size, {16, 16, 4, 8}, coarse_level(size, spatial, angular, 0), type, 3);

@@ -1,7 +1,7 @@
 // The decoder's shaders compiled as C++: the same texels as the CPU, bounded work, and sanity on any
 // bytes.
-#include "format/texture.h"
 #include "format/byte_source.h"
+#include "format/texture.h"
 #include "format/tile/dct_basis.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/shader_oracle.h"

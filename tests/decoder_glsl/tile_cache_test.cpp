@@ -242,8 +242,8 @@ TEST(TileCache, ChangesHoldEachTileOnceInTheOrderOfTheFirst) {
 // The rules of tile_cache.h in the most obvious form: a list of residents, oldest first.
 struct Model {
     std::size_t slots;
-    Tiles order;                           // residents, the least recently touched first
-    std::map<std::uint32_t, int> last;     // frame of the last touch
+    Tiles order;                                    // residents, the least recently touched first
+    std::map<std::uint32_t, int> last;              // frame of the last touch
     std::set<std::uint32_t> failed, waits, put_off; // the latter two: in this frame
     int frame = 0;
     TileCacheStats stats;

@@ -1,7 +1,7 @@
 // Sampling: hand cases for the double-precision sampler, then the shader's geometry, compiled as
 // C++, against it.
-#include "format/samples.h"
 #include "format/sampler.h"
+#include "format/samples.h"
 #include "tests/support/sample_probes.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // Windows of tiles that are brought while those before them are used.
-#include "format/container/tiles_ahead.h"
 #include "format/container/container_writer.h"
+#include "format/container/tiles_ahead.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // A whole file: opened, validated, every part of it that is small enough decoded. A second round
 // mends the checksums of header and sections, so that the fuzzer gets past them.
-#include "format/container/syntax.h"
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/io/bytes.h"
+#include "format/container/syntax.h"
 #include "format/container_reader.h"
+#include "format/io/bytes.h"
 #include "format/io/crc32c.h"
-#include "tests/support/random.h"
-#include "tests/support/memory_texture.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 
 namespace tessera::fuzz {
 namespace {

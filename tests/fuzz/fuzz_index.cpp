@@ -1,7 +1,7 @@
 // An index record under a key from the input's first bytes: refused, or positions inside DATA.
+#include "format/container/index.h"
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
-#include "format/container/index.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tessera::fuzz {

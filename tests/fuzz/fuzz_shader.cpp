@@ -5,11 +5,11 @@
 // that means nothing, changed; byte 1: grid; byte 2: number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
 // then the payloads, each but the last behind its u16 length.
 #include "format/io/bytes.h"
-#include "tests/support/random.h"
-#include "tests/support/format_values.h"
-#include "tests/support/random_tile.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
 #include "tests/support/random_predictions.h"
+#include "tests/support/random_tile.h"
 #include "tests/support/shader_oracle.h"
 
 #include <map>

@@ -1,10 +1,10 @@
 // One tile's payload under a few codings: split, entropy decoding, reconstruction, corrections.
 // The first byte of the input picks the coding and the tile's shape.
 #include "codec/reconstruct/tile_decoder.h"
-#include "tests/support/random.h"
-#include "tests/support/format_values.h"
-#include "tests/support/random_tile.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
+#include "tests/support/random_tile.h"
 
 #include <memory>
 

@@ -1,9 +1,9 @@
 // The library against the second decoder (tests/reference, written from FORMAT.md alone), on files
 // of the encoder, on hand-made and damaged files, and on frozen ones (tests/golden).
-#include "format/tile/features.h"
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/bake.h"
+#include "format/tile/features.h"
 #include "tests/reference/spec_decoder.h"
 #include "tests/support/efforts.h"
 

@@ -356,7 +356,8 @@ std::vector<std::pair<uint64_t, uint64_t>> make_groups(const std::vector<Level>&
     std::vector<std::pair<uint64_t, uint64_t>> groups;
     for (size_t i = levels.size(); i-- > 0;)
         for (uint64_t t = 0; t < levels[i].tiles; t += 256)
-            groups.push_back({levels[i].first_tile + t, std::min<uint64_t>(256, levels[i].tiles - t)});
+            groups.push_back(
+                {levels[i].first_tile + t, std::min<uint64_t>(256, levels[i].tiles - t)});
     return groups;
 }
 
@@ -827,10 +828,10 @@ Scan make_scan(const Vector4& n, const std::array<int, 4>& weight) {
 struct Block {
     Vector4 begin; // in the tile
     Vector4 size;
-    int rotation = -1; // -1: plain
+    int rotation = -1;                  // -1: plain
     std::optional<size_t> copies_along; // 0 s, 1 t
     std::array<int, 2> displacement{};  // du, dv, where it copies
-    int depth = -1; // 4.6; -1: not known yet
+    int depth = -1;                     // 4.6; -1: not known yet
     bool copies() const { return copies_along.has_value(); }
     // Levels in scan order, a vector as long as the coded length for each plane.
     std::array<std::vector<int32_t>, 4> levels;
@@ -881,8 +882,9 @@ private:
     Vector4 size_{};
     std::vector<Block> blocks_;
     int64_t nodes_ = 0;
-    bool last_block_copied_ = false;                             // of those with a prediction symbol
-    std::array<std::array<std::array<int, 2>, 2>, 2> displacement_{}; // [direction][last, the one before]
+    bool last_block_copied_ = false; // of those with a prediction symbol
+    std::array<std::array<std::array<int, 2>, 2>, 2>
+        displacement_{}; // [direction][last, the one before]
     bool predicted_tile_ = false;
     std::array<std::vector<int64_t>, 4> plane_values_; // by place() in the tile
     // Per plane: codes of the amplitudes of the coefficients decoded so far, by place(); -1 before.
@@ -1029,7 +1031,8 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
             int k = 0;
             if (plane == 0) {
                 const int b = std::bit_width(static_cast<uint32_t>(texels));
-                k = stream.symbol(code_.first_length[std::min(b / 2, 8) + (block.copies() ? 9 : 0)]);
+                k = stream.symbol(
+                    code_.first_length[std::min(b / 2, 8) + (block.copies() ? 9 : 0)]);
                 first_token = k;
             } else {
                 k = stream.symbol(code_.other_length[first_token]);

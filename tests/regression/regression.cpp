@@ -111,9 +111,8 @@ int main(int argc, char** argv) {
     if (!peers)
         return fail(peers.status());
     for (const double psnr : {35.0, 38.0, 41.0})
-        if (const int bad =
-                add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)), {Kind::psnr, psnr},
-                              usual_effort))
+        if (const int bad = add(*peers, "psnr" + std::to_string(static_cast<int>(psnr)),
+                                {Kind::psnr, psnr}, usual_effort))
             return bad;
     for (int effort = 0; effort <= most_effort; effort += quick ? 3 : 1)
         if (const int bad = add(*peers, "quality62", {Kind::quality, 62}, effort))

@@ -3,8 +3,8 @@
 
 #include "codec/encoder.h"
 #include "format/container_reader.h"
-#include "tests/support/random.h"
 #include "tests/support/memory_texture.h"
+#include "tests/support/random.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // Predictions that an encoder would hardly write, for tiles of random trees.
 #pragma once
 
+#include "codec/tile/tile_levels.h"
 #include "format/tile/prediction.h"
 #include "tests/support/random.h"
 

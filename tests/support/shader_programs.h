@@ -1,8 +1,8 @@
 // The programs among the embedded shader files, by the convention of shader_source.h.
 #pragma once
 
-#include "decoder_glsl/shaders/shader_files.h"
 #include "decoder_glsl/shader_source.h"
+#include "decoder_glsl/shaders/shader_files.h"
 
 #include <set>
 #include <string>

@@ -2,9 +2,9 @@
 // it was, nothing left behind but an announced journal.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "corpus/bake.h"
 #include "format/io/system_calls.h"
+#include "format/texture.h"
 #include "tests/support/test_folder.h"
 #include "tools/support/copy_texture.h"
 #include "tools/texture_io/texture_io.h"

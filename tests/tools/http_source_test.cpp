@@ -266,7 +266,8 @@ TEST(Http, RefusesWrongRanges) {
         ++answer.last;
         return Answer{answer.text()};
     };
-    expect_no_opening(shifted, ErrorCode::io, "sends bytes 1-" + first_text + " where bytes 0-" + last_text, 1);
+    expect_no_opening(shifted, ErrorCode::io,
+                      "sends bytes 1-" + first_text + " where bytes 0-" + last_text, 1);
     expect_no_reading(shifted, ErrorCode::io, "sends bytes 100001-105000 where bytes 100000-104999",
                       1);
     for (const char* range :
@@ -274,7 +275,8 @@ TEST(Http, RefusesWrongRanges) {
           "octets 0-16383/300000", "bytes 0-/300000",
           "bytes 0-99999999999999999999/999999999999999999999", "bytes -16383-0/300000"}) {
         const std::string text = "HTTP/1.1 206 OK\r\nContent-Length: " + first_text + "\r\n" +
-                                 "Content-Range: " + range + "\r\n\r\n" + file.substr(0, first_bytes);
+                                 "Content-Range: " + range + "\r\n\r\n" +
+                                 file.substr(0, first_bytes);
         expect_no_opening([&](const std::string&, unsigned) { return Answer{text}; }, ErrorCode::io,
                           "Content-Range", 1);
     }
@@ -292,7 +294,8 @@ TEST(Http, RefusesBodiesOfTheWrongLength) {
         answer.body.pop_back();
         return Answer{answer.text()};
     };
-    expect_no_opening(shorter, ErrorCode::io, "only " + last_text + " of " + first_text + " bytes (3 attempts)", 3);
+    expect_no_opening(shorter, ErrorCode::io,
+                      "only " + last_text + " of " + first_text + " bytes (3 attempts)", 3);
     expect_no_reading(shorter, ErrorCode::io, "only 4999 of 5000 bytes (3 attempts)", 3);
     const auto longer = [](const std::string& head, unsigned) {
         PartAnswer answer(head, file);
@@ -373,7 +376,8 @@ TEST(Http, TriesAgainWhenCutOff) {
         [](const std::string&, unsigned) {
             return Answer{"", false};
         },
-        ErrorCode::io, "(3 attempts)", 4); // libcurl asks again when a kept connection turns out dead
+        ErrorCode::io, "(3 attempts)",
+        4); // libcurl asks again when a kept connection turns out dead
 }
 
 TEST(Http, TriesAgainWhenBusy) {

@@ -2,8 +2,8 @@
 // asked for.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/texture.h"
 #include "format/container/container_writer.h"
+#include "format/texture.h"
 #include "tests/support/test_folder.h"
 #include "tools/texture_io/raw_io.h"
 
@@ -31,9 +31,8 @@ public:
             const auto part = bytes.first(std::min(block, bytes.size()));
             const bool zeros = part[0] == std::byte{0} &&
                                std::memcmp(part.data(), part.data() + 1, part.size() - 1) == 0;
-            if (!zeros &&
-                ::pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(size_)) !=
-                    static_cast<ssize_t>(part.size()))
+            if (!zeros && ::pwrite(descriptor_, part.data(), part.size(),
+                                   static_cast<off_t>(size_)) != static_cast<ssize_t>(part.size()))
                 return {ErrorCode::io, "cannot write the sparse file"};
             size_ += part.size();
         }

@@ -68,8 +68,7 @@ struct Kind {
     const char* name;
     std::uint64_t least; // bytes of the smallest slab a sink can live with
 };
-const Kind kinds[] = {
-    {"x.rgb", 3 * 10 * 9}, {"x.exr", 3 * 40 * 10 * 9}, {"x_views/", 3 * 40 * 36}};
+const Kind kinds[] = {{"x.rgb", 3 * 10 * 9}, {"x.exr", 3 * 40 * 10 * 9}, {"x_views/", 3 * 40 * 36}};
 
 TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsDecoded) {
     for (const Kind& kind : kinds) {
@@ -153,7 +152,8 @@ TEST(ChooseNumbers, IsARandomSetThatASeedFixes) {
     EXPECT_LT(choose_numbers(1ull << 40, 1000, 7).back(), 1ull << 40);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // whose memory would be measured
+#if !defined(__SANITIZE_ADDRESS__) &&                                                              \
+    !defined(__SANITIZE_THREAD__) // whose memory would be measured
 // Peak memory of the tool itself, in bytes.
 std::uint64_t peak_of(const fs::path& folder, std::vector<std::string> words) {
     words.insert(words.begin(), TESSERA_TOOL);

@@ -1,9 +1,9 @@
 // Textures in files of every kind: what is written is read back, bad files are refused by name.
-#include "tests/support/test_folder.h"
-#include "tools/support/copy_texture.h"
 #include "format/work.h"
-#include "tools/support/parse.h"
+#include "tests/support/test_folder.h"
 #include "tools/picture/png_file.h"
+#include "tools/support/copy_texture.h"
+#include "tools/support/parse.h"
 #include "tools/texture_io/png_views_io.h"
 #include "tools/texture_io/texture_io.h"
 

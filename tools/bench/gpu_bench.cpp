@@ -3,12 +3,12 @@
 
 #include "codec/metrics.h"
 #include "decoder_glsl/gl_context.h"
-#include "tools/view/gpu_camera.h"
 #include "tools/bench/gpu_stage_times.h"
 #include "tools/bench/gpu_times.h"
-#include "tools/support/interrupt.h"
 #include "tools/http/open_bytes.h"
+#include "tools/support/interrupt.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/view/gpu_camera.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
 

@@ -11,8 +11,8 @@
 namespace tessera {
 
 struct PrefixPoint {
-    std::uint64_t bytes = 0; // received
-    double psnr = 0;         // dB over all samples against the reference
+    std::uint64_t bytes = 0;                    // received
+    double psnr = 0;                            // dB over all samples against the reference
     std::uint64_t missing_tiles = 0, tiles = 0; // of level 0
 };
 

@@ -1,9 +1,9 @@
 #include "tools/rd/exr_rival.h"
 
-#include "tools/texture_io/exr_samples.h"
-#include "tools/texture_io/exr_stream.h"
 #include "format/work.h"
 #include "tools/rd/rivals.h"
+#include "tools/texture_io/exr_samples.h"
+#include "tools/texture_io/exr_stream.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

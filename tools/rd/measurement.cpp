@@ -1,7 +1,7 @@
 #include "tools/rd/measurement.h"
 
-#include "tools/support/checksum.h"
 #include "tools/rd/rivals.h" // bytes_in_file, write_bytes
+#include "tools/support/checksum.h"
 
 #include <cctype>
 #include <cmath>

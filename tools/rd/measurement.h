@@ -1,8 +1,8 @@
 // One codec at one setting on one texture, and how it is kept between runs.
 #pragma once
 
-#include "tools/support/json_text.h"
 #include "tools/rd/quality.h"
+#include "tools/support/json_text.h"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 // The report as one HTML file that needs nothing else.
-#include "tools/support/parse.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/report.h"
+#include "tools/support/parse.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 #include "tools/rd/plot.h"
 
-#include "tools/support/parse.h"
 #include "tools/rd/plot_labels.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <cmath>

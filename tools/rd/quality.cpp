@@ -1,10 +1,10 @@
 #include "tools/rd/quality.h"
 
-#include "format/texture.h"
 #include "format/sampler.h"
-#include "tools/view/camera.h"
+#include "format/texture.h"
 #include "format/work.h"
 #include "tools/rd/bt709.h"
+#include "tools/view/camera.h"
 #include "tools/view/view_file.h"
 
 #include <array>

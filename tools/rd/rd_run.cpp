@@ -1,12 +1,12 @@
 #include "tools/rd/rd_run.h"
 
-#include "tools/support/interrupt.h"
 #include "format/work.h"
-#include "tools/support/parse.h"
-#include "tools/support/progress.h"
 #include "tools/rd/plot.h"
 #include "tools/rd/sweep.h"
 #include "tools/rd/tessera_codec.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/parse.h"
+#include "tools/support/progress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,7 @@ namespace {
 const std::vector<double> usual_psnrs = {35, 38, 41, 44};
 // Other efforts are measured once, for the table of speeds. About 39 dB on the composed scene.
 constexpr const char* speed_setting = "quality 62";
-const std::vector<int> speed_efforts = {0, usual_effort, most_effort},
-                       quick_speed_efforts = {0, 1};
+const std::vector<int> speed_efforts = {0, usual_effort, most_effort}, quick_speed_efforts = {0, 1};
 
 std::string trimmed(double value) {
     std::string text = format_number(value, 2);

@@ -1,10 +1,10 @@
 #include "tools/rd/rd_texture.h"
 
-#include "format/texture.h"
 #include "corpus/bake.h"
+#include "format/texture.h"
+#include "format/work.h"
 #include "tools/support/checksum.h"
 #include "tools/support/interrupt.h"
-#include "format/work.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
 

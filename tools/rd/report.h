@@ -1,10 +1,10 @@
 // What `tessera rd` found out, as text, CSV, JSON, plots and one page.
 #pragma once
 
-#include "tools/support/json_text.h"
 #include "tools/rd/bd_rate.h"
 #include "tools/rd/measurement.h"
 #include "tools/rd/rivals.h"
+#include "tools/support/json_text.h"
 
 #include <string>
 #include <utility>

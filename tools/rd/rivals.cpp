@@ -100,9 +100,9 @@ RivalChoice choose_rivals(const std::vector<Rival>& wanted, const TextureDesc& d
         if (!unfit.empty())
             choice.absent.push_back({rival.id, "not applicable: " + unfit});
         else if (!missing.empty())
-            choice.absent.push_back({rival.id, "not installed: " + missing + " (Debian package " +
-                                                   rival.package +
-                                                   "; tools/scripts/install-rivals.sh installs it)"});
+            choice.absent.push_back(
+                {rival.id, "not installed: " + missing + " (Debian package " + rival.package +
+                               "; tools/scripts/install-rivals.sh installs it)"});
         else
             choice.present.push_back({rival.id, rival.layout, version_of(rival), rival.settings,
                                       rival.coarser, rival.finer, rival.in_plot, rival.run});

@@ -1,7 +1,7 @@
 #include "tools/rd/sweep.h"
 
-#include "tools/support/interrupt.h"
 #include "format/work.h"
+#include "tools/support/interrupt.h"
 
 #include <algorithm>
 
@@ -144,9 +144,8 @@ void aim_at(const std::vector<Measurement>& ours, SweepOptions& options) {
 
 } // namespace
 
-Result<std::vector<Measurement>> sweep(const RdTexture& texture,
-                                       const std::vector<CodecUnderTest>& codecs,
-                                       SweepOptions options) {
+Result<std::vector<Measurement>>
+sweep(const RdTexture& texture, const std::vector<CodecUnderTest>& codecs, SweepOptions options) {
     QualityMeter meter(texture, options.threads);
     std::size_t count = 0, number = 0; // settings that may yet follow are not foreseen
     for (const CodecUnderTest& codec : codecs)

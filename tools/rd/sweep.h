@@ -27,8 +27,7 @@ struct SweepOptions {
 
 // Measurements in the order of the codecs, each from few bits to many. A codec that fails is a
 // measurement that says so. Errors: runtime, when interrupted; io, where the cache cannot be written.
-Result<std::vector<Measurement>> sweep(const RdTexture& texture,
-                                       const std::vector<CodecUnderTest>& codecs,
-                                       SweepOptions options);
+Result<std::vector<Measurement>>
+sweep(const RdTexture& texture, const std::vector<CodecUnderTest>& codecs, SweepOptions options);
 
 } // namespace tessera

@@ -2,11 +2,11 @@
 
 #include "codec/decoder.h"
 #include "format/texture.h"
-#include "tools/support/checksum.h"
 #include "format/version.h"
-#include "tools/support/interrupt.h"
 #include "tools/rd/access_cost.h"
 #include "tools/rd/rivals.h" // best_time
+#include "tools/support/checksum.h"
+#include "tools/support/interrupt.h"
 
 #include <chrono>
 

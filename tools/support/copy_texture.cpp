@@ -6,7 +6,7 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t usual_slab_bytes = 64ull << 20;
-constexpr std::uint64_t box_texels = 1 << 14;      // of one piece of work
+constexpr std::uint64_t box_texels = 1 << 14; // of one piece of work
 
 // Halves the longest of `axes` until the box fits, but none below 1.
 Extent4 shrink(Extent4 e, std::initializer_list<Axis> axes, std::uint64_t max_count) {

@@ -20,8 +20,7 @@ fs::path parent_of(const std::string& path) {
 Status check_parent_folders(const std::string& path) {
     std::error_code ignored;
     // The nearest thing on the way that is there must be a folder.
-    for (fs::path folder = parent_of(path); !folder.empty();
-         folder = folder.parent_path()) {
+    for (fs::path folder = parent_of(path); !folder.empty(); folder = folder.parent_path()) {
         if (fs::is_directory(folder, ignored))
             return {};
         if (fs::exists(fs::symlink_status(folder, ignored)))

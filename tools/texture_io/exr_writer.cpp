@@ -1,10 +1,10 @@
+#include "format/work.h"
 #include "tools/support/description_text.h"
+#include "tools/support/parse.h"
+#include "tools/support/slab_buffer.h"
 #include "tools/texture_io/exr_io.h"
 #include "tools/texture_io/exr_samples.h"
 #include "tools/texture_io/exr_stream.h"
-#include "format/work.h"
-#include "tools/support/parse.h"
-#include "tools/support/slab_buffer.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

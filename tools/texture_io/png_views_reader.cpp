@@ -1,9 +1,9 @@
-#include "tools/support/description_text.h"
 #include "format/work.h"
-#include "tools/support/parse.h"
 #include "tools/picture/png_file.h"
-#include "tools/texture_io/png_views_io.h"
+#include "tools/support/description_text.h"
+#include "tools/support/parse.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/texture_io/png_views_io.h"
 
 #include <cstring>
 #include <filesystem>

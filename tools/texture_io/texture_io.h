@@ -38,8 +38,8 @@ struct OpenedTexture {
     TextureKind kind = TextureKind::unknown;
     std::unique_ptr<TexelSource> source;
     const Decoder* decoder = nullptr; // of a .tess; lives as long as the source
-    Metadata metadata;       // of a .tess
-    Description description; // as far as the file knows
+    Metadata metadata;                // of a .tess
+    Description description;          // as far as the file knows
 };
 
 // Errors: bad_argument (name of no known kind, hints missing), io, invalid_file, unsupported.

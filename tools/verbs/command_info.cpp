@@ -1,10 +1,10 @@
 #include "format/container_reader.h"
-#include "tools/verbs/command.h"
+#include "tools/http/open_bytes.h"
 #include "tools/support/description_text.h"
 #include "tools/support/json_text.h"
-#include "tools/http/open_bytes.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 #include <algorithm>
 
@@ -32,7 +32,8 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     const TextureDesc& desc = file.desc();
     Json json = texture_json(path, desc, file.description());
     json["kind"] = "tess";
-    json["version"] = std::to_string(facts.version_major) + "." + std::to_string(facts.version_minor);
+    json["version"] =
+        std::to_string(facts.version_major) + "." + std::to_string(facts.version_minor);
     json["file_bytes"] = file.file_bytes();
     json["bits_per_texel"] =
         static_cast<double>(file.file_bytes()) * 8 / static_cast<double>(texel_count(desc.size));

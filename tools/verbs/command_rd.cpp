@@ -36,7 +36,8 @@ void declare_rates(CLI::App& c, RdOptions& o) {
                  "Qualities 1..100 that it is measured at; with --psnr both")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
-    c.add_option("--efforts", o.efforts, "Efforts 0..5 that it is measured at (3, and a point each at 0 and 5)")
+    c.add_option("--efforts", o.efforts,
+                 "Efforts 0..5 that it is measured at (3, and a point each at 0 and 5)")
         ->delimiter(',')
         ->check(CLI::Range(0, most_effort));
     c.add_option("--tools", o.tools,
@@ -84,7 +85,8 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<Arguments>(
         app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
-        "Rivals run through their own command-line tools; tools/scripts/install-rivals.sh installs them\n"
+        "Rivals run through their own command-line tools; tools/scripts/install-rivals.sh installs "
+        "them\n"
         "from Debian, and what is missing is named. Results are kept: after Ctrl-C the same\n"
         "command goes on where it stopped.\n\n"
         "Examples:\n"

@@ -28,9 +28,7 @@ struct Arguments {
     bool json = false, write_all = false, log = false, frames = false;
 
     // Over a network one wants to know what is going on.
-    bool logs() const {
-        return !json && (log || (is_url(stage.file) && !texture.quiet));
-    }
+    bool logs() const { return !json && (log || (is_url(stage.file) && !texture.quiet)); }
 };
 
 // "v-2.png" -> "v-2-truth.png".
@@ -272,8 +270,10 @@ Status run(const Arguments& a) {
         for (const PlannedView& view : plan)
             TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
         FrameLog log(a, stage.desc.type);
-        stage.subject().watch([&log](unsigned number, const DrawnFrame& frame,
-                                     const auto& picture) { return log.add(number, frame, picture); });
+        stage.subject().watch(
+            [&log](unsigned number, const DrawnFrame& frame, const auto& picture) {
+                return log.add(number, frame, picture);
+            });
         Traffic told; // so that the first view's includes opening
         for (const PlannedView& view : plan) {
             if (interrupted_by())
@@ -380,7 +380,8 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         app, chosen, "render", "Draw what an observer sees of the sphere",
         "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
         "written only, with reading and decoding.\n"
-        "With --via feedback a view's first frame shows coarse data at once (of files that were made\n"
+        "With --via feedback a view's first frame shows coarse data at once (of files that were "
+        "made\n"
         "with --layers at the cost of their first few kilobytes), and later ones sharpen it.\n\n"
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"

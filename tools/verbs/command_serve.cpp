@@ -1,5 +1,5 @@
-#include "tools/verbs/command.h"
 #include "tools/support/interrupt.h"
+#include "tools/verbs/command.h"
 #ifdef TESSERA_HTTP
 #include "tools/http/file_server.h"
 #endif

@@ -1,9 +1,9 @@
-#include "tools/verbs/command.h"
 #include "tools/picture/contact_sheet.h"
-#include "tools/support/interrupt.h"
 #include "tools/picture/picture_grid.h"
+#include "tools/support/interrupt.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -53,8 +53,7 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
         const std::lock_guard lock(mutex);
         ++done;
         if (progress)
-            progress("decoding tiles", static_cast<double>(done),
-                     static_cast<double>(tiles));
+            progress("decoding tiles", static_cast<double>(done), static_cast<double>(tiles));
         if (!status.ok() && findings.size() < max_listed)
             findings.push_back({rule_tile, true, status.message(), tile, 1});
         return {};
@@ -92,10 +91,13 @@ Status run(const Arguments& a) {
     {
         Progress progress("tessera validate", a.texture.quiet || a.json);
         const ProgressFunction show = progress.function();
-        findings = validate_container(bytes, [&](double done, double total) {
-            if (show)
-                show("checking pages", done, total);
-        }, open);
+        findings = validate_container(
+            bytes,
+            [&](double done, double total) {
+                if (show)
+                    show("checking pages", done, total);
+            },
+            open);
         // A file that does not open has no tiles to look at; its finding says why.
         if (ContainerReader::open(bytes, open).ok())
             TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, show, findings));

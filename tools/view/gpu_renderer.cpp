@@ -2,8 +2,8 @@
 
 #ifdef TESSERA_GPU
 #include "decoder_glsl/gl_context.h"
-#include "tools/view/gpu_camera.h"
 #include "tools/support/interrupt.h"
+#include "tools/view/gpu_camera.h"
 
 #include <optional>
 #include <utility>

@@ -30,7 +30,7 @@ struct StageRequest {
 struct Stage {
     std::unique_ptr<ByteSource> bytes;
     std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
-    std::unique_ptr<Decoder> decoder; // null without a file
+    std::unique_ptr<Decoder> decoder;       // null without a file
     TextureDesc desc;
     SphereWindow window;
     std::unique_ptr<TexelSource> texels, original;

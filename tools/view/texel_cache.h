@@ -2,9 +2,9 @@
 // pieces of a raw one, boxes of a scene that is baked as it is looked at.
 #pragma once
 
+#include "format/levels.h"
 #include "format/sampler.h"
 #include "format/texture.h"
-#include "format/levels.h"
 
 #include <array>
 #include <memory>

@@ -1,7 +1,7 @@
 #include "tools/view/view_renderer.h"
 
-#include "format/work.h"
 #include "corpus/shade.h"
+#include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
 #include "tools/view/texel_cache.h"

@@ -4,8 +4,8 @@
 #include "codec/decoder.h"
 #include "corpus/scene.h"
 #include "format/metadata.h"
-#include "tools/view/camera.h"
 #include "tools/support/traffic.h"
+#include "tools/view/camera.h"
 
 #include <functional>
 #include <glm/vec3.hpp>

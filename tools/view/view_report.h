@@ -1,9 +1,9 @@
 // Figures on rendered views, as a table, as JSON and as a sheet to look at.
 #pragma once
 
-#include "tools/support/json_text.h"
 #include "tools/picture/panels.h"
 #include "tools/picture/picture.h"
+#include "tools/support/json_text.h"
 
 #include <array>
 #include <optional>
