@@ -115,8 +115,9 @@ TEST_F(Render, RefusesWithReasons) {
     fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--truth", "mirror"},
           "mirror");
     fails(ErrorCode::io, {at("none.tess"), "-o", out}, "none.tess");
-    fails(ErrorCode::io, {at("none.tess"), "-o", at("none/v.png")}, "no folder");
-    fails(ErrorCode::io, {at("none.tess"), "-o", out, "--sheet", at("none/s.png")}, "no folder");
+    std::ofstream(at("file")) << "not a folder";
+    fails(ErrorCode::io, {at("none.tess"), "-o", at("file/v.png")}, "not a folder");
+    fails(ErrorCode::io, {at("none.tess"), "-o", out, "--sheet", at("file/s.png")}, "not a folder");
     std::ofstream(at("bad.tess")) << "not a texture";
     fails(ErrorCode::invalid_file, {at("bad.tess"), "-o", out}, "bad.tess");
     EXPECT_FALSE(fs::exists(out));
