@@ -25,7 +25,7 @@ function(build_and_run folder programs)
 endfunction()
 
 if(KIND STREQUAL "subproject")
-    # Without optimisation, and in few large sources instead of many small ones: half of the time each.
+    # Without optimisation and in few large sources, to save time.
     build_and_run(${here}/subproject "consumer_c;cpp/consumer_cpp" -DTESSERA_SOURCE=${SOURCE}
                   -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=40)
     return()
