@@ -21,8 +21,6 @@ function(tessera_tests module)
     # Tests are compiled more often than they are run; what is to be fast is in the libraries.
     # GTest's macros are ifs: -Wdangling-else means them.
     target_compile_options(${program} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1> -Wno-dangling-else)
-    target_precompile_headers(${program} PRIVATE <gtest/gtest.h> ${precompiled_all}
-                               ${precompiled_${module}})
 
     set(all_suites)
     foreach(file IN LISTS files)

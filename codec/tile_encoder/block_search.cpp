@@ -27,7 +27,7 @@ constexpr float block_overhead_bits = 3.0f;
 // and that is one of the many with small blocks. 3 bits more for all lose 1 to 3 % at low rates.
 constexpr float most_lucky_bits = 3.0f;
 constexpr float coefficients_for_luck = 16.0f;
-constexpr float rotation_bits = 3.0f; // of a colour symbol, often the one before
+constexpr float rotation_symbol_bits = 3.0f; // of a colour symbol, often the one before
 // Of a copying block over one that does not, beside its displacements: the model takes what is left
 // of it for cheaper than it is.
 constexpr float copy_bits = 12.0f;
@@ -439,7 +439,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     if (rotation < 0)
         return cost + unseen + luck;
     rotated_.resize(std::max(rotated_.size(), static_cast<std::size_t>(count)));
-    float rotated = others + options_.lambda * rotation_bits;
+    float rotated = others + options_.lambda * rotation_symbol_bits;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         project_colours(colours, rotation, axis, rotated_.data());
         rotated +=

@@ -15,7 +15,7 @@ namespace {
 constexpr float smallest_dependent = 0.4f;
 constexpr float most_for_a_path = 0.3f;
 
-constexpr float infinite = 1e30f;
+constexpr float unreachable_cost = 1e30f;
 
 // Paths of the trellis that far back have mostly met.
 constexpr std::size_t window = 20;
@@ -32,20 +32,21 @@ public:
         seen_ = paths.seen.data();
         before_ = paths.before.data();
         level_ = paths.level.data();
-        cost_.fill(infinite);
+        cost_.fill(unreachable_cost);
         cost_[0] = 0;
-        best_cost_ = task.options.optimise ? task.options.lambda * task.length_costs[0] : infinite;
+        best_cost_ =
+            task.options.optimise ? task.options.lambda * task.length_costs[0] : unreachable_cost;
     }
 
     float choose_levels(std::vector<NonZero>& out) {
         for (std::size_t at = 0; at < task_.amplitude.size(); ++at) {
             const Candidates candidates = candidates_at(at);
             const StateSums neighbours = sum_neighbours(at);
-            next_cost_.fill(infinite);
+            next_cost_.fill(unreachable_cost);
             // Those out of reach, too: no leftovers.
             std::fill_n(before_ + at * states, states, std::uint8_t{0});
             for (std::size_t state = 0; state < states; ++state)
-                if (cost_[state] < infinite)
+                if (cost_[state] < unreachable_cost)
                     extend_path(at, state, candidates, neighbours[state]);
             cost_ = next_cost_;
             if constexpr (dependent)
@@ -160,7 +161,7 @@ private:
     void mark_amplitudes(std::size_t at) {
         for (std::size_t state = 0; state < states; ++state) {
             std::int32_t& level = level_[at * states + state];
-            if (cost_[state] >= infinite)
+            if (cost_[state] >= unreachable_cost)
                 level = 0;
             seen_[at * states + state] = static_cast<std::uint16_t>(
                 amplitude_of(amplitude_code(amplitude_of_level(level, dependent))));

@@ -26,8 +26,8 @@ MemoryTexture make_mask(const Extent4& size, const Matters& matters) {
     });
 }
 
-constexpr Extent4 size{48, 40, 8, 8};
-const TextureDesc colour{size, SampleType::unorm8, 3};
+constexpr Extent4 masked_size{48, 40, 8, 8};
+const TextureDesc colour{masked_size, SampleType::unorm8, 3};
 
 bool in_chart(int u, int v, int, int) {
     return ((u / 8 + v / 8) & 1) != 0;
@@ -85,7 +85,7 @@ Figures measure(const Bytes& a, const Bytes& b, const MemoryTexture& mask) {
 
 TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
     MemoryTexture texture = named_texture(colour, "smooth");
-    MemoryTexture all = make_mask(size, [](int, int, int, int) { return true; });
+    MemoryTexture all = make_mask(masked_size, [](int, int, int, int) { return true; });
     for (const int effort : {0, copies_effort})
         EXPECT_EQ(encode_file_of(texture, options_for({Kind::quality, 60}, &all, effort)).file,
                   encode_file_of(texture, options_for({Kind::quality, 60}, nullptr, effort)).file);
@@ -93,7 +93,7 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
 
 TEST(Mask, SavesBytesAndReportsWhatMatters) {
     MemoryTexture noise = named_texture(colour, "noise");
-    MemoryTexture mask = make_mask(size, in_chart);
+    MemoryTexture mask = make_mask(masked_size, in_chart);
     const EncodedFile plain =
         encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, quick_effort));
     const EncodedFile masked =
@@ -104,7 +104,7 @@ TEST(Mask, SavesBytesAndReportsWhatMatters) {
     EXPECT_EQ(masked.report.max_error, figures.max_error);
     EXPECT_EQ(masked.report.texels_that_matter, figures.texels);
     EXPECT_EQ(plain.report.texels_that_matter, std::nullopt);
-    const double all = static_cast<double>(texel_count(size));
+    const double all = static_cast<double>(texel_count(masked_size));
     EXPECT_DOUBLE_EQ(masked.report.bits_per_texel,
                      8.0 * static_cast<double>(masked.file.size()) / all);
     const Figures before = measure(noise.texels, decode_all(plain.file), mask);
@@ -130,7 +130,7 @@ MemoryTexture with_gaps(MemoryTexture texture, const MemoryTexture& mask) {
 
 TEST(Mask, TargetsBindWhatMatters) {
     // With the noise the target would need many times the bytes.
-    MemoryTexture mask = make_mask(size, in_disk);
+    MemoryTexture mask = make_mask(masked_size, in_disk);
     MemoryTexture texture = with_noise_behind(named_texture(colour, "smooth"), mask);
     const EncodedFile coded =
         encode_file_of(texture, options_for({Kind::psnr, 42}, &mask, quick_effort));
@@ -142,7 +142,7 @@ TEST(Mask, TargetsBindWhatMatters) {
 
 TEST(Mask, NothingBehindItCosts) {
     const MemoryTexture smooth = named_texture(colour, "smooth");
-    MemoryTexture mask = make_mask(size, in_chart);
+    MemoryTexture mask = make_mask(masked_size, in_chart);
     const EncodeOptions options = options_for({Kind::quality, 60}, &mask);
     MemoryTexture gaps = with_gaps(smooth, mask), noisy = with_noise_behind(smooth, mask);
     EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
@@ -150,10 +150,10 @@ TEST(Mask, NothingBehindItCosts) {
 
 TEST(Mask, WhatGoesOnBehindItHelps) {
     // Waves too short for a fill to guess.
-    MemoryTexture waves({size, SampleType::unorm8, 3}, [](int u, int v, int, int, int) {
+    MemoryTexture waves({masked_size, SampleType::unorm8, 3}, [](int u, int v, int, int, int) {
         return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
     });
-    MemoryTexture mask = make_mask(size, in_chart), gaps = with_gaps(waves, mask);
+    MemoryTexture mask = make_mask(masked_size, in_chart), gaps = with_gaps(waves, mask);
     const EncodeOptions options = options_for({Kind::quality, 60}, &mask, quick_effort);
     EXPECT_LT(encode_file_of(waves, options).file.size(),
               encode_file_of(gaps, options).file.size() * 8 / 10);
@@ -180,20 +180,21 @@ TEST(Mask, SidesOfOneStandForAllAlongThem) {
     const std::vector<std::pair<Extent4, Matters>> cases{
         {{48, 40, 1, 1}, in_chart}, {{1, 1, 8, 8}, in_disk}, {{48, 1, 1, 8}, oddly}};
     for (const auto& [mask_size, matters] : cases) {
-        MemoryTexture narrow = make_mask(mask_size, matters), whole = make_mask(size, matters);
+        MemoryTexture narrow = make_mask(mask_size, matters),
+                      whole = make_mask(masked_size, matters);
         const EncodedFile a =
             encode_file_of(texture, options_for({Kind::quality, 60}, &narrow, quick_effort));
         const EncodedFile b =
             encode_file_of(texture, options_for({Kind::quality, 60}, &whole, quick_effort));
         EXPECT_EQ(a.file, b.file) << to_string(mask_size);
         EXPECT_EQ(a.report.texels_that_matter, b.report.texels_that_matter);
-        EXPECT_LT(*a.report.texels_that_matter, texel_count(size));
+        EXPECT_LT(*a.report.texels_that_matter, texel_count(masked_size));
     }
 }
 
 TEST(Mask, ThreadsChangeNoByte) {
     MemoryTexture texture = named_texture(colour, "smooth");
-    MemoryTexture mask = make_mask(size, in_chart);
+    MemoryTexture mask = make_mask(masked_size, in_chart);
     for (const bool layers : {false, true}) {
         EncodeOptions options = options_for({Kind::quality, 60}, &mask);
         options.layers = layers;
@@ -284,16 +285,16 @@ TEST(Mask, IsCheckedFirst) {
         EXPECT_EQ(compare_sample(texture, texture, 1, 1, compare).status().code(),
                   ErrorCode::bad_argument);
     };
-    refused(MemoryTexture({size, SampleType::unorm8, 3}, zero), "one channel");
-    refused(MemoryTexture({size, SampleType::half16, 1}, zero), "8 bits");
+    refused(MemoryTexture({masked_size, SampleType::unorm8, 3}, zero), "one channel");
+    refused(MemoryTexture({masked_size, SampleType::half16, 1}, zero), "8 bits");
     refused(MemoryTexture({{40, 24, 8, 4}, SampleType::unorm8, 1}, zero), "40x24x8x4");
     refused(MemoryTexture({{2, 1, 1, 1}, SampleType::unorm8, 1}, zero), "2x1x1x1");
-    refused(SlicedMask({size, SampleType::unorm8, 1}, zero), "any order");
+    refused(SlicedMask({masked_size, SampleType::unorm8, 1}, zero), "any order");
 }
 
 TEST(Mask, ComparesWhatMatters) {
     MemoryTexture a = named_texture(colour, "noise"), b = a;
-    MemoryTexture mask = make_mask(size, in_disk);
+    MemoryTexture mask = make_mask(masked_size, in_disk);
     for (std::size_t i = 0; i < b.texels.size(); ++i) {
         const bool matters = mask.texels[i / 3] != std::byte{0};
         const int value = std::to_integer<int>(b.texels[i]);

@@ -14,7 +14,7 @@
 namespace tessera::test {
 namespace {
 
-constexpr Extent4 size{128, 64, 16, 16};
+constexpr Extent4 choice_size{128, 64, 16, 16};
 constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
 // What the encoder makes of the choice.
@@ -68,7 +68,7 @@ MemoryTexture moving_balls(const Extent4& extent) {
 }
 
 TEST(TileChoice, BlurredViewsGetWideTiles) {
-    MemoryTexture texture = blurred_views(size);
+    MemoryTexture texture = blurred_views(choice_size);
     EXPECT_EQ(chosen_tile(texture), wide);
 }
 
@@ -79,16 +79,16 @@ TEST(TileChoice, TheEncoderFollowsIt) {
 }
 
 TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
-    MemoryTexture texture = painted_surface(size);
+    MemoryTexture texture = painted_surface(choice_size);
     EXPECT_EQ(chosen_tile(texture), usual);
 }
 
 TEST(TileChoice, LayersKeepPlacesSmall) {
     EncodeOptions options;
     options.layers = true;
-    MemoryTexture moving = moving_balls(size);
+    MemoryTexture moving = moving_balls(choice_size);
     EXPECT_EQ(chosen_tile(moving, options, copies_effort), few_views);
-    MemoryTexture still = painted_surface(size);
+    MemoryTexture still = painted_surface(choice_size);
     EXPECT_EQ(chosen_tile(still, options), usual);
 }
 

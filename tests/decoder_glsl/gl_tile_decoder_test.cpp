@@ -13,7 +13,7 @@ namespace {
 class GpuDecode : public GpuTest {};
 
 // Texels that differ over the whole file, decoded in batches of at most `batch_tiles`.
-void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {
+void expect_decoded_alike(const DecodeCase& test, std::uint32_t batch_tiles) {
     SCOPED_TRACE(test.name);
     const auto source = wrap_memory(test.file);
     const auto decoder = Decoder::open(*source);
@@ -77,17 +77,17 @@ void expect_same_texels(const DecodeCase& test, std::uint32_t batch_tiles) {
 
 TEST_F(GpuDecode, EncodedTexturesDecodeAsOnTheCpu) {
     for (const DecodeCase& test : encoded_cases())
-        expect_same_texels(test, 64);
+        expect_decoded_alike(test, 64);
 }
 
 TEST_F(GpuDecode, RandomTreesColoursAndLevelsDecodeAsOnTheCpu) {
     for (const DecodeCase& test : random_cases())
-        expect_same_texels(test, 3);
+        expect_decoded_alike(test, 3);
 }
 
 TEST_F(GpuDecode, PredictedTilesDecodeAsOnTheCpu) {
     for (const DecodeCase& test : predicted_cases())
-        expect_same_texels(test, 3);
+        expect_decoded_alike(test, 3);
 }
 
 #ifdef TESSERA_WITH_CORPUS
@@ -106,7 +106,7 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
             test.name = scene.name;
             const auto report = encode_memory(**baked, test.file, options);
             ASSERT_TRUE(report) << report.status().message();
-            expect_same_texels(test, 64);
+            expect_decoded_alike(test, 64);
         }
 }
 #endif

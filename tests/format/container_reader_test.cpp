@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::container_samples;
+using namespace tessera::test;
 
 using Bytes = std::vector<std::byte>;
 

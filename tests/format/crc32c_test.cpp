@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 TEST(Crc32c, KnownVectors) {
     EXPECT_EQ(crc32c(bytes_of("123456789")), 0xE3069283u);

@@ -1,6 +1,7 @@
 // The basis is the rounded cosine.
 #include "format/tile/dct_basis.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace tessera::test {

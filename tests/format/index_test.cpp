@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 // The rule of 1.4 read word for word, byte by byte.
 std::vector<std::uint32_t> pages_word_for_word(const std::vector<std::uint32_t>& tiles,
@@ -92,7 +92,7 @@ Record make_record(const std::vector<std::uint32_t>& lengths, std::uint32_t page
     return {write_index_record(key.identity, key.group, lengths, crcs), key};
 }
 
-void expect_round_trip(const std::vector<std::uint32_t>& lengths) {
+void expect_index_round_trip(const std::vector<std::uint32_t>& lengths) {
     const Record record = make_record(lengths);
     ASSERT_LE(record.bytes.size(), max_index_record_bytes(record.key));
     const Result<GroupIndex> index = read_index_record(record.bytes, record.key);
@@ -119,21 +119,21 @@ void expect_round_trip(const std::vector<std::uint32_t>& lengths) {
 TEST(IndexRecord, RandomRoundTrip) {
     Random random(5);
     for (int round = 0; round < 500; ++round)
-        expect_round_trip(random_lengths(random, 1 + random() % 256));
+        expect_index_round_trip(random_lengths(random, 1 + random() % 256));
 }
 
 TEST(IndexRecord, SpecialRoundTrips) {
-    expect_round_trip({0});
-    expect_round_trip({1});
-    expect_round_trip(std::vector<std::uint32_t>(256, 0));
-    expect_round_trip(std::vector<std::uint32_t>(256, 1));
+    expect_index_round_trip({0});
+    expect_index_round_trip({1});
+    expect_index_round_trip(std::vector<std::uint32_t>(256, 0));
+    expect_index_round_trip(std::vector<std::uint32_t>(256, 1));
     // Few long tiles among short ones: q reaches 24 and the 32 plain bits are taken.
     std::vector<std::uint32_t> lengths(200, 3);
     lengths[5] = 400'000'000;
     lengths[100] = 3'000'000'000;
     lengths[199] = 25;
-    expect_round_trip(lengths);
-    expect_round_trip({0xFFFFFFFF, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
+    expect_index_round_trip(lengths);
+    expect_index_round_trip({0xFFFFFFFF, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
 }
 
 TEST(IndexRecord, TakesTheSmallestCode) {

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 TEST(Metadata, RoundTripStoredAndPacked) {
     for (const Metadata& metadata :

@@ -18,7 +18,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 class Files : public ::testing::Test {
 protected:

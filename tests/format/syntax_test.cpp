@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 TEST(Header, EveryByteIsAField) {
     // Storing what was loaded gives back every byte, for any bytes.

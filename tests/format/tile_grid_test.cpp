@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-using namespace tessera::test::format_bytes;
+using namespace tessera::test;
 
 TEST(TileGrid, BalancedAlongAnAxis) {
     for (std::uint32_t size = 1; size <= 70; ++size)

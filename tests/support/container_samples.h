@@ -4,29 +4,12 @@
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
+#include "tests/support/random.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <random>
 
-namespace tessera::test::container_samples {
-
-using Bytes = std::vector<std::byte>;
-
-class Random {
-public:
-    explicit Random(std::uint32_t seed) : engine_(seed) {}
-    std::uint32_t operator()() { return static_cast<std::uint32_t>(engine_()); }
-    Bytes bytes(std::size_t count) {
-        Bytes result(count);
-        for (std::byte& b : result)
-            b = static_cast<std::byte>((*this)() & 0xFF);
-        return result;
-    }
-
-private:
-    std::mt19937 engine_;
-};
+namespace tessera::test {
 
 // A texture of one texel a tile, with random tiles.
 struct Sample {
@@ -128,4 +111,4 @@ private:
     u64 size_;
 };
 
-} // namespace tessera::test::container_samples
+} // namespace tessera::test

@@ -6,10 +6,10 @@ namespace {
 using namespace tessera::test;
 class CliJson : public CliFixture {};
 
-const std::string scene = "bake composed --size 16x8x4x3 --spp 1 --effort 0 ";
+const std::string json_scene = "bake composed --size 16x8x4x3 --spp 1 --effort 0 ";
 
 TEST_F(CliJson, EncodeSaysWhatItAchieved) {
-    succeed(scene + "-q -o a.rgb");
+    succeed(json_scene + "-q -o a.rgb");
     const std::string encode = "encode a.rgb --size 16x8x4x3 --effort 0 --json -o x.tess ";
     const Json at_quality = json(encode + "--quality 60");
     EXPECT_EQ(at_quality["output"], "x.tess");
@@ -44,12 +44,12 @@ TEST_F(CliJson, EncodeSaysWhatItAchieved) {
 }
 
 TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
-    const Json baked = json(scene + "--json --seed 3 -o x.tess");
+    const Json baked = json(json_scene + "--json --seed 3 -o x.tess");
     EXPECT_EQ(baked["scene"], "composed");
     EXPECT_EQ(baked["seed"], 3);
     EXPECT_EQ(baked["samples_per_texel"], 1);
     EXPECT_EQ(baked["bytes"], fs::file_size(at("x.tess")));
-    const Json plain = json(scene + "--json -o x.exr");
+    const Json plain = json(json_scene + "--json -o x.exr");
     EXPECT_EQ(plain["raw_bytes"], 16 * 8 * 4 * 3 * 3);
     EXPECT_EQ(plain["output"], "x.exr");
 
@@ -60,7 +60,7 @@ TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
     EXPECT_EQ(decoded["raw_bytes"], fs::file_size(at("x.rgb")));
     EXPECT_EQ(decoded["filled"]["missing_tiles"], 0);
     EXPECT_GE(decoded["seconds"].get<double>(), 0);
-    succeed(scene + "-q -o l.tess --layers --tile 8x8x4x3");
+    succeed(json_scene + "-q -o l.tess --layers --tile 8x8x4x3");
     const std::string whole = slurp(at("l.tess"));
     spit(at("part.tess"), whole.substr(0, whole.size() - 200));
     const Json part = json("decode part.tess --allow-partial --json -o x.rgb");
@@ -72,7 +72,7 @@ TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
 }
 
 TEST_F(CliJson, AFileSaysHowItWasMade) {
-    succeed(scene + "-q -o x.tess --target-psnr 33.123456789");
+    succeed(json_scene + "-q -o x.tess --target-psnr 33.123456789");
     const Json info = json("info x.tess --json");
     EXPECT_EQ(info["metadata"]["tessera:rate"], "psnr 33.123456789");
     EXPECT_EQ(info["metadata"]["tessera:effort"], "0");

@@ -5,14 +5,14 @@ namespace {
 
 using namespace tessera::test;
 
-const std::string scene = "bake composed --size 16x8x4x3 --spp 1 --effort 0 -q ";
+const std::string stream_scene = "bake composed --size 16x8x4x3 --spp 1 --effort 0 -q ";
 const std::string raw_words = " --size 16x8x4x3 --type unorm8 --channels 3 ";
 
 class CliStream : public CliFixture {
 protected:
     void SetUp() override {
         CliFixture::SetUp();
-        succeed(scene + "-o a.tess --max-error 0");
+        succeed(stream_scene + "-o a.tess --max-error 0");
         succeed("decode a.tess -q -o a.rgb");
     }
     bool is_lossless(const std::string& name) const {
@@ -128,7 +128,7 @@ TEST_F(CliStream, StandardOutputTakesFilesAndRawSamples) {
     EXPECT_EQ(coded.out == slurp(at("b.tess")), true);                 // the same bytes as a file's
     EXPECT_NE(coded.err.find("PSNR"), std::string::npos) << coded.err; // the summary is not lost
     EXPECT_EQ(run(encode + "-q -o -").err, "");
-    const Outcome baked = run(scene + "--max-error 0 -o -");
+    const Outcome baked = run(stream_scene + "--max-error 0 -o -");
     EXPECT_EQ(baked.out == slurp(at("a.tess")), true) << baked.err;
     const Outcome decoded = run("decode a.tess -o -");
     EXPECT_EQ(decoded.out == slurp(at("a.rgb")), true);

@@ -16,7 +16,7 @@ protected:
     }
 };
 
-const std::string scene = "bake composed --size 16x8x4x4 --spp 1 --effort 0 ";
+const std::string usage_scene = "bake composed --size 16x8x4x4 --spp 1 --effort 0 ";
 
 TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
     fail(1, "encode x.rgb --qualty 40", {"unknown option --qualty; did you mean --quality?"});
@@ -90,7 +90,7 @@ TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
 }
 
 TEST_F(CliUsage, BudgetsTakeUnits) {
-    succeed(scene + "-q -o a.tess");
+    succeed(usage_scene + "-q -o a.tess");
     for (const char* budget : {"64", "64M", "1g", "1"})
         succeed(std::string("render a.tess -o v.png --size 8x6 -q --budget ") + budget);
 }
@@ -140,7 +140,7 @@ TEST_F(CliUsage, ATargetThatIsMissedLeavesNoJournal) {
 }
 
 TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
-    succeed(scene + "-q -o a.tess --layers");
+    succeed(usage_scene + "-q -o a.tess --layers");
     const std::string whole = slurp(at("a.tess"));
     spit(at("part.tess"), whole.substr(0, whole.size() - 100));
     for (const char* verb : {"decode part.tess -o x.rgb", "compare part.tess a.tess",
@@ -154,8 +154,8 @@ TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
 }
 
 TEST_F(CliUsage, FoldersOnTheWayToAnOutputAreMade) {
-    succeed(scene + "-q -o new/bake/a.tess");
-    succeed(scene + "-q -o raw/bake/a.rgb");
+    succeed(usage_scene + "-q -o new/bake/a.tess");
+    succeed(usage_scene + "-q -o raw/bake/a.rgb");
     succeed("encode raw/bake/a.rgb --size 16x8x4x4 --effort 0 -q -o new/encode/a.tess");
     succeed("decode new/bake/a.tess -q -o views/deep/sub/");
     EXPECT_TRUE(fs::exists(at("views/deep/sub/view_t000_s000.png")));

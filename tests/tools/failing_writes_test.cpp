@@ -51,17 +51,17 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
     return files;
 }
 
-constexpr Extent4 size{20, 12, 6, 5};
+constexpr Extent4 written_size{20, 12, 6, 5};
 
 class FailingWrites : public testing::Test {
 protected:
     void SetUp() override {
         folder_ = test::make_test_folder("failing");
-        auto baked = corpus::make_baked_source("composed", size, 1, 1);
+        auto baked = corpus::make_baked_source("composed", written_size, 1, 1);
         ASSERT_TRUE(baked.ok());
         baked_ = std::move(*baked);
-        texels_.resize(baked_->desc().box_bytes(Box4::whole(size)));
-        ASSERT_TRUE(baked_->read(Box4::whole(size), texels_));
+        texels_.resize(baked_->desc().box_bytes(Box4::whole(written_size)));
+        ASSERT_TRUE(baked_->read(Box4::whole(written_size), texels_));
     }
     void TearDown() override {
         sys::set_fault_hook(nullptr);
@@ -163,7 +163,7 @@ TEST_F(FailingWrites, DecodeAndBakeToPlainFiles) {
         fail_everything(shown, [&]() -> Status {
             auto sink = create_texture(at(name), baked_->desc(), {}, 2);
             TESSERA_TRY(sink.status());
-            return decoder->decode(Box4::whole(size), **sink, 2);
+            return decoder->decode(Box4::whole(written_size), **sink, 2);
         });
         fail_everything(shown, [&]() -> Status {
             auto sink = create_texture(at(name), baked_->desc(), {}, 2);
@@ -183,7 +183,7 @@ TEST_F(FailingWrites, FullDisk) {
     EncodeOptions o = options();
     o.rate.value = 100;
     o.journal = JournalUse::start;
-    const auto busy = corpus::make_baked_source("mirror", size, 1, 1); // fills the disk
+    const auto busy = corpus::make_baked_source("mirror", written_size, 1, 1); // fills the disk
     ASSERT_TRUE(busy.ok());
     const Status full = encode_file(**busy, disk + "/x.tess", o).status();
     const auto left = contents_of(disk);

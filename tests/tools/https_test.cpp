@@ -88,7 +88,7 @@ private:
 };
 
 // No proxy of the machine's may come between.
-const bool no_proxy = ::setenv("no_proxy", "127.0.0.1", 1) == 0;
+const bool no_proxy_for_https = ::setenv("no_proxy", "127.0.0.1", 1) == 0;
 
 HttpOptions trusting(const HttpsServer& server) {
     HttpOptions options;

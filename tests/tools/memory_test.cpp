@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Extent4 size{40, 36, 10, 9};
+constexpr Extent4 held_size{40, 36, 10, 9};
 
 std::map<std::string, std::string> files_of(const fs::path& path) {
     std::map<std::string, std::string> files;
@@ -37,7 +37,7 @@ std::map<std::string, std::string> files_of(const fs::path& path) {
 class Memory : public testing::Test {
 protected:
     static void SetUpTestSuite() {
-        auto baked = corpus::make_baked_source("composed", size, 1, 1);
+        auto baked = corpus::make_baked_source("composed", held_size, 1, 1);
         ASSERT_TRUE(baked.ok());
         EncodeOptions options;
         options.effort = 0;
@@ -73,15 +73,15 @@ const Kind kinds[] = {{"x.rgb", 3 * 10 * 9}, {"x.exr", 3 * 40 * 10 * 9}, {"x_vie
 TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsDecoded) {
     for (const Kind& kind : kinds) {
         const fs::path path = folder_ / kind.name;
-        ASSERT_TRUE(decode(kind.name, Box4::whole(size), 1ull << 40));
+        ASSERT_TRUE(decode(kind.name, Box4::whole(held_size), 1ull << 40));
         const auto whole = files_of(path);
         for (const std::uint64_t factor : {1u, 2u, 7u, 23u}) {
             fs::remove_all(path);
-            const Status status = decode(kind.name, Box4::whole(size), kind.least * factor);
+            const Status status = decode(kind.name, Box4::whole(held_size), kind.least * factor);
             ASSERT_TRUE(status) << status.message();
             EXPECT_TRUE(files_of(path) == whole) << kind.name << " " << factor;
         }
-        const Status refused = decode(kind.name, Box4::whole(size), kind.least - 1);
+        const Status refused = decode(kind.name, Box4::whole(held_size), kind.least - 1);
         EXPECT_EQ(refused.code(), ErrorCode::unsupported) << kind.name;
         EXPECT_NE(with_memory_hint(refused).message().find("--memory"), std::string::npos);
     }
@@ -89,10 +89,10 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsDecoded) {
 
 TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
     for (const Kind& kind : kinds) {
-        ASSERT_TRUE(decode(kind.name, Box4::whole(size), 1ull << 40));
+        ASSERT_TRUE(decode(kind.name, Box4::whole(held_size), 1ull << 40));
         const auto encode = [&](std::uint64_t slab_bytes, std::vector<std::byte>& out) -> Status {
             TextureHints hints;
-            hints.size = size;
+            hints.size = held_size;
             auto opened = open_texture((folder_ / kind.name).string(), hints);
             TESSERA_TRY(opened.status());
             EncodeOptions options;

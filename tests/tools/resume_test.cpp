@@ -141,9 +141,9 @@ TEST_F(Resume, SecondPassAndCorrectionsSurviveKills) {
 }
 
 // Many tiles, so that a signal after the first ones comes before the last.
-const std::string scene = "gallery --spp 4 --size 48x48x16x8";
+const std::string slow_scene = "gallery --spp 4 --size 48x48x16x8";
 const std::string options = " --tile 8x8x8x8 --effort 2 -q -o x.tess ";
-const std::string slow_bake = "bake " + scene + options;
+const std::string slow_bake = "bake " + slow_scene + options;
 
 TEST_F(Resume, SignalsLeaveTheOldFileAndSayHowToGoOn) {
     for (const int signal : {SIGINT, SIGTERM}) {
@@ -171,7 +171,7 @@ TEST_F(Resume, RefusesOtherOptions) {
         EXPECT_EQ(message().find("--resume"), std::string::npos) << message();
         EXPECT_TRUE(has_journal("x.tess")) << more;
     };
-    const std::string same = "bake " + scene + " ";
+    const std::string same = "bake " + slow_scene + " ";
     refused(same + "--quality 74", "rate was 'quality 75' and is 'quality 74'");
     refused(same, "effort", " --effort 1 ");
     refused(same + "--seed 2", "seed");
@@ -182,7 +182,7 @@ TEST_F(Resume, RefusesOtherOptions) {
     refused("bake gallery --spp 5 --size 48x48x16x8", "samples per texel");
     refused("bake gallery --spp 4 --size 48x40x16x8", "size");
     refused("bake mirror --spp 4 --size 48x48x16x8", "scene was 'gallery' and is 'mirror'");
-    EXPECT_EQ(run("bake " + scene + " --effort 2 -q -o x.tess --tile 16x8x8x8 --resume"), 1);
+    EXPECT_EQ(run("bake " + slow_scene + " --effort 2 -q -o x.tess --tile 16x8x8x8 --resume"), 1);
     EXPECT_NE(message().find("largest tile"), std::string::npos) << message();
     // What does not decide the bytes may change.
     EXPECT_EQ(run(slow_bake + "--resume --threads 1 --no-verify"), 0) << message();

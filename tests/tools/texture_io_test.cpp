@@ -43,9 +43,9 @@ protected:
 };
 
 // Random samples in memory; halves are any bits, NaN and infinities too.
-class MemoryTexture : public TexelSource {
+class NoiseTexture : public TexelSource {
 public:
-    MemoryTexture(const TextureDesc& desc, unsigned seed)
+    NoiseTexture(const TextureDesc& desc, unsigned seed)
         : desc_(desc), texels_(desc.box_bytes(Box4::whole(desc.size))) {
         std::mt19937 random(seed);
         for (std::byte& b : texels_)
@@ -53,22 +53,12 @@ public:
     }
     const TextureDesc& desc() const override { return desc_; }
     Status read(const Box4& box, std::span<std::byte> out) override {
-        std::byte* to = out.data();
-        const std::size_t n = desc_.texel_bytes();
-        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
-            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
-                for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
-                    for (std::uint32_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s, to += n)
-                        std::memcpy(to, texels_.data() + index(u, v, s, t) * n, n);
+        copy_box(box, Box4::whole(desc_.size), texels_, box, out, desc_.texel_bytes());
         return {};
     }
     std::vector<std::byte>& bytes() { return texels_; }
 
 private:
-    std::size_t index(std::size_t u, std::size_t v, std::size_t s, std::size_t t) const {
-        const Extent4& e = desc_.size;
-        return ((v * e[axis_u] + u) * e[axis_t] + t) * e[axis_s] + s;
-    }
     TextureDesc desc_;
     std::vector<std::byte> texels_;
 };
@@ -99,7 +89,7 @@ std::vector<std::byte> read_box(TexelSource& source, const Box4& box) {
     return out;
 }
 
-void expect_same(MemoryTexture& expected, TexelSource& actual) {
+void expect_same(NoiseTexture& expected, TexelSource& actual) {
     ASSERT_EQ(actual.desc(), expected.desc());
     const Box4 whole = Box4::whole(expected.desc().size);
     const Status status = actual.begin_slab(whole);
@@ -118,7 +108,7 @@ TEST_F(ImageIo, RoundTripsEveryKindTypeAndSize) {
     for (const Extent4& size : odd_sizes)
         for (SampleType type : {SampleType::unorm8, SampleType::half16})
             for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-                MemoryTexture texture(make_desc(size, type, channels), channels);
+                NoiseTexture texture(make_desc(size, type, channels), channels);
                 for (const std::string& name : {raw_name(texture.desc()), std::string("x.exr"),
                                                 std::string("x.raw"), std::string("views/")}) {
                     const Status written = write(texture, path(name));
@@ -140,7 +130,7 @@ TEST_F(ImageIo, RoundTripsEveryKindTypeAndSize) {
 
 TEST_F(ImageIo, ReadsBoxesOfSlabsFromSeveralThreads) {
     const Extent4 size{13, 11, 70, 6}; // s is long: raw reads both ways
-    MemoryTexture texture(make_desc(size, SampleType::unorm8, 3), 7);
+    NoiseTexture texture(make_desc(size, SampleType::unorm8, 3), 7);
     for (const std::string name : {"x.rgb", "x.exr", "views/"}) {
         ASSERT_TRUE(write(texture, path(name)).ok());
         TextureHints hints;
@@ -168,7 +158,7 @@ TEST_F(ImageIo, ReadsBoxesOfSlabsFromSeveralThreads) {
 }
 
 TEST_F(ImageIo, RawSinkTakesBoxesInAnyOrderWithoutSlabs) {
-    MemoryTexture texture(make_desc({4, 3, 5, 2}, SampleType::unorm8, 3), 3);
+    NoiseTexture texture(make_desc({4, 3, 5, 2}, SampleType::unorm8, 3), 3);
     auto sink = create_texture(path("x.rgb"), texture.desc(), {}, 1);
     ASSERT_TRUE(sink.ok());
     for (std::uint32_t s : {3u, 0u})
@@ -193,7 +183,7 @@ TEST_F(ImageIo, KeepsTheDescription) {
     d.primaries = Primaries::bt709;
     d.viewing_radius[0] = 4;
     d.viewing_radius[1] = 1e6f;
-    MemoryTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
+    NoiseTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
     for (const std::string name : {"x.exr", "views/"}) {
         ASSERT_TRUE(write(texture, path(name), d).ok());
         const auto opened = open_texture(path(name), {});
@@ -203,7 +193,7 @@ TEST_F(ImageIo, KeepsTheDescription) {
 }
 
 TEST_F(ImageIo, LeavesNothingBehindWithoutFinish) {
-    MemoryTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
+    NoiseTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
     for (const std::string name : {"x.rgb", "x.exr", "views/"}) {
         {
             auto sink = create_texture(path(name), texture.desc(), {}, 1);
@@ -239,7 +229,7 @@ TEST_F(ImageIo, RefusesSizesPast64Bits) {
     EXPECT_EQ(open_texture(path("x.rgb"), hints).status().code(), ErrorCode::bad_argument);
     hints.size = Extent4{1u << 20, 1u << 20, 1u << 8, 1};
     EXPECT_EQ(open_texture(path("x.rgb"), hints).status().code(), ErrorCode::invalid_file);
-    MemoryTexture tiny(make_desc({1, 1, 1, 1}, SampleType::unorm8, 1), 1);
+    NoiseTexture tiny(make_desc({1, 1, 1, 1}, SampleType::unorm8, 1), 1);
     for (const char* text : {"4294967297x1x1x1", "0x1x1x1", "1x1x1", "1x1x1x1x1", "-1x1x1x1", "x",
                              "", "1x1x1x 1", "99999999999999999999x1x1x1"})
         EXPECT_EQ(parse_extent(text).status().code(), ErrorCode::bad_argument) << text;
@@ -352,7 +342,7 @@ TEST_F(ImageIo, RefusesBadExr) {
 }
 
 TEST_F(ImageIo, FindsEveryTruncationOfAnExr) {
-    MemoryTexture texture(make_desc({3, 4, 5, 6}, SampleType::unorm8, 3), 5);
+    NoiseTexture texture(make_desc({3, 4, 5, 6}, SampleType::unorm8, 3), 5);
     ASSERT_TRUE(write(texture, path("x.exr")).ok());
     const auto size = fs::file_size(path("x.exr"));
     for (std::uintmax_t n = size; n-- > 0;) {
@@ -367,7 +357,7 @@ TEST_F(ImageIo, FindsEveryTruncationOfAnExr) {
 }
 
 TEST_F(ImageIo, SurvivesFlippedBytesOfAnExr) {
-    MemoryTexture texture(make_desc({3, 4, 5, 6}, SampleType::unorm8, 3), 5);
+    NoiseTexture texture(make_desc({3, 4, 5, 6}, SampleType::unorm8, 3), 5);
     ASSERT_TRUE(write(texture, path("x.exr")).ok());
     const std::string good = slurp(path("x.exr"));
     std::fstream file(path("x.exr"), std::ios::binary | std::ios::in | std::ios::out);
@@ -387,7 +377,7 @@ TEST_F(ImageIo, SurvivesFlippedBytesOfAnExr) {
 // Folders of PNG views.
 
 TEST_F(ImageIo, InfersViewsFromNamesAlone) {
-    MemoryTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 4), 5);
+    NoiseTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 4), 5);
     ASSERT_TRUE(write(texture, path("views/")).ok());
     fs::remove(path("views/tessera.json"));
     const auto opened = open_texture(path("views"), {});
@@ -396,8 +386,8 @@ TEST_F(ImageIo, InfersViewsFromNamesAlone) {
 }
 
 TEST_F(ImageIo, RefusesBadFoldersOfViews) {
-    MemoryTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 3), 5);
-    MemoryTexture other(make_desc({7, 6, 1, 1}, SampleType::unorm8, 3), 5);
+    NoiseTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 3), 5);
+    NoiseTexture other(make_desc({7, 6, 1, 1}, SampleType::unorm8, 3), 5);
     ASSERT_TRUE(write(other, path("other/")).ok());
     const auto refused = [&](ErrorCode code, const std::string& words) {
         const auto opened = open_texture(path("views"), {});
@@ -433,8 +423,8 @@ TEST_F(ImageIo, RefusesBadFoldersOfViews) {
 }
 
 TEST_F(ImageIo, ReplacesOnlyItsOwnFolders) {
-    MemoryTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 3), 5);
-    MemoryTexture smaller(make_desc({2, 2, 1, 1}, SampleType::unorm8, 3), 6);
+    NoiseTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 3), 5);
+    NoiseTexture smaller(make_desc({2, 2, 1, 1}, SampleType::unorm8, 3), 6);
     ASSERT_TRUE(write(texture, path("views/")).ok());
     ASSERT_TRUE(write(smaller, path("views/")).ok());
     const auto opened = open_texture(path("views/"), {});
@@ -453,7 +443,7 @@ TEST_F(ImageIo, ReplacesOnlyItsOwnFolders) {
 // Places where nothing can be written.
 
 TEST_F(ImageIo, ReportsPlacesThatCannotBeWritten) {
-    MemoryTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
+    NoiseTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
     std::ofstream(path("file")) << "x";
     for (const std::string name : {"file/x.rgb", "file/x.exr", "file/views/"}) {
         const Status status = write(texture, path(name));
@@ -471,7 +461,7 @@ TEST_F(ImageIo, RefusesReadOnlyFolders) {
     if (getuid() == 0)
         GTEST_SKIP() << "nothing is read-only for root";
     fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
-    MemoryTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
+    NoiseTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);
     for (const std::string name : {"x.rgb", "x.exr", "views/"})
         EXPECT_EQ(write(texture, path(name)).code(), ErrorCode::io) << name;
     fs::permissions(folder_, fs::perms::owner_all);

@@ -21,26 +21,16 @@ namespace {
 using namespace tessera::test::rendering;
 
 // A baked texture in memory, and how often it was read.
-class MemoryTexture final : public TexelSource {
+class CountedTexture final : public TexelSource {
 public:
-    explicit MemoryTexture(TexelSource& source)
+    explicit CountedTexture(TexelSource& source)
         : desc_(source.desc()), texels_(desc_.box_bytes(Box4::whole(desc_.size))) {
         EXPECT_TRUE(source.read(Box4::whole(desc_.size), texels_).ok());
     }
     const TextureDesc& desc() const override { return desc_; }
     Status read(const Box4& box, std::span<std::byte> out) override {
         ++reads_;
-        std::byte* to = out.data();
-        const std::size_t n = desc_.texel_bytes();
-        const Extent4& e = desc_.size;
-        for (std::size_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
-            for (std::size_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
-                for (std::size_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
-                    for (std::size_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s, to += n)
-                        std::memcpy(to,
-                                    texels_.data() +
-                                        (((v * e[axis_u] + u) * e[axis_t] + t) * e[axis_s] + s) * n,
-                                    n);
+        copy_box(box, Box4::whole(desc_.size), texels_, box, out, desc_.texel_bytes());
         return {};
     }
     int reads() const { return reads_; }
@@ -58,7 +48,7 @@ View truth_view(const std::string& scene, const Camera& camera, unsigned samples
 
 TEST(TextureRenderer, LazyBakingChangesNothing) {
     const auto lazy = bake("mirror", {32, 16, 9, 8}, 2);
-    MemoryTexture whole(*lazy);
+    CountedTexture whole(*lazy);
     const Camera camera = camera_at(aslant, {45, 60, 45});
     const View expected = texture_view(whole, camera, {1, 1u << 30, {}}, {32, 32, 32, 32});
     EXPECT_EQ(whole.reads(), 1);

@@ -24,10 +24,6 @@ double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-Status check_interrupt() {
-    return interrupted_by() ? Status(ErrorCode::runtime, "interrupted") : Status();
-}
-
 // How much is drawn: a GPU draws a thousand frames in the time that the CPU takes for a few.
 struct Amount {
     const char* size;

@@ -13,7 +13,7 @@ function(tessera_module name)
     add_library(tessera_${name} STATIC ${ARG_SOURCES})
     add_library(tessera::${name} ALIAS tessera_${name})
     set_target_properties(tessera_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
-        POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden
+        UNITY_BUILD_MODE GROUP POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden
         VISIBILITY_INLINES_HIDDEN ON)
     target_include_directories(tessera_${name} INTERFACE
         $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
@@ -40,11 +40,13 @@ function(tessera_public_headers module)
     endforeach()
 endfunction()
 
-# Sources of some folders of the module whose CMakeLists.txt this is.
+# Sources of some folders of the module whose CMakeLists.txt this is. Where CMAKE_UNITY_BUILD is set, as
+# tools/common.sh does, a folder is compiled as one: most of what a file costs is reading its headers.
 function(tessera_sources variable)
     set(all)
     foreach(folder IN LISTS ARGN)
         file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+        set_source_files_properties(${files} PROPERTIES UNITY_GROUP ${folder})
         list(APPEND all ${files})
     endforeach()
     set(${variable} ${all} PARENT_SCOPE)

@@ -4,6 +4,7 @@
 #include "tools/http/file_server_paths.h"
 #include "tools/http/file_server_ranges.h"
 #include "tools/http/http_response.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <atomic>
@@ -24,13 +25,6 @@ constexpr std::size_t threads = 64;
 constexpr std::size_t requests_per_connection = 1'000'000;
 constexpr std::time_t idle_seconds = 2; // then a connection is closed; stopping waits for it
 constexpr std::size_t max_ranges = 64;
-
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127)
-            c = '?';
-    return text;
-}
 
 // The status that the request's conditions ask for instead of the file; 0: none.
 int refused_by_conditions(const httplib::Request& request, const FileVersion& version) {

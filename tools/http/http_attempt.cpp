@@ -1,6 +1,7 @@
 #include "tools/http/http_attempt.h"
 
 #include "format/version.h"
+#include "tools/support/parse.h"
 
 #include <algorithm>
 #include <exception>
@@ -38,13 +39,6 @@ bool may_pass(CURLcode code) {
 }
 
 // libcurl's words may quote the server's.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127)
-            c = ' ';
-    return text;
-}
-
 } // namespace
 
 Result<std::unique_ptr<HttpAttempt>> HttpAttempt::create(const std::string& url,

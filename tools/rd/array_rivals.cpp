@@ -3,6 +3,7 @@
 #include "tools/rd/bt709.h"
 #include "tools/rd/exr_rival.h"
 #include "tools/rd/rivals.h"
+#include "tools/support/output_folders.h"
 
 #include <algorithm>
 #include <array>

@@ -2,6 +2,7 @@
 
 #include "format/work.h"
 #include "tools/rd/rivals.h"
+#include "tools/support/parse.h"
 #include "tools/texture_io/exr_samples.h"
 #include "tools/texture_io/exr_stream.h"
 
@@ -25,12 +26,6 @@ struct Mosaic {
     int width = 0, height = 0, channels = 0;
     std::vector<std::uint16_t> halves; // rows from the top, channels adjacent
 };
-
-const char* channel_name(int channels, int c) {
-    if (channels < 3)
-        return c == 0 ? "Y" : "A";
-    return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";
-}
 
 Mosaic empty_mosaic(const TextureDesc& desc) {
     Mosaic m;

@@ -1,7 +1,8 @@
 #include "tools/rd/measurement.h"
 
-#include "tools/rd/rivals.h" // bytes_in_file, write_bytes
+#include "tools/rd/rivals.h" // bytes_in_file
 #include "tools/support/checksum.h"
+#include "tools/support/output_folders.h"
 
 #include <cctype>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include "tools/rd/picture_tools.h"
 #include "tools/rd/rivals.h"
 #include "tools/rd/view_layout.h"
+#include "tools/support/output_folders.h"
 
 #include <algorithm>
 #include <atomic>

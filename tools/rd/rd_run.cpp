@@ -5,6 +5,7 @@
 #include "tools/rd/sweep.h"
 #include "tools/rd/tessera_codec.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 

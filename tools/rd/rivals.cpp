@@ -1,7 +1,6 @@
 #include "tools/rd/rivals.h"
 
 #include "format/byte_source.h"
-#include "format/output_file.h"
 #include "format/work.h"
 
 #include <cctype>
@@ -153,12 +152,6 @@ Result<std::vector<std::byte>> bytes_in_file(const std::string& path) {
     std::vector<std::byte> bytes(file->size());
     TESSERA_TRY(file->read(0, bytes));
     return bytes;
-}
-
-Status write_bytes(const std::string& path, std::span<const std::byte> bytes) {
-    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
-    TESSERA_TRY(file.append(bytes));
-    return file.commit();
 }
 
 } // namespace tessera

@@ -58,7 +58,6 @@ Result<double> seconds_of_tool(const std::vector<std::string>& argv, double time
 std::string needs_rgb8(const TextureDesc& desc);
 Result<std::uint64_t> bytes_of_file(const std::string& path);
 Result<std::vector<std::byte>> bytes_in_file(const std::string& path);
-Status write_bytes(const std::string& path, std::span<const std::byte> bytes);
 
 // Runs what is short several times and takes the best: tools that finish within a blink are
 // measured by chance otherwise. `run` returns a Result<double> of seconds.

@@ -169,8 +169,7 @@ std::optional<std::string> find_tool(const std::string& name) {
 Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
                          const TickFunction& tick) {
     const std::string tool = name_of_tool(argv);
-    if (interrupted_by() != 0)
-        return Status(ErrorCode::runtime, "interrupted");
+    TESSERA_TRY(check_interrupt());
     Pipe output;
     if (pipe2(output.ends, O_CLOEXEC) != 0)
         return system_error(tool, "no pipe", errno);
@@ -182,8 +181,7 @@ Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
     run.said = watch.listen();
     const int status = watch.await();
     run.seconds = watch.seconds();
-    if (interrupted_by() != 0)
-        return Status(ErrorCode::runtime, "interrupted");
+    TESSERA_TRY(check_interrupt());
     if (watch.out_of_time())
         return Status(ErrorCode::runtime,
                       tool + ": not done after " + format_number(timeout, 0) + " s, stopped");

@@ -7,6 +7,7 @@
 #include "tools/rd/rivals.h" // best_time
 #include "tools/support/checksum.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/output_folders.h"
 
 #include <chrono>
 

@@ -1,6 +1,7 @@
 // Video codecs: the views in serpentine order are the frames.
 #include "tools/rd/rivals.h"
 #include "tools/rd/view_layout.h"
+#include "tools/support/output_folders.h"
 
 #include <algorithm>
 #include <fstream>

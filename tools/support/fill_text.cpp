@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t most_named = 8;
+constexpr std::size_t most_causes_named = 8;
 
 std::uint64_t received_bytes(const ContainerReader& container) {
     return std::min(container.source_bytes(), container.file_bytes());
@@ -40,10 +40,10 @@ std::string fill_text(const Decoder& decoder, const std::string& indent) {
         return text;
     text += indent + "filled " + std::to_string(report.damaged_tiles) + " of " +
             std::to_string(tiles) + " tiles are damaged and " + instead + "\n";
-    for (std::size_t i = 0; i < std::min(most_named, report.damaged.size()); ++i)
+    for (std::size_t i = 0; i < std::min(most_causes_named, report.damaged.size()); ++i)
         text += indent + "       tile " + std::to_string(report.damaged[i]) + " is texels " +
                 to_string(container.grid().box(report.damaged[i])) + "\n";
-    if (report.damaged_tiles > most_named)
+    if (report.damaged_tiles > most_causes_named)
         text += indent + "       and so on; tessera validate lists them all\n";
     return text;
 }

@@ -21,10 +21,6 @@ void remember(int signal) {
     received = signal;
 }
 
-Status check_interrupt() {
-    return received ? Status(ErrorCode::runtime, "interrupted") : Status();
-}
-
 class InterruptibleSource : public TexelSource {
 public:
     explicit InterruptibleSource(std::unique_ptr<TexelSource> inner) : inner_(std::move(inner)) {}
@@ -82,6 +78,10 @@ void install_signal_handlers() {
 
 int interrupted_by() {
     return received;
+}
+
+Status check_interrupt() {
+    return received ? Status(ErrorCode::runtime, "interrupted") : Status();
 }
 
 std::unique_ptr<TexelSource> interruptible(std::unique_ptr<TexelSource> inner) {

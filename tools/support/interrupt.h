@@ -15,6 +15,9 @@ void install_signal_handlers();
 // The signal that came, or 0.
 int interrupted_by();
 
+// Errors: runtime, "interrupted", once one came.
+Status check_interrupt();
+
 // `inner`, but read() and write() fail with "interrupted" once a signal came.
 std::unique_ptr<TexelSource> interruptible(std::unique_ptr<TexelSource> inner);
 std::unique_ptr<TexelSink> interruptible(std::unique_ptr<TexelSink> inner);

@@ -1,5 +1,6 @@
 #include "tools/support/output_folders.h"
 
+#include "format/output_file.h"
 #include "tools/support/url.h"
 
 #include <filesystem>
@@ -51,6 +52,12 @@ Status make_parent_folders(const std::string& path) {
     return error ? Status(ErrorCode::io,
                           path + ": cannot make " + folder.string() + ": " + error.message())
                  : Status();
+}
+
+Status write_bytes(const std::string& path, std::span<const std::byte> bytes) {
+    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
+    TESSERA_TRY(file.append(bytes));
+    return file.commit();
 }
 
 } // namespace tessera

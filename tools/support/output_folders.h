@@ -3,6 +3,8 @@
 
 #include "format/status.h"
 
+#include <cstddef>
+#include <span>
 #include <string>
 
 namespace tessera {
@@ -17,5 +19,8 @@ Status check_parent_folders(const std::string& path);
 
 // Makes those that are missing. Errors: io.
 Status make_parent_folders(const std::string& path);
+
+// A whole file, renamed into place when it is complete. Errors: io.
+Status write_bytes(const std::string& path, std::span<const std::byte> bytes);
 
 } // namespace tessera

@@ -115,6 +115,19 @@ std::string format_number(double value, int decimals) {
     return text;
 }
 
+const char* channel_name(unsigned channels, unsigned c) {
+    if (channels >= 3)
+        return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";
+    return c == 0 ? "Y" : "A";
+}
+
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 32 || c == 127)
+            c = ' ';
+    return text;
+}
+
 std::string human_bytes(std::uint64_t bytes) {
     const char* const units[] = {"kB", "MB", "GB", "TB", "PB"};
     if (bytes < 1000)

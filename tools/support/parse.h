@@ -26,6 +26,10 @@ bool parse_number(std::string_view text, double& out);
 // "8" or "unorm8"; "16f", "half" or "half16".
 Result<SampleType> parse_sample_type(std::string_view text);
 const char* name_of(SampleType type);
+const char* channel_name(unsigned channels, unsigned c); // "R", "G", "B", "A" or "Y", "A"
+
+// Text from outside, fit for a terminal: control characters become spaces.
+std::string printable(std::string text);
 
 std::string human_bytes(std::uint64_t bytes); // "402.7 MB", powers of 1000
 std::string format_number(double value, int decimals);

@@ -41,8 +41,8 @@ Status wait_for_input() {
     while (::poll(&wanted, 1, -1) < 0)
         if (errno != EINTR)
             return input_error(std::strerror(errno));
-        else if (interrupted_by() != 0)
-            return {ErrorCode::runtime, "interrupted"};
+        else
+            TESSERA_TRY(check_interrupt());
     return {};
 }
 

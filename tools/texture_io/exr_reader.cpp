@@ -22,7 +22,6 @@ namespace {
 // OpenEXR buffers up to 256 lines or a row of tiles for every thread. A picture that would need
 // more than this for one of them is damaged or hostile.
 constexpr std::uint64_t max_line_buffer = 1ull << 28;
-constexpr std::uint64_t max_chunk_bytes = 1ull << 24; // lines that we ask for at once
 
 std::string string_attribute(const Imf::Header& header, const std::string& name) {
     const auto* found = header.findTypedAttribute<Imf::StringAttribute>(name.c_str());

@@ -63,6 +63,9 @@ private:
     Status status_;
 };
 
+// What is read or written at once at most, in whole lines.
+inline constexpr std::uint64_t max_chunk_bytes = 1ull << 24;
+
 // Runs body(), which returns a Status and may call OpenEXR.
 template <class Body> Status guard_exr(const std::string& path, const Body& body) {
     try {

@@ -17,7 +17,6 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t max_pixels = 1ull << 30; // along one side; OpenEXR counts in int
-constexpr std::uint64_t max_chunk_bytes = 1ull << 24;
 
 std::vector<std::string> channel_names(std::uint8_t channels) {
     std::vector<std::string> names =

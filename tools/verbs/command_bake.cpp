@@ -17,7 +17,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct BakeCommand {
     std::string scene, output;
     TextureArguments texture; // threads and quiet; size is the size to bake
     unsigned samples = 16;
@@ -26,7 +26,7 @@ struct Arguments {
     EncodeArguments encode;
 };
 
-bool is_compressed(const Arguments& a) {
+bool is_compressed(const BakeCommand& a) {
     return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
 }
 
@@ -51,7 +51,7 @@ Description baked_description(SampleType type) {
 }
 
 // What the command asks of the encoder; errors that need no texel.
-Result<EncodeOptions> options_for(const Arguments& a, const TextureDesc& desc) {
+Result<EncodeOptions> options_for(const BakeCommand& a, const TextureDesc& desc) {
     const bool compressed = is_compressed(a);
     if (!compressed && says_how_to_encode(a.encode))
         return Status(ErrorCode::bad_argument,
@@ -72,11 +72,11 @@ Result<EncodeOptions> options_for(const Arguments& a, const TextureDesc& desc) {
     return options;
 }
 
-Json scene_json(const Arguments& a) {
+Json scene_json(const BakeCommand& a) {
     return {{"scene", a.scene}, {"samples_per_texel", a.samples}, {"seed", a.seed}};
 }
 
-Status bake_compressed(const Arguments& a, TexelSource& source, EncodeOptions options) {
+Status bake_compressed(const BakeCommand& a, TexelSource& source, EncodeOptions options) {
     TESSERA_TRY_ASSIGN(const auto report, [&] {
         Progress progress("tessera bake", a.texture.quiet);
         options.progress = progress.function();
@@ -92,7 +92,7 @@ Status bake_compressed(const Arguments& a, TexelSource& source, EncodeOptions op
     return {};
 }
 
-Status bake_plain(const Arguments& a, TexelSource& source, const EncodeOptions& options) {
+Status bake_plain(const BakeCommand& a, TexelSource& source, const EncodeOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
     TESSERA_TRY_ASSIGN(auto sink,
@@ -118,7 +118,7 @@ Status bake_plain(const Arguments& a, TexelSource& source, const EncodeOptions& 
     return {};
 }
 
-Status run(const Arguments& a) {
+Status run(const BakeCommand& a) {
     if (a.list)
         return list_scenes();
     if (a.scene.empty() || a.output.empty())
@@ -137,7 +137,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_bake_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, BakeCommand& a) {
         c.add_option("scene", a.scene, "Name of a built-in scene");
         c.add_option(
             "-o,--output", a.output,
@@ -152,7 +152,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         add_threads_options(c, a.texture);
         add_encode_options(c, a.encode);
     };
-    add_verb<Arguments>(
+    add_verb<BakeCommand>(
         app, chosen, "bake", "Ray trace a built-in scene into a texture",
         "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
         "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory only.\n\n"

@@ -8,13 +8,13 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct BenchCommand {
     std::string target, file;
     GpuBenchOptions options;
     bool json = false, quiet = false;
 };
 
-Status run(const Arguments& a) {
+Status run(const BenchCommand& a) {
     if (a.target != "gpu")
         return {ErrorCode::bad_argument,
                 "'" + a.target + "' is nothing that can be measured; gpu is"};
@@ -50,7 +50,7 @@ void declare_path(CLI::App& c, ViewRequest& view) {
 } // namespace
 
 void add_bench_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, BenchCommand& a) {
         GpuBenchOptions& o = a.options;
         c.add_option("target", a.target, "What to measure: gpu")->required();
         c.add_option("file", a.file,
@@ -76,7 +76,7 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--json", a.json, "Print JSON");
         c.add_flag("--quiet,-q", a.quiet, "No progress");
     };
-    add_verb<Arguments>(
+    add_verb<BenchCommand>(
         app, chosen, "bench", "Measure drawing a texture on the GPU",
         "Rows, all drawn along the same path in one run:\n"
         "  raw       an ordinary texture, as a renderer without this codec holds it\n"

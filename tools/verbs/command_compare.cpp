@@ -6,6 +6,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/baked_original.h"
@@ -22,7 +23,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct CompareCommand {
     std::string a, b;
     TextureArguments texture;
     MaskArguments mask;
@@ -41,7 +42,7 @@ struct Inputs {
 };
 
 // The scene, baked box by box as it is read, beside the only file.
-Result<Inputs> open_baked(const Arguments& arguments) {
+Result<Inputs> open_baked(const CompareCommand& arguments) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
     auto file = open_texture(arguments.a, hints);
     if (!file.ok())
@@ -56,7 +57,7 @@ Result<Inputs> open_baked(const Arguments& arguments) {
                   decoders};
 }
 
-Result<Inputs> open_both(const Arguments& arguments) {
+Result<Inputs> open_both(const CompareCommand& arguments) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
     auto opened = open_two_textures(arguments.a, arguments.b, hints);
     if (!opened.ok()) {
@@ -75,7 +76,7 @@ Result<Inputs> open_both(const Arguments& arguments) {
 }
 
 // Thresholds that were missed, each with its figure.
-std::vector<std::string> missed_thresholds(const Arguments& a, const Comparison& c) {
+std::vector<std::string> missed_thresholds(const CompareCommand& a, const Comparison& c) {
     std::vector<std::string> missed;
     if (a.min_psnr && c.errors.psnr() < *a.min_psnr)
         missed.push_back("PSNR " + format_number(c.errors.psnr(), 4) + " dB is below " +
@@ -89,25 +90,19 @@ std::vector<std::string> missed_thresholds(const Arguments& a, const Comparison&
     return missed;
 }
 
-const char* channel_name(unsigned channels, unsigned c) {
-    if (channels >= 3)
-        return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";
-    return c == 0 ? "Y" : "A";
-}
-
 // null where the textures are the same: JSON has no infinity.
 Json decibels(double db) {
     return std::isfinite(db) ? Json(db) : Json(nullptr);
 }
 
-std::string first_name(const Arguments& a) {
+std::string first_name(const CompareCommand& a) {
     return a.scene.empty() ? a.a : a.scene + " (baked)";
 }
-std::string second_name(const Arguments& a) {
+std::string second_name(const CompareCommand& a) {
     return a.scene.empty() ? a.b : a.a;
 }
 
-Json to_json(const Arguments& a, const TextureDesc& desc, const Comparison& c,
+Json to_json(const CompareCommand& a, const TextureDesc& desc, const Comparison& c,
              const std::vector<std::string>& missed, double seconds) {
     const ErrorSums& e = c.errors;
     Json json = {{"a", first_name(a)},
@@ -153,7 +148,8 @@ std::string decibel_text(double db) {
     return std::isfinite(db) ? format_number(db, 2) + " dB" : "no error";
 }
 
-void print_text(const Arguments& a, const TextureDesc& desc, const Comparison& c, double seconds) {
+void print_text(const CompareCommand& a, const TextureDesc& desc, const Comparison& c,
+                double seconds) {
     const ErrorSums& e = c.errors;
     const bool hdr = desc.type == SampleType::half16;
     std::printf("%s, %d x %s\n", to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
@@ -196,7 +192,7 @@ void print_text(const Arguments& a, const TextureDesc& desc, const Comparison& c
 
 // Of a slab both sources and, for SSIM, two planes of floats may be held. Opens `mask`, which has to
 // outlive the options. Errors: bad_argument (--memory), those of open_mask.
-Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& desc,
+Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDesc& desc,
                                        Progress& progress, std::unique_ptr<TexelSource>& mask) {
     TESSERA_TRY_ASSIGN(auto memory, slab_budget(a.memory, a.texture.threads));
     auto opened = open_mask(a.mask, desc.size, a.texture.threads, memory);
@@ -214,7 +210,7 @@ Result<CompareOptions> compare_options(const Arguments& a, const TextureDesc& de
 }
 
 // The reference of --beginnings. A raw one takes its size from the file that is measured.
-Result<std::unique_ptr<TexelSource>> open_reference(const Arguments& a, ByteSource& measured) {
+Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured) {
     TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(measured));
     TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
     if (!hints.size && kind_of_input(a.a) == TextureKind::raw)
@@ -234,7 +230,7 @@ void print_points(const std::vector<PrefixPoint>& points) {
 }
 
 // How the second texture looks as its file arrives.
-Status run_beginnings(const Arguments& a) {
+Status run_beginnings(const CompareCommand& a) {
     if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
         return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
     TESSERA_TRY_ASSIGN(const auto file, open_bytes(a.b));
@@ -262,7 +258,7 @@ Status run_beginnings(const Arguments& a) {
     return {};
 }
 
-Status run(const Arguments& a) {
+Status run(const CompareCommand& a) {
     if (a.beginnings)
         return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
@@ -308,7 +304,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, CompareCommand& a) {
         c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/, PNG, -")
             ->required();
         c.add_option("b", a.b, "What is measured against it");
@@ -343,7 +339,7 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<CompareCommand>(
         app, chosen, "compare", "Measure how far two textures are apart",
         "PSNR and SSIM of 8-bit samples are of their values, of half floats over 16-bit codes. A "
         "raw\n"

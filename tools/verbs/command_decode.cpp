@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct DecodeCommand {
     std::string input, output, box, memory;
     TextureArguments texture; // threads and quiet
     bool json = false;
@@ -46,7 +46,8 @@ private:
     Extent4 origin_;
 };
 
-Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, TextureDesc desc) {
+Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& box,
+                   TextureDesc desc) {
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
     desc.size = box.extent();
     TESSERA_TRY_ASSIGN(auto sink, create_texture(a.output, desc, decoder.container().description(),
@@ -61,8 +62,8 @@ Status decode_into(const Arguments& a, const Decoder& decoder, const Box4& box, 
 }
 
 // What was written, and what of it had to be filled.
-Json to_json(const Arguments& a, const Decoder& decoder, const ByteSource& file, const Box4& box,
-             double seconds) {
+Json to_json(const DecodeCommand& a, const Decoder& decoder, const ByteSource& file,
+             const Box4& box, double seconds) {
     const TextureDesc& desc = decoder.desc();
     Json json = {{"input", a.input},
                  {"output", a.output},
@@ -78,7 +79,7 @@ Json to_json(const Arguments& a, const Decoder& decoder, const ByteSource& file,
     return json;
 }
 
-void print_summary(const Arguments& a, const Decoder& decoder, const ByteSource& file,
+void print_summary(const DecodeCommand& a, const Decoder& decoder, const ByteSource& file,
                    const Box4& box, double seconds) {
     std::FILE* to = summary_stream(a.output);
     const TextureDesc& desc = decoder.desc();
@@ -91,7 +92,7 @@ void print_summary(const Arguments& a, const Decoder& decoder, const ByteSource&
     std::fputs(fill_text(decoder, "  ").c_str(), to);
 }
 
-Status run(const Arguments& a) {
+Status run(const DecodeCommand& a) {
     TESSERA_TRY(check_json_output(a.json, a.output));
     TESSERA_TRY(slab_budget(a.memory, a.texture.threads));
     const auto start = std::chrono::steady_clock::now();
@@ -116,7 +117,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_decode_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, DecodeCommand& a) {
         c.add_option("input", a.input,
                      "The .tess file, the URL of one (http, https), or - for standard input")
             ->required();
@@ -132,7 +133,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--json", a.json, "Print what was written as JSON");
         add_threads_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<DecodeCommand>(
         app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
         "Only the tiles that the box touches are read; the default is all of it.\n\n"
         "Examples:\n"

@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct EncodeCommand {
     std::string input, output;
     TextureArguments texture;
     MaskArguments mask;
@@ -27,7 +27,7 @@ Status about_file(const Status& status, const std::string& input, const std::str
     return named ? status : status.with_context(input);
 }
 
-std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& a) {
+std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a) {
     auto facts = source_facts(a.input, "input");
     if (!a.mask.path.empty())
         for (auto& fact : source_facts(a.mask.path, "mask"))
@@ -35,7 +35,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Arguments& a) {
     return facts;
 }
 
-Status run(const Arguments& a) {
+Status run(const EncodeCommand& a) {
     // What the command line alone shows to be wrong, before a file is opened.
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
@@ -74,7 +74,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_encode_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, EncodeCommand& a) {
         c.add_option("input", a.input,
                      "Texture: .exr, raw (.rgb ...), PNG, folder of PNG views, .tess or the URL of "
                      "one, - for standard input")
@@ -85,7 +85,7 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
     };
-    add_verb<Arguments>(
+    add_verb<EncodeCommand>(
         app, chosen, "encode", "Compress a texture into a .tess file",
         "At most one rate is asked for: --quality, --target-psnr, --target-bpt, --target-bytes or\n"
         "--max-error. Finished tiles wait in OUTPUT.journal until the file is there, for "

@@ -2,6 +2,7 @@
 #include "tools/http/open_bytes.h"
 #include "tools/support/description_text.h"
 #include "tools/support/json_text.h"
+#include "tools/support/parse.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
@@ -11,7 +12,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct InfoCommand {
     std::string input;
     TextureArguments texture;
     bool json = false;
@@ -94,13 +95,6 @@ std::string rounded(const std::string& text) {
 }
 
 // Control characters of a file's strings must not reach the terminal.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127)
-            c = ' ';
-    return text;
-}
-
 // How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 5"; "" where it does not say.
 std::string made_text(const Metadata& metadata) {
     std::string text;
@@ -175,7 +169,7 @@ Result<Json> describe_tess(const std::string& path) {
     return tess_json(path, file, tiles);
 }
 
-Result<Json> describe_other(const Arguments& a) {
+Result<Json> describe_other(const InfoCommand& a) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto opened, open_texture(a.input, hints));
     Json json = texture_json(a.input, opened.source->desc(), opened.description);
@@ -186,7 +180,7 @@ Result<Json> describe_other(const Arguments& a) {
     return json;
 }
 
-Status run(const Arguments& a) {
+Status run(const InfoCommand& a) {
     TESSERA_TRY_ASSIGN(const auto json, kind_of_input(a.input) == TextureKind::tess
                                             ? describe_tess(a.input)
                                             : describe_other(a));
@@ -200,13 +194,13 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_info_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, InfoCommand& a) {
         c.add_option("file", a.input, "Any texture; a .tess file, the URL of one, or -, says most")
             ->required();
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<InfoCommand>(
         app, chosen, "info", "Say everything about a file but its texels",
         "Of a .tess: size, samples, how it was made, tiles, coarse levels, sections, metadata.\n"
         "Figures are rounded; --json has all digits.\n\n"

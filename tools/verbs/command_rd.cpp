@@ -8,13 +8,13 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct RdCommand {
     RdOptions options;
     TextureArguments texture;
     bool json = false;
 };
 
-Status run(const Arguments& a) {
+Status run(const RdCommand& a) {
     RdOptions options = a.options;
     TESSERA_TRY_ASSIGN(options.hints, make_hints(a.texture));
     options.quiet = a.texture.quiet;
@@ -71,7 +71,7 @@ void declare_sweep(CLI::App& c, RdOptions& o) {
 } // namespace
 
 void add_rd_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, RdCommand& a) {
         c.add_option("textures", a.options.textures,
                      "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes")
             ->required();
@@ -83,7 +83,7 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<RdCommand>(
         app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
         "Rivals run through their own command-line tools; tools/scripts/install-rivals.sh installs "
         "them\n"

@@ -20,7 +20,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct RenderCommand {
     StageRequest stage;
     ViewRequest views;
     TextureArguments texture; // threads and quiet
@@ -38,7 +38,7 @@ std::string beside(const std::string& output, const std::string& what) {
     return path.string();
 }
 
-Status check_outputs(const Arguments& a, const std::vector<PlannedView>& plan) {
+Status check_outputs(const RenderCommand& a, const std::vector<PlannedView>& plan) {
     for (const PlannedView& view : plan) {
         TESSERA_TRY(check_view_path(view.output));
         for (const char* what : {"truth", "uncompressed"})
@@ -100,7 +100,7 @@ std::string to_text(const Traffic& traffic, bool remote) {
 // Keeps, writes and says what each frame of a view was; at once, as the next may take a while.
 class FrameLog {
 public:
-    FrameLog(const Arguments& a, SampleType type)
+    FrameLog(const RenderCommand& a, SampleType type)
         : log_(a.logs()), write_(a.frames), remote_(is_url(a.stage.file)), type_(type) {}
 
     void begin(std::size_t view, const std::string& output) {
@@ -195,7 +195,7 @@ Json to_json(const DrawnFrame& frame) {
     return json;
 }
 
-void report_json(const Arguments& a, const Stage& stage, const std::vector<PlannedView>& plan,
+void report_json(const RenderCommand& a, const Stage& stage, const std::vector<PlannedView>& plan,
                  const std::vector<DrawnView>& views) {
     Json json = {{"size", to_string(stage.desc.size)}, {"via", a.stage.via}};
     if (a.stage.file.empty())
@@ -253,7 +253,7 @@ void report_remarks(const std::vector<PlannedView>& plan, const std::vector<Draw
                          views[i].remark.c_str());
 }
 
-Status run(const Arguments& a) {
+Status run(const RenderCommand& a) {
     TESSERA_TRY_ASSIGN(const auto plan, plan_views(a.views));
     TESSERA_TRY(check_outputs(a, plan));
     if (a.frames && a.stage.via != "feedback")
@@ -276,8 +276,7 @@ Status run(const Arguments& a) {
             });
         Traffic told; // so that the first view's includes opening
         for (const PlannedView& view : plan) {
-            if (interrupted_by())
-                return {ErrorCode::runtime, "interrupted"};
+            TESSERA_TRY(check_interrupt());
             log.begin(views.size() + 1, view.output);
             TESSERA_TRY_ASSIGN(auto drawn, draw(view, stage, a.write_all, steps));
             drawn.traffic = stage.traffic() - told;
@@ -318,7 +317,7 @@ void declare_camera(CLI::App& c, ViewRequest& r) {
 } // namespace
 
 void add_render_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, RenderCommand& a) {
         StageRequest& r = a.stage;
         c.add_option("file", r.file,
                      "A .tess with a texture on a sphere, or the URL of one (http, https)");
@@ -376,7 +375,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<RenderCommand>(
         app, chosen, "render", "Draw what an observer sees of the sphere",
         "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
         "written only, with reading and decoding.\n"

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct ServeCommand {
     std::string folder, host = "127.0.0.1";
     int port = 8000;
     bool quiet = false;
@@ -30,7 +30,7 @@ void print_request(const ServedRequest& r) {
     std::fflush(stdout);
 }
 
-Status run(const Arguments& a) {
+Status run(const ServeCommand& a) {
     FileServerOptions options;
     options.folder = a.folder;
     options.host = a.host;
@@ -47,7 +47,7 @@ Status run(const Arguments& a) {
 
 #else
 
-Status run(const Arguments&) {
+Status run(const ServeCommand&) {
     return {ErrorCode::unsupported, "this program was built without HTTP"};
 }
 
@@ -56,7 +56,7 @@ Status run(const Arguments&) {
 } // namespace
 
 void add_serve_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, ServeCommand& a) {
         c.add_option("folder", a.folder, "The folder with .tess files")->required();
         c.add_option("--port", a.port, "Port; 0: one that is free")
             ->check(CLI::Range(0, 65535))
@@ -65,7 +65,7 @@ void add_serve_command(CLI::App& app, Invocation& chosen) {
             ->capture_default_str();
         c.add_flag("--quiet,-q", a.quiet, "Print the URL, but no requests");
     };
-    add_verb<Arguments>(
+    add_verb<ServeCommand>(
         app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C",
         "Prints its URL, then a line for each request: client, method, path, range, status, bytes\n"
         "of the body. Plain HTTP without passwords: for one's own machine or a trusted network.\n\n"

@@ -1,5 +1,5 @@
 #include "decoder_glsl/shader_source.h"
-#include "format/output_file.h"
+#include "tools/support/output_folders.h"
 #include "tools/verbs/command.h"
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct ShadersCommand {
     std::string output, dialect = "gl450";
     std::vector<std::string> defines;
 };
@@ -28,22 +28,17 @@ Result<std::vector<ShaderDefine>> parse_defines(const std::vector<std::string>& 
     return defines;
 }
 
-Status write_text(const std::filesystem::path& path, const std::string& text) {
-    TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path.string()));
-    TESSERA_TRY(file.append(std::as_bytes(std::span(text))));
-    return file.commit();
-}
-
 // Programs whole; sample.glsl without a head, to be pasted into a program of the reader's own.
-Status write_shader(std::string_view name, const Arguments& a, ShaderDialect dialect,
+Status write_shader(std::string_view name, const ShadersCommand& a, ShaderDialect dialect,
                     std::span<const ShaderDefine> defines) {
     TESSERA_TRY_ASSIGN(std::string text, shader_source(name, dialect, defines));
     if (name == "sample.glsl")
         text.erase(0, text.find('\n') + 1); // the #version line
-    return write_text(std::filesystem::path(a.output) / name, text);
+    return write_bytes((std::filesystem::path(a.output) / name).string(),
+                       std::as_bytes(std::span(text)));
 }
 
-Status run(const Arguments& a) {
+Status run(const ShadersCommand& a) {
     TESSERA_TRY_ASSIGN(const auto defines, parse_defines(a.defines));
     ShaderDialect dialect = ShaderDialect::gl450;
     for (const auto& [name, value] : dialects)
@@ -63,7 +58,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_shaders_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, ShadersCommand& a) {
         c.add_option("-o,--output", a.output, "Folder to write to")->required();
         c.add_option("--dialect", a.dialect,
                      "gl450 (OpenGL 4.5), es310 (OpenGL ES 3.1) or vulkan (GLSL for SPIR-V)")
@@ -73,14 +68,15 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
                      "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, "
                      "TSR_OUTPUT_HALF, ...");
     };
-    add_verb<Arguments>(app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
-                        "sample.glsl holds tessera_sample(), for pasting into a shader of your "
-                        "own; its first lines\n"
-                        "say how. decoder_glsl/README.md lists passes, buffers and bindings.\n"
-                        "Examples:\n"
-                        "  tessera shaders -o shaders/\n"
-                        "  tessera shaders -o spirv/ --dialect vulkan -D TESSERA_RESIDENT_CACHE",
-                        declare, run);
+    add_verb<ShadersCommand>(
+        app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
+        "sample.glsl holds tessera_sample(), for pasting into a shader of your "
+        "own; its first lines\n"
+        "say how. decoder_glsl/README.md lists passes, buffers and bindings.\n"
+        "Examples:\n"
+        "  tessera shaders -o shaders/\n"
+        "  tessera shaders -o spirv/ --dialect vulkan -D TESSERA_RESIDENT_CACHE",
+        declare, run);
 }
 
 } // namespace tessera

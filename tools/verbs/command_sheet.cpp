@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-struct Arguments {
+struct SheetCommand {
     std::vector<std::string> inputs;
     std::string output;
     TextureArguments texture;
@@ -25,7 +25,7 @@ bool is_png_file(const std::string& path) {
            !std::filesystem::is_directory(path);
 }
 
-Result<Picture> sheet_of_textures(const Arguments& a) {
+Result<Picture> sheet_of_textures(const SheetCommand& a) {
     if (a.inputs.size() > 2)
         return Status(ErrorCode::bad_argument,
                       "a sheet shows two textures at most, or any number of .png files");
@@ -44,7 +44,7 @@ Result<Picture> sheet_of_textures(const Arguments& a) {
     return make_contact_sheet(*source, second.source.get(), options);
 }
 
-Status run(const Arguments& a) {
+Status run(const SheetCommand& a) {
     if (std::filesystem::path(a.output).extension() != ".png")
         return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
     TESSERA_TRY(check_output_path(a.output));
@@ -60,7 +60,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_sheet_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, SheetCommand& a) {
         c.add_option("inputs", a.inputs,
                      "A texture (.tess also as a URL); a second one to show beside it, with the "
                      "difference. Or 8-bit RGB .png files, to set side by side")
@@ -89,7 +89,7 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
             ->capture_default_str();
         add_texture_options(c, a.texture);
     };
-    add_verb<Arguments>(
+    add_verb<SheetCommand>(
         app, chosen, "sheet", "A PNG of some views and angular images, or of pictures side by side",
         "Views are spread over s and t, angular images over u and v; half floats are shown as\n"
         "sRGB of x / (1 + x).\n\n"

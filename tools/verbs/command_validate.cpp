@@ -15,7 +15,7 @@ namespace {
 constexpr int rule_tile = 50; // a tile's bytes decode to texels
 constexpr std::size_t max_listed = 1000;
 
-struct Arguments {
+struct ValidateCommand {
     std::string input;
     TextureArguments texture; // threads and quiet
     bool json = false;
@@ -41,8 +41,7 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
     std::mutex mutex;
     std::uint64_t done = 0;
     return parallel_for(tiles, threads, [&](std::uint64_t tile) -> Status {
-        if (interrupted_by())
-            return {ErrorCode::runtime, "interrupted"};
+        TESSERA_TRY(check_interrupt());
         Status status;
         if (!is_covered(known, tile)) {
             const auto received = decoder->container().is_received(tile);
@@ -60,7 +59,7 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
     });
 }
 
-void print_findings(const Arguments& a, const std::vector<Finding>& findings, bool valid) {
+void print_findings(const ValidateCommand& a, const std::vector<Finding>& findings, bool valid) {
     if (a.json) {
         Json json = {{"file", a.input}, {"valid", valid}, {"findings", Json::array()}};
         for (const Finding& f : findings)
@@ -80,7 +79,7 @@ void print_findings(const Arguments& a, const std::vector<Finding>& findings, bo
         std::printf("%s: valid\n", a.input.c_str());
 }
 
-Status run(const Arguments& a) {
+Status run(const ValidateCommand& a) {
     TESSERA_TRY_ASSIGN(const auto opened, open_bytes(a.input));
     // Every byte will be wanted, twice.
     const std::unique_ptr<ByteSource> ahead =
@@ -122,7 +121,7 @@ Status run(const Arguments& a) {
 } // namespace
 
 void add_validate_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, Arguments& a) {
+    const auto declare = [](CLI::App& c, ValidateCommand& a) {
         c.add_option("file", a.input, "The .tess file, the URL of one (http, https), or -")
             ->required();
         c.add_flag("--allow-partial", a.texture.decode.allow_partial,
@@ -130,13 +129,14 @@ void add_validate_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
     };
-    add_verb<Arguments>(app, chosen, "validate", "Check everything a reader relies on",
-                        "Findings are numbered as in FORMAT.md, part 6. Exit code 3 when one is an "
-                        "error, 2 when the bytes cannot be read.\n\n"
-                        "Examples:\n"
-                        "  tessera validate scene.tess\n"
-                        "  tessera validate scene.tess --json",
-                        declare, run);
+    add_verb<ValidateCommand>(
+        app, chosen, "validate", "Check everything a reader relies on",
+        "Findings are numbered as in FORMAT.md, part 6. Exit code 3 when one is an "
+        "error, 2 when the bytes cannot be read.\n\n"
+        "Examples:\n"
+        "  tessera validate scene.tess\n"
+        "  tessera validate scene.tess --json",
+        declare, run);
 }
 
 } // namespace tessera

@@ -103,8 +103,7 @@ private:
         UpdateReport report;
         unsigned troubled = 0;
         for (unsigned frame = 1;; ++frame) {
-            if (interrupted_by())
-                return Status(ErrorCode::runtime, "interrupted");
+            TESSERA_TRY(check_interrupt());
             TESSERA_TRY(view_->draw(camera));
             const Traffic before = traffic(); // update() reads for the next frame
             const UpdateReport last = std::exchange(report, {});

@@ -22,8 +22,7 @@ Result<View> draw(const Camera& camera, std::vector<Worker>& workers,
     TESSERA_TRY(parallel_for(
         workers, camera.height,
         [&](Worker& worker, std::size_t j) -> Status {
-            if (interrupted_by())
-                return {ErrorCode::runtime, "interrupted"};
+            TESSERA_TRY(check_interrupt());
             float* out = view.rgb.data() + j * camera.width * 3;
             for (std::uint32_t i = 0; i < camera.width; ++i) {
                 TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
