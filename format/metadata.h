@@ -23,7 +23,13 @@ inline constexpr const char* made_tools_key = "tessera:tools";   // "-copies"; o
 // Meaning of the coordinates and the samples. Numbers are those of FORMAT.md.
 enum class Proxy : std::uint8_t { none = 0, sphere = 1, mesh = 2 };
 enum class SurfaceMap : std::uint8_t { none = 0, sphere_longitude_latitude = 1, mesh_uv = 2 };
-enum class AngularMap : std::uint8_t { none = 0, hemisphere_alpha_beta = 1, planar_views = 2 };
+enum class AngularMap : std::uint8_t {
+    none = 0,
+    hemisphere_alpha_beta = 1,
+    planar_views = 2,
+    octahedral_hemisphere = 3,
+    octahedral_mirrored = 4
+};
 enum class Transfer : std::uint8_t { unspecified = 0, srgb = 1, linear = 2 };
 enum class Primaries : std::uint8_t { unspecified = 0, bt709 = 1 };
 enum class AlphaMode : std::uint8_t { none = 0, straight = 1, premultiplied = 2 };
