@@ -93,7 +93,7 @@ TEST_F(Journals, GoOnFromEveryQuestion) {
         options_.effort = slow ? 5 : 1; // 5: two walks a pass
         const std::string bytes = expected(options_);
         int stops = 0;
-        const int step = kind == RateTarget::Kind::quality ? 5 : slow ? 120 : 31;
+        const int step = kind == RateTarget::Kind::quality ? 5 : slow ? 97 : 31;
         for (int checks = 1; encode_in_part(options_, checks); checks += step, ++stops)
             resume_and_compare(options_, bytes);
         EXPECT_GT(stops, 5) << static_cast<int>(kind);
