@@ -267,8 +267,9 @@ Status run(const RenderCommand& a) {
                                     steps.function()};
         TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
         steps.set_count(plan.size() * stage.renderers());
-        for (const PlannedView& view : plan)
-            TESSERA_TRY(check_outside(stage.window, view.camera).with_context(view.name));
+        if (stage.window)
+            for (const PlannedView& view : plan)
+                TESSERA_TRY(check_outside(*stage.window, view.camera).with_context(view.name));
         FrameLog log(a, stage.desc.type);
         stage.subject().watch(
             [&log](unsigned number, const DrawnFrame& frame, const auto& picture) {
@@ -319,8 +320,9 @@ void declare_camera(CLI::App& c, ViewRequest& r) {
 void add_render_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, RenderCommand& a) {
         StageRequest& r = a.stage;
-        c.add_option("file", r.file,
-                     "A .tess with a texture on a sphere, or the URL of one (http, https)");
+        c.add_option(
+            "file", r.file,
+            "A .tess with a texture on a sphere or a mesh, or the URL of one (http, https)");
         c.add_option(
             "--scene", r.scene,
             "In place of a file: the uncompressed texture of a built-in scene, baked where "
@@ -343,6 +345,10 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
             ->transform(mebibytes())
             ->type_name("SIZE")
             ->default_str("512M");
+        c.add_option("--rays", r.rays,
+                     "Rays per pixel on the CPU, spread evenly (default: 1 for a sphere, 4 for a "
+                     "mesh, whose edges they smooth)")
+            ->check(CLI::Range(1u, 65536u));
         auto* truth = c.add_option("--truth", r.truth,
                                    "A built-in scene to ray trace and measure against, together "
                                    "with the uncompressed texture");
@@ -376,7 +382,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         add_threads_options(c, a.texture);
     };
     add_verb<RenderCommand>(
-        app, chosen, "render", "Draw what an observer sees of the sphere",
+        app, chosen, "render", "Draw what an observer sees of the textured surface",
         "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
         "written only, with reading and decoding.\n"
         "With --via feedback a view's first frame shows coarse data at once (of files that were "

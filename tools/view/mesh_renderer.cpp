@@ -14,22 +14,19 @@ public:
     // `surface` stays where it is: the intersector looks at it.
     MeshRenderer(TexelSource& source, const Extent4& block_extent,
                  std::unique_ptr<const MeshSurface> surface, MeshIntersector intersector,
-                 const glm::dvec3& background, unsigned samples, const RenderOptions& options)
+                 const glm::dvec3& background, const RenderOptions& options)
         : cache_(source, block_extent, options.cache_bytes), surface_(std::move(surface)),
           tangents_(mesh_tangents(surface_->mesh)), intersector_(std::move(intersector)),
-          background_(background), samples_(samples), options_(options) {}
+          background_(background), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
         if (options_.foretell)
             TESSERA_TRY(options_.foretell(blocks_of(camera)));
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
-        return draw_pixels(camera, workers, options_.progress,
-                           [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
-                               return mean_of_rays(camera, i, j, samples_,
-                                                   [&](const glm::dvec3& direction) {
-                                                       return seen(texels, camera.eye, direction);
-                                                   });
-                           });
+        return draw_rays(camera, workers, options_,
+                         [&](CachedTexels& texels, const glm::dvec3& direction) {
+                             return seen(texels, camera.eye, direction);
+                         });
     }
 
 private:
@@ -70,7 +67,6 @@ private:
     std::vector<glm::vec3> tangents_;
     MeshIntersector intersector_;
     glm::dvec3 background_;
-    unsigned samples_;
     RenderOptions options_;
 };
 
@@ -78,12 +74,11 @@ private:
 
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,
-                   const glm::dvec3& background, unsigned samples, const RenderOptions& options) {
+                   const glm::dvec3& background, const RenderOptions& options) {
     auto kept = std::make_unique<const MeshSurface>(std::move(surface));
     TESSERA_TRY_ASSIGN(auto intersector, MeshIntersector::create(kept->mesh));
-    return std::unique_ptr<ViewRenderer>(
-        std::make_unique<MeshRenderer>(source, block_extent, std::move(kept),
-                                       std::move(intersector), background, samples, options));
+    return std::unique_ptr<ViewRenderer>(std::make_unique<MeshRenderer>(
+        source, block_extent, std::move(kept), std::move(intersector), background, options));
 }
 
 } // namespace tessera

@@ -11,11 +11,11 @@ struct MeshSurface {
     AngularMap map = AngularMap::octahedral_mirrored;
 };
 
-// Samples the texture by mesh_footprint(), the mean of `samples` rays spread evenly over each pixel:
-// a mesh has silhouettes, which one ray would draw as steps. Otherwise like make_texture_renderer();
-// the observer may stand anywhere. Errors: runtime, what Embree says.
+// Samples the texture by mesh_footprint(), otherwise like make_texture_renderer(); the observer may
+// stand anywhere. A mesh has silhouettes, which one ray a pixel draws as steps. Errors: runtime, what
+// Embree says.
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,
-                   const glm::dvec3& background, unsigned samples, const RenderOptions& options);
+                   const glm::dvec3& background, const RenderOptions& options);
 
 } // namespace tessera

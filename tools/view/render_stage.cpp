@@ -9,12 +9,34 @@
 #include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_renderer.h"
+#include "tools/view/mesh_renderer.h"
 
 namespace tessera {
 namespace {
 
 // Small along s and t: an observer sees each place from one direction.
 constexpr Extent4 lazy_block{8, 8, 4, 4};
+
+// Evenly spread, about as smooth as the multisampling of a GPU.
+constexpr unsigned mesh_rays = 4;
+constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
+
+// The mesh that the texture lies on; nothing where it is another surface. Errors: invalid_file.
+Result<std::optional<MeshSurface>> mesh_of(const ContainerReader& container) {
+    const Description& d = container.description();
+    if (d.proxy != Proxy::mesh)
+        return std::optional<MeshSurface>();
+    if (d.surface_map != SurfaceMap::mesh_uv ||
+        (d.angular_map != AngularMap::octahedral_hemisphere &&
+         d.angular_map != AngularMap::octahedral_mirrored))
+        return Status(ErrorCode::unsupported, container.name() + ": on a mesh only the map '" +
+                                                  name_of(SurfaceMap::mesh_uv) +
+                                                  "' with an octahedral one can be drawn");
+    TESSERA_TRY_ASSIGN(
+        auto mesh,
+        decode_mesh(container.proxy_mesh(), most_mesh_bytes).with_context(container.name()));
+    return std::optional(MeshSurface{std::move(mesh), d.angular_map});
+}
 
 glm::dvec3 background_of(const ContainerReader& container) {
     const TextureDesc& desc = container.desc();
@@ -60,7 +82,7 @@ Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
 }
 
 // A compressed file, and the texture that it was made from where there is something to compare.
-Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage) {
     TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
     const bool remote = network_traffic(*stage.bytes).has_value();
@@ -70,8 +92,19 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();
-    TESSERA_TRY_ASSIGN(stage.window, sphere_window(container.description()).with_context(r.file));
+    TESSERA_TRY_ASSIGN(const auto mesh, mesh_of(container));
+    if (!mesh)
+        TESSERA_TRY_ASSIGN(stage.window,
+                           sphere_window(container.description()).with_context(r.file));
     const glm::dvec3 background = background_of(container);
+    RenderOptions options = asked;
+    options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
+    const auto on_cpu = [&](TexelSource& texels, const Extent4& block,
+                            const RenderOptions& use) -> Result<std::unique_ptr<ViewRenderer>> {
+        if (mesh)
+            return make_mesh_renderer(texels, block, *mesh, background, use);
+        return make_texture_renderer(texels, block, *stage.window, background, use);
+    };
     if (!r.truth.empty()) {
         const auto said = container.metadata().find("Scene");
         TESSERA_TRY(add_truth(r, r.file, said == container.metadata().end() ? "" : said->second,
@@ -84,8 +117,8 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
             tile_by_tile.foretell = [&container](std::span<const std::uint64_t> tiles) {
                 return container.prefetch(tiles).status();
             };
-        stage.compressed = make_texture_renderer(*stage.texels, container.grid().tile_extent(),
-                                                 stage.window, background, tile_by_tile);
+        TESSERA_TRY_ASSIGN(stage.compressed,
+                           on_cpu(*stage.texels, container.grid().tile_extent(), tile_by_tile));
     } else {
         // The coarsest level is the cheapest and as fine as the device's coarse texels.
         std::unique_ptr<TexelSource> coarse;
@@ -99,9 +132,10 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
             on_gpu.coarse_texels = coarse.get();
         }
         TESSERA_TRY_ASSIGN(stage.compressed,
-                           make_gpu_renderer(container, stage.window, background, on_gpu));
+                           make_gpu_renderer(container, *stage.window, background, on_gpu));
     }
-    if (r.truth.empty() && r.original.empty())
+    // A mesh's texture is not baked again to be compared with.
+    if (r.original.empty() && (r.truth.empty() || mesh))
         return {};
     TESSERA_TRY_ASSIGN(auto original, !r.original.empty()
                                           ? open_original(r, stage)
@@ -112,13 +146,12 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
                 r.file + ": its samples are not of the type or number of those of " +
                     (r.original.empty() ? "the scene " + r.truth : r.original)};
     stage.original = std::move(original);
-    stage.uncompressed =
-        make_texture_renderer(*stage.original, lazy_block, stage.window, background, options);
+    TESSERA_TRY_ASSIGN(stage.uncompressed, on_cpu(*stage.original, lazy_block, options));
     return {};
 }
 
 // A texture that no file holds: of any size, as only what is looked at is ever made.
-Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage) {
     TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene).with_context("--scene"));
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(r.texture_size, "--texture-size", info.default_size));
@@ -126,12 +159,14 @@ Status add_scene(const StageRequest& r, const RenderOptions& options, Stage& sta
                                            r.scene, size, r.samples.value_or(usual_samples), 1)
                                            .with_context("--scene " + r.scene));
     stage.desc = stage.original->desc();
-    stage.window = {glm::dvec3{0.0}, corpus::window_radius};
+    stage.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
+    RenderOptions options = asked;
+    options.rays = r.rays.value_or(1);
     if (!r.truth.empty())
         TESSERA_TRY(add_truth(r, "--scene", r.scene, options, stage));
     TESSERA_TRY_ASSIGN(const auto scene, corpus::make_scene(r.scene));
-    stage.uncompressed =
-        make_texture_renderer(*stage.original, lazy_block, stage.window, scene.background, options);
+    stage.uncompressed = make_texture_renderer(*stage.original, lazy_block, *stage.window,
+                                               scene.background, options);
     return {};
 }
 

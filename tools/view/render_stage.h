@@ -18,6 +18,7 @@ struct StageRequest {
     DecodeOptions decode;     // of the file
     std::string via = "cpu";  // cpu, gpu, load or feedback
     unsigned budget_mib = 512;
+    std::optional<unsigned> rays;    // per pixel, on the CPU; else 1 for a sphere and 4 for a mesh
     unsigned tiles_per_frame = 0;    // with feedback, see gpu_renderer.h
     std::string truth;               // a scene to ray trace directly, or empty
     unsigned truth_samples = 16;     // rays per pixel
@@ -32,7 +33,7 @@ struct Stage {
     std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
     std::unique_ptr<Decoder> decoder;       // null without a file
     TextureDesc desc;
-    SphereWindow window;
+    std::optional<SphereWindow> window; // none where the texture lies on a mesh
     std::unique_ptr<TexelSource> texels, original;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 

@@ -39,10 +39,10 @@ public:
         if (options_.foretell)
             TESSERA_TRY(options_.foretell(blocks_of(camera)));
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
-        return draw_pixels(camera, workers, options_.progress,
-                    [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
-                        return seen(texels, camera.eye, camera.direction(i + 0.5, j + 0.5));
-                    });
+        return draw_rays(camera, workers, options_,
+                         [&](CachedTexels& texels, const glm::dvec3& direction) {
+                             return seen(texels, camera.eye, direction);
+                         });
     }
 
 private:
@@ -81,27 +81,28 @@ private:
 
 class TruthRenderer final : public ViewRenderer {
 public:
-    TruthRenderer(corpus::Scene scene, const SphereWindow& window, unsigned samples,
+    TruthRenderer(corpus::Scene scene, const std::optional<SphereWindow>& window, unsigned samples,
                   const RenderOptions& options)
         : scene_(std::move(scene)), window_(window), samples_(samples), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
-        TESSERA_TRY(check_outside(window_, camera));
+        if (window_)
+            TESSERA_TRY(check_outside(*window_, camera));
         std::vector<int> workers(thread_count(options_.threads));
         const glm::dvec3 eye =
-            (camera.eye - window_.centre) * (corpus::window_radius / window_.radius);
-        return draw_pixels(
-            camera, workers, options_.progress, [&](int, std::uint32_t i, std::uint32_t j) {
-                return mean_of_rays(camera, i, j, samples_,
-                                    [&](const glm::dvec3& direction) -> Result<glm::dvec3> {
-                                        return corpus::trace_scene(scene_, {eye, direction});
-                                    });
-            });
+            window_ ? (camera.eye - window_->centre) * (corpus::window_radius / window_->radius)
+                    : camera.eye;
+        RenderOptions options = options_;
+        options.rays = samples_;
+        return draw_rays(camera, workers, options,
+                         [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
+                             return corpus::trace_scene(scene_, {eye, direction});
+                         });
     }
 
 private:
     corpus::Scene scene_;
-    SphereWindow window_;
+    std::optional<SphereWindow> window_;
     unsigned samples_;
     RenderOptions options_;
 };
@@ -113,7 +114,7 @@ Result<SphereWindow> sphere_window(const Description& d) {
         return Status(ErrorCode::unsupported,
                       "the file does not say which sphere its texture lies on (proxy " +
                           std::string(name_of(d.proxy)) +
-                          "); only textures on spheres can be drawn. "
+                          "); only textures on spheres and meshes can be drawn. "
                           "encode has --proxy, --surface-map and --angular-map to say it");
     if (d.surface_map != SurfaceMap::sphere_longitude_latitude ||
         d.angular_map != AngularMap::hemisphere_alpha_beta)
@@ -143,7 +144,8 @@ make_texture_renderer(TexelSource& source, const Extent4& block_extent, const Sp
     return std::make_unique<TextureRenderer>(source, block_extent, window, background, options);
 }
 
-std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene, const SphereWindow& window,
+std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
+                                                  const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options) {
     return std::make_unique<TruthRenderer>(std::move(scene), window, samples, options);
 }

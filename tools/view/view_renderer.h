@@ -72,21 +72,23 @@ struct RenderOptions {
     unsigned threads = 0;                     // 0: all cores; never changes the result
     std::uint64_t cache_bytes = 512ull << 20; // of texels kept between pixels and views
     ProgressFunction progress;                // rows of one view
+    unsigned rays = 1;                        // through each pixel of a texture, spread evenly
     // Told before each view which blocks (their numbers, ascending) nearly all of its pixels will
     // need, where reading them one by one would be slow. Not called when empty.
     std::function<Status(std::span<const std::uint64_t> blocks)> foretell{};
 };
 
-// Samples the texture by format/sampler.h, one ray through each pixel's centre; grey shows as grey,
-// alpha not at all. Reads blocks of up to `block_extent` texels as pixels need them. `source` must
+// Samples the texture by format/sampler.h; grey shows as grey, alpha not at all. Reads blocks of up to `block_extent` texels as pixels need them. `source` must
 // outlive it and take boxes in any order. `background`: where a ray misses the sphere.
 std::unique_ptr<ViewRenderer>
 make_texture_renderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
                       const glm::dvec3& background, const RenderOptions& options);
 
 // The scene itself, ray traced: the mean of `samples` rays spread evenly over each pixel. `window`
-// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world.
-std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene, const SphereWindow& window,
+// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world, which
+// is seen from outside; without one the world is the scene's own, and the observer stands anywhere.
+std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
+                                                  const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options);
 
 } // namespace tessera
