@@ -93,9 +93,10 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();
     TESSERA_TRY_ASSIGN(const auto mesh, mesh_of(container));
-    if (!mesh)
+    if (!mesh) {
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
+    }
     const glm::dvec3 background = background_of(container);
     RenderOptions options = asked;
     options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
