@@ -156,7 +156,7 @@ TEST_F(Cli, KeepsTheMesh) {
     succeed("encode b.tess -q --proxy sphere-inside:0,0,0,2 -o c.tess");
     EXPECT_EQ(json("info c.tess --json")["description"]["proxy"], "sphere-inside:0,0,0,2");
     EXPECT_FALSE(json("info c.tess --json").contains("mesh"));
-    fail(1, "encode a.tess --mesh a.gray -o x.tess", {"mesh"});
+    fail(3, "encode a.tess --mesh a.gray -o x.tess", {"a.gray", "Draco"});
     fail(2, "encode a.tess --mesh nowhere.drc -o x.tess", {"nowhere.drc"});
 }
 
