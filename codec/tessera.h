@@ -116,7 +116,8 @@ TESSERA_API int tessera_box_bytes(const tessera_texture* texture, const uint32_t
 typedef enum {
     TESSERA_PROXY_NONE = 0,
     TESSERA_PROXY_SPHERE = 1,
-    TESSERA_PROXY_MESH = 2
+    TESSERA_PROXY_MESH = 2,
+    TESSERA_PROXY_SPHERE_INSIDE = 3 /* seen from inside */
 } tessera_proxy;
 typedef enum {
     TESSERA_SURFACE_NONE = 0,
@@ -126,7 +127,9 @@ typedef enum {
 typedef enum {
     TESSERA_ANGULAR_NONE = 0,
     TESSERA_ANGULAR_HEMISPHERE_ALPHA_BETA = 1,
-    TESSERA_ANGULAR_PLANAR_VIEWS = 2
+    TESSERA_ANGULAR_PLANAR_VIEWS = 2,
+    TESSERA_ANGULAR_OCTAHEDRAL_HEMISPHERE = 3,
+    TESSERA_ANGULAR_OCTAHEDRAL_MIRRORED = 4
 } tessera_angular_map;
 typedef enum {
     TESSERA_TRANSFER_UNSPECIFIED = 0,
@@ -151,9 +154,9 @@ typedef struct {
     int32_t primaries;       /* tessera_primaries */
     int32_t alpha;           /* tessera_alpha */
     float sphere_centre[3];  /* world units */
-    float sphere_radius;     /* world units; above 0 with TESSERA_PROXY_SPHERE, else 0 */
+    float sphere_radius;     /* world units; above 0 with a sphere, else 0 */
     float viewing_radius[2]; /* nearest and farthest distance of observers from the centre; 0, 0:
-                                 anywhere outside */
+                                 anywhere that sees the surface */
 } tessera_description;
 
 TESSERA_API void tessera_description_init_sized(tessera_description* description,

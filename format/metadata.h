@@ -1,4 +1,5 @@
-// What a file says about its texels besides the texels: key/values and the description.
+// What a file says about its texels besides the texels: key/values and the description; and the one
+// place that knows version numbers.
 #pragma once
 
 #include "format/status.h"
@@ -9,6 +10,13 @@
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
+
+// Version of the library and the tools.
+inline constexpr const char* library_version = "0.1.0";
+
+// Version of FORMAT.md that is written, and the only one that is read.
+inline constexpr std::uint16_t format_version_major = 0;
+inline constexpr std::uint16_t format_version_minor = 2;
 
 // UTF-8 keys (1..255 bytes, no NUL) to UTF-8 values (up to 1 MiB), sorted by key bytes.
 using Metadata = std::map<std::string, std::string>;
@@ -21,7 +29,12 @@ inline constexpr const char* made_effort_key = "tessera:effort"; // "3"
 inline constexpr const char* made_tools_key = "tessera:tools";   // "-copies"; only where switched
 
 // Meaning of the coordinates and the samples. Numbers are those of FORMAT.md.
-enum class Proxy : std::uint8_t { none = 0, sphere = 1, mesh = 2 };
+enum class Proxy : std::uint8_t {
+    none = 0,
+    sphere = 1,       // seen from outside
+    mesh = 2,         // in section `prxy`, format/surface_mesh.h
+    sphere_inside = 3 // the sphere seen from inside: its normals point to the centre
+};
 enum class SurfaceMap : std::uint8_t { none = 0, sphere_longitude_latitude = 1, mesh_uv = 2 };
 enum class AngularMap : std::uint8_t {
     none = 0,
@@ -42,11 +55,16 @@ struct Description {
     Primaries primaries = Primaries::unspecified;
     AlphaMode alpha = AlphaMode::none;
     float sphere_centre[3] = {0, 0, 0}; // world units
-    float sphere_radius = 0;            // world units, above 0 when proxy is sphere
+    float sphere_radius = 0;            // world units, above 0 when proxy is a sphere
     float viewing_radius[2] = {0, 0};   // viewing volume: nearest and farthest observer distance
-                                        // from the centre; {0, 0} is "anywhere outside"
+                                        // from the centre; {0, 0} is "anywhere that sees it"
     bool operator==(const Description&) const = default;
 };
+
+// Either of the two.
+constexpr bool is_sphere(Proxy proxy) {
+    return proxy == Proxy::sphere || proxy == Proxy::sphere_inside;
+}
 
 const char* name_of(Proxy);
 const char* name_of(SurfaceMap);

@@ -4,7 +4,7 @@ set -euo pipefail
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$ROOT"
 
-PACKAGES="g++ cmake ninja-build pkg-config libglm-dev libzstd-dev libcli11-dev nlohmann-json3-dev
+PACKAGES="g++ cmake ninja-build pkg-config libglm-dev libzstd-dev libdraco-dev libcli11-dev nlohmann-json3-dev
 libpng-dev libopenexr-dev libgtest-dev libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri glslang-tools
 libcurl4-openssl-dev libcpp-httplib-dev libstb-dev ca-certificates clang-format python3"
 

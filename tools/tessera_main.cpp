@@ -1,6 +1,6 @@
 // tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
 
-#include "format/version.h"
+#include "format/metadata.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
 #include "tools/support/suggestions.h"

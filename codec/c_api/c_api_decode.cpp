@@ -2,7 +2,7 @@
 #include "codec/c_api/c_api_support.h"
 
 #include "codec/decoder.h"
-#include "format/version.h"
+#include "format/metadata.h"
 
 #include <cstdlib>
 #include <limits>

@@ -59,11 +59,11 @@ Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source* sou
 Result<Description> make_description(const tessera_description* given) {
     TESSERA_TRY_ASSIGN(const tessera_description d, take_struct(given, {}, "tessera_description"));
     Description description;
-    TESSERA_TRY_ASSIGN(description.proxy, take_enum(d.proxy, Proxy::mesh, "proxy"));
+    TESSERA_TRY_ASSIGN(description.proxy, take_enum(d.proxy, Proxy::sphere_inside, "proxy"));
     TESSERA_TRY_ASSIGN(description.surface_map,
                        take_enum(d.surface_map, SurfaceMap::mesh_uv, "surface_map"));
     TESSERA_TRY_ASSIGN(description.angular_map,
-                       take_enum(d.angular_map, AngularMap::planar_views, "angular_map"));
+                       take_enum(d.angular_map, AngularMap::octahedral_mirrored, "angular_map"));
     TESSERA_TRY_ASSIGN(description.transfer, take_enum(d.transfer, Transfer::linear, "transfer"));
     TESSERA_TRY_ASSIGN(description.primaries,
                        take_enum(d.primaries, Primaries::bt709, "primaries"));

@@ -86,9 +86,9 @@ template <class Enum> Status check_known(Enum value, Enum last, const char* name
 }
 
 Status check_description(const TextureDesc& desc, const Description& d) {
-    TESSERA_TRY(check_known(d.proxy, Proxy::mesh, "proxy"));
+    TESSERA_TRY(check_known(d.proxy, Proxy::sphere_inside, "proxy"));
     TESSERA_TRY(check_known(d.surface_map, SurfaceMap::mesh_uv, "surface map"));
-    TESSERA_TRY(check_known(d.angular_map, AngularMap::planar_views, "angular map"));
+    TESSERA_TRY(check_known(d.angular_map, AngularMap::octahedral_mirrored, "angular map"));
     TESSERA_TRY(check_known(d.transfer, Transfer::linear, "transfer"));
     TESSERA_TRY(check_known(d.primaries, Primaries::bt709, "primaries"));
     TESSERA_TRY(check_known(d.alpha, AlphaMode::premultiplied, "alpha"));

@@ -8,7 +8,7 @@
 #include "codec/trials/background.h"
 #include "codec/trials/tile_choice.h"
 #include "format/container/container_writer.h"
-#include "format/version.h"
+#include "format/metadata.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 #include "codec/pass/encode_facts.h"
 
 #include "format/io/crc32c.h"
-#include "format/version.h"
+#include "format/metadata.h"
 
 #include <charconv>
 #include <cstdio>

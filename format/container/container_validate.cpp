@@ -34,9 +34,9 @@ void note_unknown_values(const Description& d, const std::string& name, std::vec
                                   name + ": header field " + field + " has unknown value " +
                                       std::to_string(value)));
     };
-    note("proxy", static_cast<int>(d.proxy), 2);
+    note("proxy", static_cast<int>(d.proxy), 3);
     note("surface_map", static_cast<int>(d.surface_map), 2);
-    note("angular_map", static_cast<int>(d.angular_map), 2);
+    note("angular_map", static_cast<int>(d.angular_map), 4);
     note("transfer", static_cast<int>(d.transfer), 2);
     note("primaries", static_cast<int>(d.primaries), 1);
 }

@@ -188,6 +188,8 @@ const char* name_of(Proxy value) {
         return "sphere";
     case Proxy::mesh:
         return "mesh";
+    case Proxy::sphere_inside:
+        return "sphere from inside";
     }
     return "unknown";
 }
@@ -212,6 +214,10 @@ const char* name_of(AngularMap value) {
         return "hemisphere alpha/beta";
     case AngularMap::planar_views:
         return "planar views";
+    case AngularMap::octahedral_hemisphere:
+        return "octahedral hemisphere";
+    case AngularMap::octahedral_mirrored:
+        return "octahedral mirrored";
     }
     return "unknown";
 }

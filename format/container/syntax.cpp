@@ -136,7 +136,7 @@ Status check_background(const FileHeader& h) {
 Status check_geometry(const Description& d) {
     if (!std::ranges::all_of(d.sphere_centre, [](float x) { return std::isfinite(x); }))
         return invalid("header field sphere_centre is not finite");
-    const bool sphere = d.proxy == Proxy::sphere;
+    const bool sphere = is_sphere(d.proxy);
     if (!std::isfinite(d.sphere_radius) || (sphere ? !(d.sphere_radius > 0) : d.sphere_radius != 0))
         return invalid("header field sphere_radius is " + std::to_string(d.sphere_radius) +
                        (sphere ? ", not above 0" : ", not 0 without a sphere"));

@@ -7,7 +7,6 @@
 #include "format/tile/colour_transform.h"
 #include "format/tile/features.h"
 #include "format/tile/limits.h"
-#include "format/version.h"
 
 #include <array>
 #include <cstddef>

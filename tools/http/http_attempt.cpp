@@ -1,6 +1,6 @@
 #include "tools/http/http_attempt.h"
 
-#include "format/version.h"
+#include "format/metadata.h"
 #include "tools/support/parse.h"
 
 #include <algorithm>

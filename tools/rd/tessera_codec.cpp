@@ -1,8 +1,8 @@
 #include "tools/rd/tessera_codec.h"
 
 #include "codec/decoder.h"
+#include "format/metadata.h"
 #include "format/texture.h"
-#include "format/version.h"
 #include "tools/rd/access_cost.h"
 #include "tools/rd/rivals.h" // best_time
 #include "tools/support/checksum.h"

@@ -100,7 +100,7 @@ Status set_description_field(Description& d, std::string_view field, const std::
     if (field == "surface-map")
         return set_by_name(d.surface_map, 2, field, text);
     if (field == "angular-map")
-        return set_by_name(d.angular_map, 2, field, text);
+        return set_by_name(d.angular_map, 4, field, text);
     if (field == "transfer")
         return set_by_name(d.transfer, 2, field, text);
     if (field == "primaries")

@@ -1,0 +1,21 @@
+// What a surface mesh must hold, whoever made it: FORMAT.md part 5, "Mesh".
+#pragma once
+
+#include "format/surface_mesh.h"
+
+namespace tessera {
+
+// Limits of FORMAT.md part 5.
+inline constexpr std::uint64_t max_mesh_triangles = 1u << 24;
+inline constexpr float max_mesh_coordinate = 1e30f; // products of two stay finite
+// Beyond 0..1 by this much a coordinate is taken for 0 or 1: what dequantising may be off by.
+inline constexpr float uv_tolerance = 1.0f / (1 << 20);
+
+// Names the first element that is wrong. Vertices that no triangle uses are checked, too.
+// `with_normals`: normals are looked at. `code` is that of the error.
+Status check_mesh(const SurfaceMesh& mesh, bool with_normals, ErrorCode code);
+
+// Whether two corners lie at one place: the triangle covers nothing, and Draco leaves it out.
+bool has_equal_corners(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle);
+
+} // namespace tessera

@@ -1,0 +1,124 @@
+#include "format/surface/draco_header.h"
+#include "format/surface/mesh_check.h"
+#include "format/surface/mesh_normals.h"
+
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/mesh/mesh.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+namespace tessera {
+namespace {
+
+using Attribute = draco::GeometryAttribute;
+
+Status invalid_mesh(const std::string& text) {
+    return {ErrorCode::invalid_file, "the mesh's stream " + text};
+}
+
+// Three numbers a position and a normal, two a uv, as floats, and nothing else.
+bool has_only_what_we_read(const draco::PointCloud& cloud) {
+    int positions = 0, uvs = 0, normals = 0;
+    for (int i = 0; i < cloud.num_attributes(); ++i) {
+        const draco::PointAttribute& a = *cloud.attribute(i);
+        const bool uv = a.attribute_type() == Attribute::TEX_COORD;
+        if (a.data_type() != draco::DT_FLOAT32 || a.num_components() != (uv ? 2 : 3))
+            return false;
+        positions += a.attribute_type() == Attribute::POSITION;
+        normals += a.attribute_type() == Attribute::NORMAL;
+        uvs += uv;
+    }
+    return positions == 1 && uvs == 1 && normals <= 1 &&
+           cloud.num_attributes() == positions + uvs + normals;
+}
+
+// Looks at the attributes' kinds before anything is reserved for their values: they could be 255
+// numbers a vertex, as often as the stream says.
+class MeshDecoder : public draco::MeshEdgebreakerDecoder {
+public:
+    bool kinds_are_wrong = false;
+
+protected:
+    bool DecodeAllAttributes() override {
+        kinds_are_wrong = !has_only_what_we_read(*point_cloud());
+        return !kinds_are_wrong && draco::MeshEdgebreakerDecoder::DecodeAllAttributes();
+    }
+};
+
+template <class Value> std::vector<Value> values_of(const draco::Mesh& mesh, Attribute::Type type) {
+    const draco::PointAttribute* const attribute = mesh.GetNamedAttribute(type);
+    std::vector<Value> values;
+    if (attribute == nullptr)
+        return values;
+    values.resize(mesh.num_points(), Value{0.0f});
+    for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+        const draco::AttributeValueIndex at = attribute->mapped_index(draco::PointIndex(i));
+        if (at.value() < attribute->size())
+            attribute->GetValue(at, &values[i][0]);
+    }
+    return values;
+}
+
+SurfaceMesh copy_of(const draco::Mesh& mesh) {
+    SurfaceMesh out;
+    out.positions = values_of<glm::vec3>(mesh, Attribute::POSITION);
+    out.normals = values_of<glm::vec3>(mesh, Attribute::NORMAL);
+    out.uv = values_of<glm::vec2>(mesh, Attribute::TEX_COORD);
+    out.triangles.reserve(mesh.num_faces());
+    for (std::uint32_t i = 0; i < mesh.num_faces(); ++i) {
+        const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(i));
+        out.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
+    }
+    return out;
+}
+
+Result<SurfaceMesh> decode_stream(std::span<const std::byte> stream) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
+    draco::Mesh mesh;
+    MeshDecoder decoder;
+    const draco::DecoderOptions options;
+    const draco::Status status = decoder.Decode(options, &buffer, &mesh);
+    if (decoder.kinds_are_wrong)
+        return invalid_mesh("does not hold positions, uv and perhaps normals, and nothing else");
+    if (!status.ok())
+        return invalid_mesh("is damaged");
+    if (buffer.remaining_size() != 0)
+        return invalid_mesh("is followed by " + std::to_string(buffer.remaining_size()) + " bytes");
+    return copy_of(mesh);
+}
+
+} // namespace
+
+Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes) {
+    TESSERA_TRY_ASSIGN(const DracoHeader header, read_draco_header(stream));
+    if (const std::uint64_t needed = decoding_bytes(header); needed > most_bytes)
+        return Status{ErrorCode::unsupported, "the mesh of " + std::to_string(header.triangles) +
+                                                  " triangles may take " + std::to_string(needed) +
+                                                  " bytes of memory, more than " +
+                                                  std::to_string(most_bytes)};
+    try {
+        TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_stream(stream));
+        if (mesh.triangles.size() != header.triangles)
+            return invalid_mesh("has " + std::to_string(mesh.triangles.size()) +
+                                " triangles and claims " + std::to_string(header.triangles));
+        const bool with_normals = !mesh.normals.empty();
+        TESSERA_TRY(check_mesh(mesh, with_normals, ErrorCode::invalid_file));
+        for (glm::vec2& uv : mesh.uv)
+            uv = glm::clamp(uv, 0.0f, 1.0f);
+        for (glm::vec3& normal : mesh.normals)
+            normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
+        if (!with_normals)
+            mesh.normals = mesh_normals(mesh);
+        return mesh;
+    } catch (const std::bad_alloc&) {
+        return Status{ErrorCode::runtime, "out of memory while decoding the mesh"};
+    } catch (const std::length_error&) {
+        return invalid_mesh("claims more than memory can hold");
+    }
+}
+
+} // namespace tessera

@@ -1,0 +1,148 @@
+#include "format/surface/mesh_check.h"
+#include "format/surface/mesh_normals.h"
+
+#include <algorithm>
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/mesh.h>
+#include <limits>
+#include <new>
+#include <optional>
+#include <string>
+
+namespace tessera {
+namespace {
+
+using Kind = draco::GeometryAttribute;
+
+Status check_bits(const char* what, unsigned bits, unsigned low, unsigned high) {
+    if (low <= bits && bits <= high)
+        return {};
+    return {ErrorCode::bad_argument, std::string("the mesh's ") + what + " bits are " +
+                                         std::to_string(bits) + ", outside " + std::to_string(low) +
+                                         ".." + std::to_string(high)};
+}
+
+// A value a vertex; equal ones are stored once, so that the coder sees where charts meet.
+template <int n, class Values>
+int add_attribute(draco::Mesh& out, Kind::Type type, Values value_of) {
+    draco::GeometryAttribute form;
+    form.Init(type, nullptr, n, draco::DT_FLOAT32, false, n * sizeof(float), 0);
+    const int id = out.AddAttribute(form, true, out.num_points());
+    for (std::uint32_t i = 0; i < out.num_points(); ++i) {
+        const auto value = value_of(i) + 0.0f; // -0 becomes +0: equal values are equal bytes
+        out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), &value[0]);
+    }
+    return id;
+}
+
+struct DracoMesh {
+    draco::Mesh mesh;
+    int position = -1, uv = -1, normal = -1; // ids of attributes
+};
+
+void fill(DracoMesh& out, const SurfaceMesh& mesh, bool with_normals) {
+    out.mesh.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+    for (const auto& [a, b, c] : mesh.triangles)
+        if (!has_equal_corners(mesh, {a, b, c}))
+            out.mesh.AddFace({draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
+    out.position =
+        add_attribute<3>(out.mesh, Kind::POSITION, [&](auto i) { return mesh.positions[i]; });
+    out.uv = add_attribute<2>(out.mesh, Kind::TEX_COORD,
+                              [&](auto i) { return glm::clamp(mesh.uv[i], 0.0f, 1.0f); });
+    if (with_normals)
+        out.normal = add_attribute<3>(out.mesh, Kind::NORMAL,
+                                      [&](auto i) { return glm::normalize(mesh.normals[i]); });
+    out.mesh.DeduplicateAttributeValues();
+    out.mesh.DeduplicatePointIds();
+}
+
+// How the stream predicts. Which is smallest depends on the mesh.
+struct Prediction {
+    int traversal = draco::MESH_EDGEBREAKER_VALENCE_ENCODING;
+    int position = draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM;
+    int uv = draco::MESH_PREDICTION_TEX_COORDS_PORTABLE;
+    int normal = draco::MESH_PREDICTION_GEOMETRIC_NORMAL;
+};
+
+// Nothing where Draco cannot do it.
+std::vector<std::byte> encode_with(const DracoMesh& mesh, const MeshQuantisation& bits,
+                                   const Prediction& prediction) {
+    draco::ExpertEncoder encoder(mesh.mesh);
+    encoder.SetSpeedOptions(0, 0);
+    // Draco's other coder writes streams that it cannot read.
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    encoder.SetEncodingSubmethod(prediction.traversal);
+    const float origin[2] = {0, 0};
+    encoder.SetAttributeQuantization(mesh.position, static_cast<int>(bits.position_bits));
+    encoder.SetAttributeExplicitQuantization(mesh.uv, static_cast<int>(bits.uv_bits), 2, origin, 1);
+    bool ok = encoder.SetAttributePredictionScheme(mesh.position, prediction.position).ok() &&
+              encoder.SetAttributePredictionScheme(mesh.uv, prediction.uv).ok();
+    if (mesh.normal >= 0) {
+        encoder.SetAttributeQuantization(mesh.normal, static_cast<int>(bits.normal_bits));
+        ok = ok && encoder.SetAttributePredictionScheme(mesh.normal, prediction.normal).ok();
+    }
+    draco::EncoderBuffer buffer;
+    if (!ok || !encoder.EncodeToBuffer(&buffer).ok())
+        return {};
+    const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+    return {bytes.begin(), bytes.end()};
+}
+
+// The attributes' sizes do not depend on each other: each is tried alone.
+std::vector<std::byte> smallest_stream(const DracoMesh& mesh, const MeshQuantisation& bits) {
+    Prediction best;
+    std::vector<std::byte> stream = encode_with(mesh, bits, best);
+    const auto attempt = [&](int Prediction::*member, int value) {
+        Prediction other = best;
+        other.*member = value;
+        std::vector<std::byte> bytes = encode_with(mesh, bits, other);
+        if (!bytes.empty() && (stream.empty() || bytes.size() < stream.size())) {
+            stream = std::move(bytes);
+            best = other;
+        }
+    };
+    attempt(&Prediction::traversal, draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+    attempt(&Prediction::position, draco::MESH_PREDICTION_PARALLELOGRAM);
+    attempt(&Prediction::uv, draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM);
+    attempt(&Prediction::uv, draco::MESH_PREDICTION_PARALLELOGRAM);
+    attempt(&Prediction::uv, draco::PREDICTION_DIFFERENCE);
+    if (mesh.normal >= 0)
+        attempt(&Prediction::normal, draco::PREDICTION_DIFFERENCE);
+    return stream;
+}
+
+} // namespace
+
+Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQuantisation& bits) {
+    TESSERA_TRY(check_bits("position", bits.position_bits, 4, 24));
+    TESSERA_TRY(check_bits("uv", bits.uv_bits, 4, 24));
+    if (bits.normal_bits != 0)
+        TESSERA_TRY(check_bits("normal", bits.normal_bits, 3, 16));
+    TESSERA_TRY(check_mesh(mesh, bits.normal_bits != 0, ErrorCode::bad_argument));
+    const auto flat = std::ranges::count_if(
+        mesh.triangles, [&](const auto& t) { return has_equal_corners(mesh, t); });
+    const std::size_t wanted = mesh.triangles.size() - static_cast<std::size_t>(flat);
+    if (wanted == 0)
+        return Status{ErrorCode::bad_argument, "the mesh has no triangle of three places"};
+    try {
+        DracoMesh copy;
+        fill(copy, mesh, bits.normal_bits != 0);
+        std::vector<std::byte> stream = smallest_stream(copy, bits);
+        if (stream.empty())
+            return Status{ErrorCode::runtime, "Draco could not code the mesh"};
+        const Result<SurfaceMesh> back =
+            decode_mesh(stream, std::numeric_limits<std::uint64_t>::max());
+        if (!back)
+            return Status{ErrorCode::runtime,
+                          "the coded mesh does not decode: " + back.status().message()};
+        if (back->triangles.size() != wanted)
+            return Status{ErrorCode::runtime,
+                          "the coded mesh has " + std::to_string(back->triangles.size()) +
+                              " triangles instead of " + std::to_string(wanted)};
+        return stream;
+    } catch (const std::bad_alloc&) {
+        return Status{ErrorCode::runtime, "out of memory while coding the mesh"};
+    }
+}
+
+} // namespace tessera

@@ -1,0 +1,106 @@
+#include "format/surface/mesh_normals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <tuple>
+
+namespace tessera {
+namespace {
+
+// A triangle belongs to a vertex' surface where its normal leans away by at most 45 degrees.
+constexpr double crease_cosine = 0.70710678118654752;
+
+glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+    const double length = glm::length(v);
+    return length > 0 ? v / length : glm::dvec3{0.0};
+}
+
+// The triangle's unit normal times the angle at one of its corners; 0 where it has no normal.
+struct CornerNormal {
+    glm::dvec3 unit{0.0};
+    double angle = 0;
+};
+
+CornerNormal corner_normal(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle,
+                           std::size_t corner) {
+    const glm::dvec3 here(mesh.positions[triangle[corner]]);
+    const glm::dvec3 a = glm::dvec3(mesh.positions[triangle[(corner + 1) % 3]]) - here;
+    const glm::dvec3 b = glm::dvec3(mesh.positions[triangle[(corner + 2) % 3]]) - here;
+    const glm::dvec3 up = glm::cross(a, b);
+    return {unit_or_zero(up), std::atan2(glm::length(up), glm::dot(a, b))};
+}
+
+// Corners of triangles, sorted by what `key_of` a vertex says: begin and end of each vertex' run.
+struct CornerRuns {
+    std::vector<std::uint32_t> corners; // 3 * triangle + corner
+    std::vector<std::uint32_t> group;   // of each vertex
+    std::vector<std::uint32_t> start;   // of each group, in `corners`; one more at the end
+};
+
+// Vertices at one place are one group.
+CornerRuns corners_by_place(const SurfaceMesh& mesh) {
+    const std::size_t vertices = mesh.positions.size();
+    std::vector<std::uint32_t> order(vertices);
+    std::iota(order.begin(), order.end(), 0u);
+    const auto place = [&](std::uint32_t i) {
+        const glm::vec3& p = mesh.positions[i];
+        return std::tuple(p.x, p.y, p.z);
+    };
+    std::ranges::sort(order, {}, place);
+    CornerRuns runs;
+    runs.group.resize(vertices);
+    std::uint32_t groups = 0;
+    for (std::size_t i = 0; i < vertices; ++i) {
+        if (i > 0 && place(order[i]) != place(order[i - 1]))
+            ++groups;
+        runs.group[order[i]] = groups;
+    }
+    runs.start.assign(std::size_t{groups} + 2, 0);
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle)
+            ++runs.start[runs.group[vertex] + 1];
+    std::partial_sum(runs.start.begin(), runs.start.end(), runs.start.begin());
+    runs.corners.resize(3 * mesh.triangles.size());
+    std::vector<std::uint32_t> next = runs.start;
+    std::uint32_t corner = 0;
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle)
+            runs.corners[next[runs.group[vertex]]++] = corner++;
+    return runs;
+}
+
+} // namespace
+
+std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh) {
+    std::vector<glm::dvec3> own(mesh.positions.size(), glm::dvec3{0.0});
+    for (const auto& triangle : mesh.triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const CornerNormal n = corner_normal(mesh, triangle, i);
+            own[triangle[i]] += n.unit * n.angle;
+        }
+    const CornerRuns runs = corners_by_place(mesh);
+    std::vector<glm::vec3> normals;
+    normals.reserve(own.size());
+    for (std::size_t vertex = 0; vertex < own.size(); ++vertex) {
+        const glm::dvec3 axis = unit_or_zero(own[vertex]);
+        glm::dvec3 sum{0.0};
+        const std::uint32_t group = runs.group[vertex];
+        for (std::uint32_t i = runs.start[group]; i < runs.start[group + 1]; ++i) {
+            const std::uint32_t corner = runs.corners[i];
+            const CornerNormal n = corner_normal(mesh, mesh.triangles[corner / 3], corner % 3);
+            if (glm::dot(n.unit, axis) >= crease_cosine)
+                sum += n.unit * n.angle;
+        }
+        glm::dvec3 normal = unit_or_zero(sum);
+        if (normal == glm::dvec3{0.0})
+            normal = axis;
+        if (normal == glm::dvec3{0.0})
+            normal = {0.0, 1.0, 0.0};
+        normals.emplace_back(normal);
+    }
+    return normals;
+}
+
+} // namespace tessera
