@@ -158,7 +158,8 @@ LitPlace::LitPlace(const Scene& scene, const Object& object, const glm::dvec3& l
 glm::dvec3 LitPlace::leaving(const glm::dvec3& towards) const {
     const double height = glm::dot(towards, normal_);
     const glm::dvec3 view = height < 0.0 ? towards - 2.0 * height * normal_ : towards;
-    return displayed(scene_, light_leaving(scene_, {object_, position_, normal_, view, colour_}, 0));
+    return displayed(scene_,
+                     light_leaving(scene_, {object_, position_, normal_, view, colour_}, 0));
 }
 
 bool shines(const Material& material) {
@@ -169,7 +170,8 @@ glm::dvec3 trace_surfaces(const Scene& scene, const Ray& ray) {
     ObjectMask candidates = all_of(scene);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
-        if (object.shape == Shape::plane && to_local(object, ray.direction).y >= 0.0)
+        if (object.shape == Shape::plane &&
+            to_local(object, ray.direction).y * front_of(object) >= 0.0)
             candidates &= ~(ObjectMask{1} << i);
     }
     return trace(scene, ray, candidates);

@@ -41,8 +41,8 @@ private:
 // Whether LitPlace::leaving depends on the direction.
 bool shines(const Material& material);
 
-// What a camera sees of the things themselves, without the window: planes from above only, as a mesh
-// of them would show. Precondition: as of trace().
+// What a camera sees of the things themselves, without the window: planes from their front only, as a
+// mesh of them shows, so that one looks into a closed room. Precondition: as of trace().
 glm::dvec3 trace_surfaces(const Scene& scene, const Ray& ray);
 
 // The paint of a painted scene at the place with outward unit normal `normal`.

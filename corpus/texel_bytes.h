@@ -19,7 +19,8 @@ inline TexelBytes to_bytes(const glm::dvec3& colour, SampleType type) {
     for (std::size_t c = 0; c < 3; ++c) {
         const double x = colour[static_cast<glm::length_t>(c)];
         if (type == SampleType::unorm8) {
-            bytes[c] = static_cast<std::byte>(255.0 * std::clamp(x, 0.0, 1.0) + 0.5); // round(255 x)
+            bytes[c] =
+                static_cast<std::byte>(255.0 * std::clamp(x, 0.0, 1.0) + 0.5); // round(255 x)
             continue;
         }
         const auto half = float_to_half(static_cast<float>(std::clamp(x, 0.0, 65504.0)));

@@ -6,11 +6,18 @@
 
 namespace tessera::corpus {
 
-// Mean squared error of light interpolated between `directions` of the map, at random places of what
-// shines and in random directions, as observers far away have them: 0 where nothing shines.
-double angular_error(const LitSurface& surface, AngularMap map, const Texels2& directions);
+// What an angular map does to a texture, as squared errors of colours, at random places of what shines.
+struct AngularTrial {
+    double blur =
+        0; // of light interpolated between cells, in random directions as far observers have them
+    double change =
+        0; // of the light in one cell between places a few texels apart: what has to be coded
+};
 
-// The octahedral map of least error; hemisphere where that is all the same. Deterministic.
+// All 0 where nothing shines. Deterministic.
+AngularTrial try_angular_map(const LitSurface& surface, AngularMap map, const Texels2& directions);
+
+// The better of the two octahedral maps; hemisphere where that is all the same.
 AngularMap choose_angular_map(const LitSurface& surface, const Texels2& directions);
 
 } // namespace tessera::corpus

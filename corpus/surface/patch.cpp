@@ -43,7 +43,8 @@ std::vector<Patch> patches_of(const Object& object, double tolerance) {
     case Shape::box:
         return box_patches(half);
     case Shape::plane:
-        return {rectangle({0.0, 0.0, 0.0}, {0.0, 0.0, half.z}, {half.x, 0.0, 0.0})};
+        return {
+            rectangle({0.0, 0.0, 0.0}, {0.0, 0.0, half.z}, {front_of(object) * half.x, 0.0, 0.0})};
     }
     return {};
 }

@@ -44,7 +44,7 @@ struct Patch {
 };
 
 // The object's whole surface. Round parts are polygons that straddle the true surface and stay within
-// `tolerance` (world units) of it; planes have their upper side only. Errors: unsupported, an endless plane.
+// `tolerance` (world units) of it; planes have their front only. Errors: unsupported, an endless plane.
 Status add_patches(const Object& object, std::size_t number, double tolerance,
                    std::vector<Patch>& patches);
 
