@@ -33,8 +33,8 @@ Neighbours neighbours(double coordinate, std::uint32_t n, bool wraps) {
 
 } // namespace
 
-Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
-                           const glm::dvec3& d) {
+Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre, const glm::dvec3& d,
+                           Proxy proxy) {
     const glm::dvec3 unit = glm::normalize(d);
     const glm::dvec2 place = sphere_place(from_centre);
     const Neighbours u = neighbours(place.x, size[axis_u], true);
@@ -43,8 +43,8 @@ Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
     std::size_t next = 0;
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
-            const SurfaceFrame frame = surface_frame(sphere_normal(
-                (u.texel[i] + 0.5) / size[axis_u], (v.texel[j] + 0.5) / size[axis_v]));
+            const SurfaceFrame frame = sphere_frame(proxy, (u.texel[i] + 0.5) / size[axis_u],
+                                                    (v.texel[j] + 0.5) / size[axis_v]);
             const glm::dvec2 angles = direction_angles(frame, unit);
             const Neighbours s = neighbours(angles.x, size[axis_s], false);
             const Neighbours t = neighbours(angles.y, size[axis_t], false);
@@ -65,9 +65,10 @@ glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel) {
     return value;
 }
 
-Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d) {
+Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d,
+                          Proxy proxy) {
     glm::dvec4 sum{0.0};
-    for (const WeightedTexel& w : sample_footprint(lookup.desc().size, from_centre, d)) {
+    for (const WeightedTexel& w : sample_footprint(lookup.desc().size, from_centre, d, proxy)) {
         if (w.weight == 0)
             continue;
         TESSERA_TRY_ASSIGN(const glm::dvec4 texel, lookup.texel(w.u, w.v, w.s, w.t));
