@@ -33,8 +33,8 @@ SurfaceDetail surface_detail(const Scene& scene, const SurfaceWish& wish) {
         all_shine = all_shine && shines(object.material);
         any_pattern = any_pattern || object.material.pattern != Pattern::flat;
     }
-    const Texels2 directions =
-        wish.directions.value_or(any_shine ? Texels2{16, 16} : Texels2{1, 1});
+    const std::uint32_t side = all_shine ? 24 : any_shine ? 16 : 1;
+    const Texels2 directions = wish.directions.value_or(Texels2{side, side});
     return {wish.density.value_or(any_pattern ? 64.0 : 32.0), directions,
             wish.tile.value_or(tile_for(all_shine, directions))};
 }

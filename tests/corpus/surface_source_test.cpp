@@ -74,7 +74,7 @@ TEST(SurfaceSource, TexelsAreTheLightOfTheScene) {
                 const Object& object = lit->object_of(lit->chart_at(place[0], place[1]));
                 const Ray ray{at.light.position() + 1e-5 * d, -d};
                 const Hit hit =
-                    nearest_hit(scene, ray, every_object >> (64 - scene.objects.size()));
+                    nearest_hit(lit->scene(), ray, every_object >> (64 - scene.objects.size()));
                 if (glm::dot(d, at.light.normal()) < 0.1 || hit.object != &object ||
                     hit.distance > 2e-5)
                     continue; // below the surface, a gutter in the air or inside another thing
@@ -125,7 +125,7 @@ TEST(SurfaceSource, MasksWhatNobodySees) {
     for (const std::size_t object :
          {0u, 2u}) { // half of the directions, and the taps at the border
         EXPECT_GT(seen[object], texels[object] / 2);
-        EXPECT_LT(seen[object], texels[object] * 7 / 10);
+        EXPECT_LT(seen[object], texels[object] * 8 / 10);
     }
     const auto hemisphere = make_surface_mask(lit, AngularMap::octahedral_hemisphere, {16, 16});
     EXPECT_EQ(hemisphere->desc().size, (Extent4{size[0], size[1], 1, 1}));
