@@ -2,10 +2,9 @@
 
 #include "corpus/sampling.h"
 #include "corpus/shade.h"
-#include "format/samples.h"
+#include "corpus/texel_bytes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -15,32 +14,6 @@
 
 namespace tessera::corpus {
 namespace {
-
-std::byte to_unorm8(double x) {
-    return static_cast<std::byte>(255.0 * std::clamp(x, 0.0, 1.0) + 0.5); // round(255 x)
-}
-
-std::uint16_t to_half16(double x) {
-    return float_to_half(static_cast<float>(std::clamp(x, 0.0, 65504.0)));
-}
-
-// One texel in its bytes; half16 is little-endian whatever the machine.
-using TexelBytes = std::array<std::byte, 6>;
-
-TexelBytes to_bytes(const glm::dvec3& colour, SampleType type) {
-    TexelBytes bytes{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double x = colour[static_cast<glm::length_t>(c)];
-        if (type == SampleType::unorm8) {
-            bytes[c] = to_unorm8(x);
-            continue;
-        }
-        const std::uint16_t half = to_half16(x);
-        bytes[2 * c] = static_cast<std::byte>(half & 0xFFu);
-        bytes[2 * c + 1] = static_cast<std::byte>(half >> 8);
-    }
-    return bytes;
-}
 
 // The objects that some ray of a texel can meet, for all directions (s, t) at one surface place.
 //

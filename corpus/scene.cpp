@@ -59,6 +59,10 @@ Object turned(Object object, const glm::dvec3& axis, double degrees) {
     return object;
 }
 
+double front_of(const Object& plane) {
+    return (plane.to_local * plane.centre).y > 0.0 ? -1.0 : 1.0;
+}
+
 glm::dvec3 surface_colour(const Material& m, const glm::dvec3& local) {
     glm::dvec3 colour = m.colour;
     const glm::dvec3 q = local * m.cells + pattern_origin;

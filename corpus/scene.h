@@ -79,6 +79,10 @@ Object plane(const glm::dvec3& centre, double width, double depth, const Materia
 // The object turned in place about the world's `axis` (unit length), right-handed.
 Object turned(Object object, const glm::dvec3& axis, double degrees);
 
+// Planes have one side that is meant to be seen, that of the origin, where the window is: 1 if it is the upper
+// one in the plane's own frame, -1 if it is the lower one.
+double front_of(const Object& plane);
+
 // Diffuse colour at `local`, a point in the object's frame.
 glm::dvec3 surface_colour(const Material& material, const glm::dvec3& local);
 

@@ -9,7 +9,7 @@ constexpr int max_bounces = 4;
 constexpr double surface_offset = 1e-9; // lifts secondary rays off the surface they start on
 
 // What shading needs to know of the point that was hit.
-struct SurfacePoint {
+struct ShadedPoint {
     const Object& object;
     glm::dvec3 position; // a little above the surface
     glm::dvec3 normal;   // on the side the ray came from
@@ -59,7 +59,7 @@ bool is_blocked(const Scene& scene, const Ray& ray, double reach) {
 }
 
 // Light from the unit direction `towards`: Lambert's cosine plus a Phong highlight.
-glm::dvec3 lit_from(const SurfacePoint& point, const glm::dvec3& towards) {
+glm::dvec3 lit_from(const ShadedPoint& point, const glm::dvec3& towards) {
     const double cosine = glm::dot(point.normal, towards);
     if (cosine <= 0.0)
         return glm::dvec3{0.0};
@@ -74,7 +74,7 @@ glm::dvec3 lit_from(const SurfacePoint& point, const glm::dvec3& towards) {
     return light;
 }
 
-glm::dvec3 sunlight(const Scene& scene, const SurfacePoint& point) {
+glm::dvec3 sunlight(const Scene& scene, const ShadedPoint& point) {
     const glm::dvec3 light = lit_from(point, scene.light.towards) * scene.light.strength;
     const bool dark = light == glm::dvec3{0.0};
     if (!dark && scene.shadows &&
@@ -85,7 +85,7 @@ glm::dvec3 sunlight(const Scene& scene, const SurfacePoint& point) {
 }
 
 // A glowing sphere far away acts as a point that gives off emission * (radius / distance)^2.
-glm::dvec3 lamplight(const Scene& scene, const SurfacePoint& point) {
+glm::dvec3 lamplight(const Scene& scene, const ShadedPoint& point) {
     glm::dvec3 light{0.0};
     for (const Object& lamp : scene.objects) {
         if (!is_lamp(lamp) || &lamp == &point.object)
@@ -102,7 +102,7 @@ glm::dvec3 lamplight(const Scene& scene, const SurfacePoint& point) {
     return light;
 }
 
-SurfacePoint surface_point(const Ray& ray, const Hit& hit) {
+ShadedPoint shaded_point(const Ray& ray, const Hit& hit) {
     const Object& object = *hit.object;
     const glm::dvec3 position = ray.origin + hit.distance * ray.direction;
     const glm::dvec3 local = to_local(object, position - object.centre);
@@ -115,12 +115,10 @@ SurfacePoint surface_point(const Ray& ray, const Hit& hit) {
             surface_colour(object.material, local)};
 }
 
-glm::dvec3 radiance(const Scene& scene, const Ray& ray, ObjectMask candidates, int bounces) {
-    const Hit hit = nearest_hit(scene, ray, candidates);
-    if (hit.object == nullptr)
-        return scene.background;
-    const SurfacePoint point = surface_point(ray, hit);
-    const Material& material = hit.object->material;
+glm::dvec3 radiance(const Scene& scene, const Ray& ray, ObjectMask candidates, int bounces);
+
+glm::dvec3 light_leaving(const Scene& scene, const ShadedPoint& point, int bounces) {
+    const Material& material = point.object.material;
     glm::dvec3 light = material.emission + point.colour * scene.ambient + sunlight(scene, point);
     if (scene.lamps_shine)
         light += lamplight(scene, point);
@@ -133,6 +131,13 @@ glm::dvec3 radiance(const Scene& scene, const Ray& ray, ObjectMask candidates, i
     return light;
 }
 
+glm::dvec3 radiance(const Scene& scene, const Ray& ray, ObjectMask candidates, int bounces) {
+    const Hit hit = nearest_hit(scene, ray, candidates);
+    if (hit.object == nullptr)
+        return scene.background;
+    return light_leaving(scene, shaded_point(ray, hit), bounces);
+}
+
 glm::dvec3 displayed(const Scene& scene, const glm::dvec3& light) {
     return scene.type == SampleType::unorm8 ? glm::min(light, glm::dvec3{1.0}) : light;
 }
@@ -141,6 +146,35 @@ glm::dvec3 displayed(const Scene& scene, const glm::dvec3& light) {
 
 glm::dvec3 trace(const Scene& scene, const Ray& ray, ObjectMask candidates) {
     return displayed(scene, radiance(scene, ray, candidates & all_of(scene), 0));
+}
+
+LitPlace::LitPlace(const Scene& scene, const Object& object, const glm::dvec3& local,
+                   const glm::dvec3& local_normal)
+    : scene_(scene), object_(object), normal_(local_normal * object.to_local),
+      colour_(surface_colour(object.material, local)) {
+    position_ = object.centre + local * object.to_local + surface_offset * normal_;
+}
+
+glm::dvec3 LitPlace::leaving(const glm::dvec3& towards) const {
+    const double height = glm::dot(towards, normal_);
+    const glm::dvec3 view = height < 0.0 ? towards - 2.0 * height * normal_ : towards;
+    return displayed(scene_,
+                     light_leaving(scene_, {object_, position_, normal_, view, colour_}, 0));
+}
+
+bool shines(const Material& material) {
+    return material.specular > 0.0 || material.mirror > 0.0;
+}
+
+glm::dvec3 trace_surfaces(const Scene& scene, const Ray& ray) {
+    ObjectMask candidates = all_of(scene);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (object.shape == Shape::plane &&
+            to_local(object, ray.direction).y * front_of(object) >= 0.0)
+            candidates &= ~(ObjectMask{1} << i);
+    }
+    return trace(scene, ray, candidates);
 }
 
 glm::dvec3 trace_paint(const Scene& scene, const glm::dvec3& normal) {

@@ -18,6 +18,33 @@ glm::dvec3 trace(const Scene& scene, const Ray& ray, ObjectMask candidates = eve
 // a painted scene, the paint at the place of entry.
 glm::dvec3 trace_scene(const Scene& scene, const Ray& ray);
 
+// A place on an object as the source of the light that leaves it. What stands before the place does not
+// matter, what stands in its light or in its mirror does. `scene` must outlive it.
+class LitPlace {
+public:
+    // `local`: in the object's frame, with the unit normal there.
+    LitPlace(const Scene& scene, const Object& object, const glm::dvec3& local,
+             const glm::dvec3& local_normal);
+
+    const glm::dvec3& position() const { return position_; } // world
+    const glm::dvec3& normal() const { return normal_; }
+    // Light that leaves along the unit vector `towards`, as trace() would return it for a ray from there.
+    // Where that points into the object, the light along its mirror image above the surface.
+    glm::dvec3 leaving(const glm::dvec3& towards) const;
+
+private:
+    const Scene& scene_;
+    const Object& object_;
+    glm::dvec3 position_, normal_, colour_;
+};
+
+// Whether LitPlace::leaving depends on the direction.
+bool shines(const Material& material);
+
+// What a camera sees of the things themselves, without the window: planes from their front only, as a
+// mesh of them shows, so that one looks into a closed room. Precondition: as of trace().
+glm::dvec3 trace_surfaces(const Scene& scene, const Ray& ray);
+
 // The paint of a painted scene at the place with outward unit normal `normal`.
 glm::dvec3 trace_paint(const Scene& scene, const glm::dvec3& normal);
 

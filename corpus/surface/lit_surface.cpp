@@ -1,0 +1,33 @@
+#include "corpus/surface/lit_surface.h"
+
+#include "corpus/intersect.h"
+
+namespace tessera::corpus {
+
+LitSurface::LitSurface(Scene scene, SurfaceMesh mesh, std::vector<Chart> charts, TexelPlaces places)
+    : scene_(std::move(scene)), mesh_(std::move(mesh)), tangents_(mesh_tangents(mesh_)),
+      charts_(std::move(charts)), places_(std::move(places)) {}
+
+Result<std::shared_ptr<const LitSurface>>
+LitSurface::make(Scene scene, SurfaceMesh mesh, std::vector<Chart> charts, const Texels2& size) {
+    TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(mesh, charts, size));
+    return std::shared_ptr<const LitSurface>(
+        new LitSurface(std::move(scene), std::move(mesh), std::move(charts), std::move(places)));
+}
+
+const Chart& LitSurface::chart_at(std::uint32_t u, std::uint32_t v) const {
+    return charts_[places_.chart_of(places_.place(u, v, {0.0, 0.0}).triangle)];
+}
+
+LitSurface::Place LitSurface::at(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const {
+    const TrianglePlace place = places_.place(u, v, offset);
+    const SurfacePoint point =
+        tessera::surface_point(mesh_, tangents_, place.triangle, place.barycentric);
+    const Chart& chart = charts_[places_.chart_of(place.triangle)];
+    const Object& object = object_of(chart);
+    const PartPoint settled =
+        settle(object, chart.part, to_local(object, point.position - object.centre));
+    return {LitPlace(scene_, object, settled.position, settled.normal), point.frame};
+}
+
+} // namespace tessera::corpus
