@@ -21,21 +21,22 @@ struct Style {
 // One colour per family: what follows the colon in an id changes the dashes only.
 Style style_of(const std::string& id, std::size_t variant) {
     static const std::map<std::string, std::string> colours = {
-        {"tessera", "#c8102e"}, {"x265", "#1f5fa8"}, {"aom", "#7b4bb0"}, {"avif", "#d96c00"},
-        {"jxl", "#00838f"},     {"zfp", "#5f6b73"},  {"exr", "#b03a92"}, {"astc", "#4b6b00"},
+        {"tessera", "#c8102e"}, {"x265", "#1f5fa8"},   {"aom", "#7b4bb0"},  {"avif", "#d96c00"},
+        {"jxl", "#00838f"},     {"zfp", "#5f6b73"},    {"exr", "#b03a92"},  {"astc", "#4b6b00"},
         {"surface", "#c8102e"}, {"sphere", "#1f5fa8"}, {"plain", "#4b6b00"}};
     static const char* const dashes[] = {"", "7 3", "2 3", "9 3 2 3"};
     const std::string family = id.substr(0, id.find(':'));
     const auto known = colours.find(family);
-    return {known == colours.end() ? "#333333" : known->second, family == "tessera" || family == "surface" ? 3.0 : 1.6,
+    return {known == colours.end() ? "#333333" : known->second,
+            family == "tessera" || family == "surface" ? 3.0 : 1.6,
             dashes[std::min<std::size_t>(variant, 3)]};
 }
 
 // In the order of the curves: the variants of a family differ in their dashes.
-std::vector<Style> styles_of(const std::vector<Curve>& all) {
+std::vector<Style> styles_of(const std::vector<PlotCurve>& all) {
     std::vector<Style> styles;
     std::map<std::string, std::size_t> variants;
-    for (const Curve& series : all)
+    for (const PlotCurve& series : all)
         styles.push_back(style_of(series.id, variants[series.id.substr(0, series.id.find(':'))]++));
     return styles;
 }
@@ -53,9 +54,9 @@ struct Axes {
     }
 };
 
-Axes axes_for(const std::vector<Curve>& all) {
+Axes axes_for(const std::vector<PlotCurve>& all) {
     Axes axes{1e300, 0, 1e300, -1e300};
-    for (const Curve& series : all)
+    for (const PlotCurve& series : all)
         for (const CurvePoint& p : series.points) {
             axes.low_rate = std::min(axes.low_rate, p.rate);
             axes.high_rate = std::max(axes.high_rate, p.rate);
@@ -92,10 +93,10 @@ std::vector<std::pair<double, std::string>> rate_ticks(const Axes& axes) {
             const double rate = first * std::pow(10.0, decade);
             const double shown = decade >= 6 ? rate / 1e6 : decade >= 3 ? rate / 1e3 : rate;
             if (rate >= axes.low_rate && rate <= axes.high_rate)
-                ticks.push_back({rate, format_number(shown, std::max(0, -decade)) +
-                                           (decade >= 6   ? "M"
-                                            : decade >= 3 ? "k"
-                                                          : "")});
+                ticks.push_back(
+                    {rate, format_number(shown, std::max(0, -decade)) + (decade >= 6   ? "M"
+                                                                         : decade >= 3 ? "k"
+                                                                                       : "")});
         }
     return ticks;
 }
@@ -129,7 +130,7 @@ std::string grid(const Axes& axes, const PlotTexts& texts) {
     return svg;
 }
 
-std::string line_of(const Curve& series, const Style& style, const Axes& axes) {
+std::string line_of(const PlotCurve& series, const Style& style, const Axes& axes) {
     std::string svg = "<polyline fill=\"none\" stroke=\"" + style.colour + "\" stroke-width=\"" +
                       px(style.line) + "\" stroke-linejoin=\"round\"";
     if (!style.dash.empty())
@@ -145,10 +146,10 @@ std::string line_of(const Curve& series, const Style& style, const Axes& axes) {
     return svg;
 }
 
-std::string labels(const std::vector<Curve>& all, const std::vector<Style>& styles,
+std::string labels(const std::vector<PlotCurve>& all, const std::vector<Style>& styles,
                    const Axes& axes) {
     std::vector<LabelledLine> lines;
-    for (const Curve& series : all) {
+    for (const PlotCurve& series : all) {
         LabelledLine line{series.id, {}};
         for (const CurvePoint& p : series.points)
             line.points.push_back({axes.x(p.rate), axes.y(p.psnr)});
@@ -195,7 +196,7 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-std::string curves_to_svg(const std::vector<Curve>& curves, const PlotTexts& texts) {
+std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts& texts) {
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + px(width) + " " +
                       px(height) + "\" width=\"" + px(width) + "\" height=\"" + px(height) +
                       "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n" +

@@ -11,7 +11,7 @@ struct CurvePoint {
     std::string about; // shown where the mouse rests on it
 };
 
-struct Curve {
+struct PlotCurve {
     std::string id; // its name; what stands before a colon chooses the colour, the rest the dashes
     std::vector<CurvePoint> points; // by ascending rate, at least one
 };
@@ -21,7 +21,7 @@ struct PlotTexts {
 };
 
 // The first curve lies on top. Stands alone, and inside HTML.
-std::string curves_to_svg(const std::vector<Curve>& curves, const PlotTexts& texts);
+std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts& texts);
 
 // `text` as it may stand in SVG and HTML.
 std::string escaped(const std::string& text);

@@ -9,12 +9,12 @@
 namespace tessera {
 namespace {
 
-std::vector<Curve> curves_of(const TextureReport& texture) {
-    std::vector<Curve> all;
+std::vector<PlotCurve> curves_of(const TextureReport& texture) {
+    std::vector<PlotCurve> all;
     for (const CodecInfo& info : texture.codecs) {
         if (!info.in_plot)
             continue;
-        Curve series{info.id, {}};
+        PlotCurve series{info.id, {}};
         for (const Measurement& m : texture.rows)
             if (m.codec == info.id && m.failed.empty() && std::isfinite(m.quality.psnr_rgb))
                 series.points.push_back({m.bits_per_texel, m.quality.psnr_rgb,
@@ -31,25 +31,25 @@ std::vector<Curve> curves_of(const TextureReport& texture) {
 }
 
 // Leaves the points of the close-up; whether any had to go.
-bool keep_close_up(std::vector<Curve>& all) {
+bool keep_close_up(std::vector<PlotCurve>& all) {
     double least = std::numeric_limits<double>::infinity();
-    for (const Curve& series : all)
+    for (const PlotCurve& series : all)
         for (const CurvePoint& p : series.points)
             if (p.psnr >= speed_psnr - 1)
                 least = std::min(least, p.rate);
     std::size_t gone = 0;
-    for (Curve& series : all)
+    for (PlotCurve& series : all)
         gone += std::erase_if(series.points, [&](const CurvePoint& p) {
             return p.rate > 6 * least || p.psnr < speed_psnr - 6;
         });
-    std::erase_if(all, [](const Curve& series) { return series.points.size() < 2; });
+    std::erase_if(all, [](const PlotCurve& series) { return series.points.size() < 2; });
     return gone > 0 && !all.empty();
 }
 
 } // namespace
 
 std::string to_svg(const TextureReport& texture, PlotPart part) {
-    std::vector<Curve> all = curves_of(texture);
+    std::vector<PlotCurve> all = curves_of(texture);
     if (part == PlotPart::close_up && !keep_close_up(all))
         return "";
     return curves_to_svg(

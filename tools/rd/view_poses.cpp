@@ -21,10 +21,9 @@ Result<std::vector<Camera>> spread_cameras(unsigned count, double nearest, doubl
         const double across = std::sqrt(1 - height * height);
         // Multiples of the golden ratio again, of another phase than the turns.
         const double share = (i + 0.5) * std::numbers::sqrt2;
-        const double distance =
-            nearest * std::pow(farthest / nearest, share - std::floor(share));
-        const glm::dvec3 eye = distance * glm::dvec3(across * std::cos(turn), height,
-                                                     across * std::sin(turn));
+        const double distance = nearest * std::pow(farthest / nearest, share - std::floor(share));
+        const glm::dvec3 eye =
+            distance * glm::dvec3(across * std::cos(turn), height, across * std::sin(turn));
         TESSERA_TRY_ASSIGN(cameras.emplace_back(), make_camera({eye, {}}, {45, 320, 240}));
     }
     return cameras;

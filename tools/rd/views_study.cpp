@@ -1,6 +1,7 @@
 #include "tools/rd/views_study.h"
 
 #include "codec/encoder.h"
+#include "corpus/bake.h"
 #include "corpus/catalog.h"
 #include "tools/rd/curve_plot.h"
 #include "tools/rd/scratch_folder.h"
@@ -9,7 +10,8 @@
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/texture_io/baking.h"
+#include "tools/texture_io/baked_original.h"
+#include "tools/texture_io/baked_surface.h"
 #include "tools/view/render_stage.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
@@ -28,45 +30,42 @@ constexpr double nearest = 6, farthest = 30;
 // A way to lay a texture around or on the scene, at the qualities that are measured.
 struct Carrier {
     std::string name;
-    BakeRequest bake;
+    std::optional<corpus::SurfaceWish> surface; // none: the paper's sphere
+    Extent4 size{0, 0, 0, 0};                   // of the sphere's texture
     std::vector<double> qualities;
 };
 
 std::vector<Carrier> carriers_of(const ViewsOptions& o) {
     std::vector<Carrier> all;
-    const auto surface = [&](const char* family, const char* density, const char* directions,
+    const auto surface = [&](const char* family, unsigned density, std::uint32_t directions,
                              std::vector<double> qualities) {
-        Carrier c{std::string(family) + ":" + density +
-                      (std::string(directions) == "1x1" ? "" : std::string(" ") + directions),
-                  {},
-                  std::move(qualities)};
-        c.bake.scene = o.scene;
-        c.bake.proxy = Proxy::mesh;
-        c.bake.density = std::stod(density);
-        c.bake.directions = directions;
-        all.push_back(std::move(c));
+        corpus::SurfaceWish wish;
+        wish.density = density;
+        wish.directions = {directions, directions};
+        std::string name = std::string(family) + ":" + std::to_string(density);
+        if (directions > 1)
+            name += " " + std::to_string(directions) + "x" + std::to_string(directions);
+        all.push_back({std::move(name), wish, {}, std::move(qualities)});
     };
-    const auto sphere = [&](const char* size) {
-        Carrier c{std::string("sphere:") + size, {}, {50, 62}};
-        c.bake.scene = o.scene;
-        c.bake.size = size;
-        all.push_back(std::move(c));
+    const auto sphere = [&](const Extent4& size) {
+        all.push_back({"sphere:" + to_string(size), std::nullopt, size, {50, 62}});
     };
     if (o.quick) {
-        surface("surface", "16", "8x8", {40, 56});
-        surface("plain", "16", "1x1", {50, 70});
-        sphere("64x32x16x16");
+        surface("surface", 16, 8, {40, 56});
+        surface("plain", 16, 1, {50, 70});
+        sphere({64, 32, 16, 16});
         return all;
     }
-    surface("surface", "32", "16x16", {36, 44, 52, 60, 68});
-    surface("surface", "32", "24x24", {40, 50, 60, 70});
-    surface("surface", "32", "8x8", {36, 46, 56});
-    surface("surface", "16", "16x16", {36, 46, 56});
-    surface("surface", "64", "16x16", {36, 46, 56});
-    surface("plain", "32", "1x1", {40, 56, 72});
-    surface("plain", "64", "1x1", {40, 56, 72});
+    surface("surface", 32, 16, {36, 44, 52, 60, 68});
+    surface("surface", 32, 24, {40, 50, 60, 70});
+    surface("surface", 32, 8, {36, 46, 56});
+    surface("surface", 16, 16, {36, 46, 56});
+    surface("surface", 64, 16, {36, 46, 56});
+    surface("plain", 32, 1, {40, 56, 72});
+    surface("plain", 64, 1, {40, 56, 72});
     // The paper's sizes of 403 MB.
-    for (const char* size : {"512x256x32x32", "256x128x64x64", "128x64x128x128", "64x32x256x256"})
+    for (const Extent4& size : {Extent4{512, 256, 32, 32}, Extent4{256, 128, 64, 64},
+                                Extent4{128, 64, 128, 128}, Extent4{64, 32, 256, 256}})
         sphere(size);
     return all;
 }
@@ -125,19 +124,51 @@ private:
     RenderOptions options_;
 };
 
+struct Baked {
+    std::unique_ptr<TexelSource> texels, mask;
+    EncodeOptions options;
+};
+
+// Made again for each quality: it is the views that take the time.
+Result<Baked> bake(const Carrier& carrier, const std::string& scene) {
+    Baked baked;
+    Description& d = baked.options.description;
+    if (!carrier.surface) {
+        TESSERA_TRY_ASSIGN(baked.texels,
+                           corpus::make_baked_source(scene, carrier.size, usual_samples, 1));
+        d.proxy = Proxy::sphere;
+        d.sphere_radius = static_cast<float>(corpus::window_radius);
+        d.surface_map = SurfaceMap::sphere_longitude_latitude;
+        d.angular_map = AngularMap::hemisphere_alpha_beta;
+        return baked;
+    }
+    TESSERA_TRY_ASSIGN(BakedSurface surface,
+                       bake_surface({scene, *carrier.surface, std::nullopt, usual_samples}));
+    baked.texels = std::move(surface.texels);
+    baked.mask = std::move(surface.mask);
+    baked.options.mask = baked.mask.get();
+    baked.options.mesh = std::move(surface.mesh);
+    baked.options.tile_extent = surface.detail.tile;
+    d.proxy = Proxy::mesh;
+    d.surface_map = SurfaceMap::mesh_uv;
+    d.angular_map = surface.map;
+    return baked;
+}
+
 Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOptions& o,
                          const Judge& judge, const ProgressFunction& progress) {
     TESSERA_TRY_ASSIGN(ScratchFolder folder, ScratchFolder::create());
     const std::string file = folder.at("texture.tess");
     const auto start = std::chrono::steady_clock::now();
-    TESSERA_TRY_ASSIGN(Baking baking, make_baking(carrier.bake));
-    EncodeOptions options = encode_options(baking);
+    Baked baked;
+    TESSERA_TRY_ASSIGN(baked, bake(carrier, o.scene));
+    EncodeOptions& options = baked.options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.effort = o.effort;
     options.threads = o.threads;
     options.verify = false;
     options.progress = progress;
-    const auto source = interruptible(std::move(baking.texels));
+    const auto source = interruptible(std::move(baked.texels));
     TESSERA_TRY_ASSIGN(const EncodeReport report, encode_file(*source, file, options));
     ViewsRow row;
     row.carrier = carrier.name;
@@ -145,8 +176,7 @@ Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOpti
     row.size = to_string(source->desc().size);
     row.raw_bytes = source->desc().box_bytes(Box4::whole(source->desc().size));
     row.bytes = report.file_bytes;
-    row.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     TESSERA_TRY(judge.measure(file, row));
     return row;
 }
@@ -159,14 +189,14 @@ void print_line(const ViewsRow& row) {
 }
 
 std::string svg_of(const ViewsReport& report) {
-    std::vector<Curve> curves;
+    std::vector<PlotCurve> curves;
     for (const ViewsRow& row : report.rows) {
         if (curves.empty() || curves.back().id != row.carrier)
             curves.push_back({row.carrier, {}});
-        curves.back().points.push_back(
-            {static_cast<double>(row.bytes), row.paper.psnr,
-             row.carrier + ", " + row.setting + ": " + human_bytes(row.bytes) + ", " +
-                 format_number(row.paper.psnr, 2) + " dB"});
+        curves.back().points.push_back({static_cast<double>(row.bytes), row.paper.psnr,
+                                        row.carrier + ", " + row.setting + ": " +
+                                            human_bytes(row.bytes) + ", " +
+                                            format_number(row.paper.psnr, 2) + " dB"});
     }
     return curves_to_svg(
         curves, {report.scene + ", as it is seen",
@@ -201,8 +231,8 @@ Status write_reports(const ViewsOptions& o, const ViewsReport& report) {
 
 Result<ViewsReport> run_views_study(const ViewsOptions& options) {
     TESSERA_TRY(corpus::find_scene(options.scene).status().with_context("--views"));
-    TESSERA_TRY(make_parent_folders(
-        (std::filesystem::path(options.output) / "views.svg").string()));
+    TESSERA_TRY(
+        make_parent_folders((std::filesystem::path(options.output) / "views.svg").string()));
     ViewsReport report{options.scene,
                        "tessera rd --views " + options.scene + (options.quick ? " --quick" : "") +
                            " -o " + options.output,
@@ -213,8 +243,8 @@ Result<ViewsReport> run_views_study(const ViewsOptions& options) {
         for (const double quality : carrier.qualities) {
             TESSERA_TRY(check_interrupt());
             Progress progress("tessera rd: " + carrier.name, options.quiet);
-            TESSERA_TRY_ASSIGN(
-                auto row, measure(carrier, quality, options, judge, progress.function()));
+            TESSERA_TRY_ASSIGN(auto row,
+                               measure(carrier, quality, options, judge, progress.function()));
             if (!options.quiet)
                 print_line(row);
             report.rows.push_back(std::move(row));
@@ -250,8 +280,7 @@ std::string to_text(const ViewsReport& report) {
         text += "| " + r.carrier + " | " + r.setting + " | " + r.size + " | " +
                 human_bytes(r.raw_bytes) + " | " + std::to_string(r.bytes) + " | " +
                 format_number(r.paper.psnr, 2) + " | " + format_number(r.paper.ssim, 4) + " | " +
-                format_number(r.spread.psnr, 2) + " | " + format_number(r.spread.ssim, 4) +
-                " |\n";
+                format_number(r.spread.psnr, 2) + " | " + format_number(r.spread.ssim, 4) + " |\n";
     return text;
 }
 

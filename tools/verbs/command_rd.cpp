@@ -103,8 +103,9 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
                      "Instead: what an observer sees of this built-in scene over the bytes of "
                      "whole files: on its own surfaces, with a plain 2D texture, on the paper's "
                      "sphere; writes views.svg, .md, .csv and .json");
-        c.add_option("-o,--output", a.options.output,
-                     "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json (made if missing)")
+        c.add_option(
+             "-o,--output", a.options.output,
+             "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json (made if missing)")
             ->required();
         declare_rates(c, a.options);
         declare_sweep(c, a.options);
