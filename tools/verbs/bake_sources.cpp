@@ -75,9 +75,11 @@ Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
     corpus::SurfaceWish wish;
     wish.density = a.density;
     if (!a.directions.empty()) {
-        TESSERA_TRY_ASSIGN(const Extent4 size,
-                           parse_extent("1x1x" + a.directions).with_context("--directions"));
-        wish.directions = {size[axis_s], size[axis_t]};
+        const auto size = parse_extent("1x1x" + a.directions);
+        if (!size.ok())
+            return Status(ErrorCode::bad_argument,
+                          "--directions: '" + a.directions + "' is not SxT such as 16x16");
+        wish.directions = {(*size)[axis_s], (*size)[axis_t]};
     }
     if (!a.encode.tile.empty()) {
         TESSERA_TRY_ASSIGN(wish.tile, parse_extent(a.encode.tile).with_context("--tile"));
