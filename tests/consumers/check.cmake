@@ -37,6 +37,10 @@ set(prefix ${OUT}/prefix)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 build_and_run(${here}/c consumer_c -DCMAKE_PREFIX_PATH=${prefix})
 build_and_run(${here}/cpp consumer_cpp -DCMAKE_PREFIX_PATH=${prefix})
+file(GLOB_RECURSE with_glsl ${prefix}/*/tesseraGlslTargets.cmake)
+if(with_glsl)
+    build_and_run(${here}/glsl consumer_glsl -DCMAKE_PREFIX_PATH=${prefix})
+endif()
 
 # Without CMake: the shared library by pkg-config.
 file(GLOB_RECURSE pc ${prefix}/*/tessera.pc)
