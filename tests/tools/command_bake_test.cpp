@@ -33,6 +33,21 @@ TEST_F(BakeVerb, PutsScenesOnTheirOwnSurfaces) {
     EXPECT_NE(run("info d.tess").out.find("mirrored"), std::string::npos);
 }
 
+// What an observer sees of a small file is what the scene looks like: the sphere's texture of a hundred
+// times the texels is 10 dB below.
+TEST_F(BakeVerb, MeshesAreSeenSharp) {
+    succeed("bake composed --proxy mesh --density 12 --directions 8x8 --spp 2 --effort 1 "
+            "--quality 40 -q -o a.tess");
+    EXPECT_LT(slurp(at("a.tess")).size(), 12000u);
+    const Json views = json("render a.tess -o v.png --eye 9,4,5 --size 160x120 --truth composed "
+                            "--truth-spp 4 --json")["views"];
+    EXPECT_GT(views[0]["compressed_truth"]["psnr"], 36);
+    succeed("render a.tess -o inside.png --eye 0.1,0.2,0.1 --look 3,0,0 --size 16x12 -q");
+    fail(1, "rd --views composed x.tess -o r", {"--views"});
+    fail(1, "rd -o r", {"--views"});
+    fail(1, "rd --views nowhere -o r", {"nowhere", "composed"});
+}
+
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {
     const std::string sphere = "bake composed -o x.tess ", mesh = sphere + "--proxy mesh ";
     fail(1, sphere + "--density 8", {"--density", "--proxy mesh"});

@@ -149,6 +149,7 @@ Result<Baked> bake(const Carrier& carrier, const std::string& scene) {
     baked.options.mask = baked.mask.get();
     baked.options.mesh = std::move(surface.mesh);
     baked.options.tile_extent = surface.detail.tile;
+    baked.options.metadata["Background"] = surface.background;
     d.proxy = Proxy::mesh;
     d.surface_map = SurfaceMap::mesh_uv;
     d.angular_map = surface.map;

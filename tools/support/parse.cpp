@@ -115,6 +115,19 @@ std::string format_number(double value, int decimals) {
     return text;
 }
 
+Status parse_point(std::string_view text, glm::dvec3& out) {
+    std::string_view rest = text;
+    for (int i = 0; i < 3; ++i) {
+        const std::size_t comma = rest.find(',');
+        if ((comma == std::string_view::npos) != (i == 2) ||
+            !parse_number(rest.substr(0, comma), out[i]))
+            return {ErrorCode::bad_argument,
+                    "'" + std::string(text) + "' is not a point such as 10,0,-2.5"};
+        rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    }
+    return {};
+}
+
 const char* channel_name(unsigned channels, unsigned c) {
     if (channels >= 3)
         return c == 0 ? "R" : c == 1 ? "G" : c == 2 ? "B" : "A";

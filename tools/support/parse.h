@@ -5,6 +5,7 @@
 #include "format/texture.h"
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ Result<Box4> parse_box(std::string_view text, const Extent4& whole);
 // The whole text as a number, nothing before or after it. False where it is not one.
 bool parse_number(std::string_view text, std::uint64_t& out);
 bool parse_number(std::string_view text, double& out);
+
+// "10,0,-2.5". Errors: bad_argument, with the offending text.
+Status parse_point(std::string_view text, glm::dvec3& out);
 
 // "8" or "unorm8"; "16f", "half" or "half16".
 Result<SampleType> parse_sample_type(std::string_view text);

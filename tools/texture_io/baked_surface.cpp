@@ -1,5 +1,7 @@
 #include "tools/texture_io/baked_surface.h"
 
+#include "tools/support/parse.h"
+
 #include "corpus/catalog.h"
 #include "corpus/surface/angular_choice.h"
 #include "corpus/surface/scene_surface.h"
@@ -16,6 +18,9 @@ Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
     TESSERA_TRY_ASSIGN(const corpus::Scene made, corpus::make_scene(bake.scene));
     const corpus::Scene scene = corpus::with_surfaces(made);
     BakedSurface baked;
+    baked.background = format_number(scene.background.x, 4) + "," +
+                       format_number(scene.background.y, 4) + "," +
+                       format_number(scene.background.z, 4);
     baked.detail = corpus::surface_detail(scene, bake.detail);
     const Extent4& tile = baked.detail.tile;
     corpus::SurfaceOptions options;

@@ -24,6 +24,7 @@ struct BakedSurface {
     std::unique_ptr<TexelSource> texels, mask;
     std::vector<std::byte> mesh; // section prxy
     AngularMap map{};
+    std::string background; // "r,g,b", where an observer sees none of it
     corpus::SurfaceDetail detail;
     std::size_t triangles = 0, charts = 0;
 };

@@ -103,7 +103,8 @@ Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
     const std::string density = format_number(baked.detail.density, 3);
     baking.facts = {{"scene", a.scene},
                     {"samples per texel", std::to_string(a.samples)},
-                    {"texels per unit", density}};
+                    {"texels per unit", density},
+                    {"background", baked.background}};
     baking.json = {{"scene", a.scene},
                    {"samples_per_texel", a.samples},
                    {"texels_per_unit", baked.detail.density},

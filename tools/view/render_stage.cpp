@@ -38,6 +38,18 @@ Result<std::optional<MeshSurface>> mesh_of(const ContainerReader& container) {
     return std::optional(MeshSurface{std::move(mesh), d.angular_map});
 }
 
+// What an observer of a mesh sees beside it, as the file says; black where it does not.
+Result<glm::dvec3> around_mesh(const ContainerReader& container) {
+    glm::dvec3 colour{0.0};
+    const auto said = container.metadata().find("Background");
+    if (said != container.metadata().end()) {
+        TESSERA_TRY(parse_point(said->second, colour)
+                        .with_context(container.name() + ": its key Background"));
+    }
+    return colour;
+}
+
+// What a texture on a sphere shows where it has no tile.
 glm::dvec3 background_of(const ContainerReader& container) {
     const TextureDesc& desc = container.desc();
     const FileFacts facts = container.facts();
@@ -97,7 +109,10 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
     }
-    const glm::dvec3 background = background_of(container);
+    glm::dvec3 background = background_of(container);
+    if (mesh) {
+        TESSERA_TRY_ASSIGN(background, around_mesh(container));
+    }
     RenderOptions options = asked;
     options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
     const auto on_cpu = [&](TexelSource& texels, const Extent4& block,

@@ -7,19 +7,6 @@
 namespace tessera {
 namespace {
 
-Status parse_point(const std::string& text, const char* option, glm::dvec3& out) {
-    std::string_view rest = text;
-    for (int i = 0; i < 3; ++i) {
-        const std::size_t comma = rest.find(',');
-        if ((comma == std::string_view::npos) != (i == 2) ||
-            !parse_number(rest.substr(0, comma), out[i]))
-            return {ErrorCode::bad_argument,
-                    std::string(option) + " '" + text + "' is not a point such as 10,0,-2.5"};
-        rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
-    }
-    return {};
-}
-
 Status parse_picture_size(const std::string& text, Lens& lens) {
     const std::size_t cross = text.find('x');
     std::uint64_t width = 0, height = 0;
@@ -73,9 +60,9 @@ Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
     Lens lens;
     lens.fov = request.fov;
     if (!request.eye.empty())
-        TESSERA_TRY(parse_point(request.eye, "--eye", pose.eye));
+        TESSERA_TRY(parse_point(request.eye, pose.eye).with_context("--eye"));
     if (!request.look.empty())
-        TESSERA_TRY(parse_point(request.look, "--look", pose.look));
+        TESSERA_TRY(parse_point(request.look, pose.look).with_context("--look"));
     if (!request.size.empty())
         TESSERA_TRY(parse_picture_size(request.size, lens));
     TESSERA_TRY_ASSIGN(const auto poses, poses_of(request, pose));

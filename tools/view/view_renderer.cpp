@@ -1,6 +1,7 @@
 #include "tools/view/view_renderer.h"
 
 #include "corpus/shade.h"
+#include "corpus/surface/scene_surface.h"
 #include "tools/support/parse.h"
 #include "tools/view/texel_cache.h"
 #include "tools/view/view_drawing.h"
@@ -83,7 +84,8 @@ class TruthRenderer final : public ViewRenderer {
 public:
     TruthRenderer(corpus::Scene scene, const std::optional<SphereWindow>& window, unsigned samples,
                   const RenderOptions& options)
-        : scene_(std::move(scene)), window_(window), samples_(samples), options_(options) {}
+        : scene_(window ? std::move(scene) : corpus::with_surfaces(std::move(scene))),
+          window_(window), samples_(samples), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
         if (window_)
@@ -96,7 +98,8 @@ public:
         options.rays = samples_;
         return draw_rays(camera, workers, options,
                          [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
-                             return corpus::trace_scene(scene_, {eye, direction});
+                             return window_ ? corpus::trace_scene(scene_, {eye, direction})
+                                            : corpus::trace_surfaces(scene_, {eye, direction});
                          });
     }
 
