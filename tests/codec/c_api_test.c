@@ -579,6 +579,7 @@ static int test_metadata_and_description(void) {
     void* file = NULL;
     size_t file_bytes = 0, bytes = 0, i;
     const char *key = NULL, *value = NULL;
+    const void* mesh = NULL;
     options.metadata = entries;
     options.metadata_count = 2;
     tessera_description_init(&description);
@@ -608,8 +609,24 @@ static int test_metadata_and_description(void) {
         CHECK(tessera_metadata_value(decoder, key) == value);
     }
     CHECK(tessera_metadata_at(decoder, i, &key, &value, NULL) == TESSERA_BAD_ARGUMENT);
+    CHECK(tessera_get_mesh(decoder, &mesh, &bytes) == 0 && mesh == NULL && bytes == 0);
+    CHECK(tessera_get_mesh(decoder, NULL, &bytes) == TESSERA_BAD_ARGUMENT);
     tessera_close(decoder);
     tessera_free(file);
+
+    description.proxy = TESSERA_PROXY_MESH;
+    description.sphere_radius = 0;
+    REFUSED(tessera_check_options(&small_texture, &options), TESSERA_BAD_ARGUMENT, "no mesh");
+    options.mesh = "DRACO";
+    options.mesh_bytes = 5;
+    REFUSED(tessera_check_options(&small_texture, &options), TESSERA_BAD_ARGUMENT, "cut off");
+    options.mesh = NULL;
+    REFUSED(tessera_check_options(&small_texture, &options), TESSERA_BAD_ARGUMENT, "mesh");
+    options.mesh_bytes = 0;
+    description.proxy = TESSERA_PROXY_SPHERE_INSIDE;
+    description.sphere_radius = 1;
+    description.angular_map = TESSERA_ANGULAR_OCTAHEDRAL_MIRRORED;
+    CHECK(tessera_check_options(&small_texture, &options) == 0);
 
     options.metadata = twice;
     REFUSED(tessera_check_options(&small_texture, &options), TESSERA_BAD_ARGUMENT, "twice");

@@ -1,6 +1,7 @@
 #include "codec/encoder.h"
 
 #include "tests/support/memory_texture.h"
+#include "tests/support/meshes.h"
 #include "tests/support/test_folder.h"
 
 #include <gtest/gtest.h>
@@ -110,6 +111,18 @@ TEST(CheckOptions, RefuseDescriptionsThatNoFileHolds) {
     EncodeOptions unknown;
     unknown.description.transfer = static_cast<Transfer>(200);
     EXPECT_EQ(objection(unknown), "transfer 200 is unknown");
+}
+
+TEST(CheckOptions, RefuseMeshesThatNoFileHolds) {
+    EncodeOptions options;
+    options.description.proxy = Proxy::mesh;
+    EXPECT_EQ(objection(options), "the proxy is a mesh, and no mesh is given");
+    options.mesh = *encode_mesh(test::six_charts(1, false), {});
+    EXPECT_EQ(objection(options), "");
+    options.mesh.pop_back();
+    EXPECT_TRUE(contains(objection(options), "mesh"));
+    options.description.proxy = Proxy::none;
+    EXPECT_EQ(objection(options), "a mesh is given, and the proxy is not a mesh");
 }
 
 TEST(CheckOptions, RefuseMetadataThatNoFileHolds) {

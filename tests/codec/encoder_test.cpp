@@ -6,6 +6,7 @@
 #include "format/io/crc32c.h"
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
+#include "tests/support/meshes.h"
 #include "tests/support/random.h"
 #include "tests/support/round_trips.h"
 
@@ -279,6 +280,25 @@ TEST(SpecialValues, ExtremeHalvesStayFinite) {
             decode_all(encode(texture, options_for({Kind::quality, quality})).file, desc);
         for (std::size_t i = 0; i < texels.size() / 2; ++i)
             ASSERT_LE(std::abs(code_at(texels, i, desc.type)), 0x7BFF);
+    }
+}
+
+TEST(Mesh, SurvivesInEveryKindOfFile) {
+    MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
+    EncodeOptions options;
+    options.description.proxy = Proxy::mesh;
+    options.description.surface_map = SurfaceMap::mesh_uv;
+    options.description.angular_map = AngularMap::octahedral_mirrored;
+    options.mesh = *encode_mesh(six_charts(2, true), {});
+    for (const bool layers : {false, true}) {
+        options.layers = layers;
+        const Encoded encoded = encode(texture, options);
+        const auto source = wrap_memory(encoded.file);
+        const Result<ContainerReader> file = ContainerReader::open(*source);
+        ASSERT_TRUE(file);
+        EXPECT_EQ(file->description(), options.description);
+        EXPECT_TRUE(std::ranges::equal(file->proxy_mesh(), options.mesh));
+        EXPECT_TRUE(file->validate().empty());
     }
 }
 

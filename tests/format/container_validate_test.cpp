@@ -98,5 +98,16 @@ TEST(Damage, FindingsAreLimited) {
     EXPECT_EQ(findings.back().number, static_cast<int>(ContainerRule::more));
 }
 
+TEST(Damage, MeshesThatAreNoneAreFound) {
+    auto sample = rich_sample();
+    const Bytes noise = Random(5).bytes(20);
+    sample->contents.proxy_mesh = noise;
+    const Bytes file = sample->write();
+    const std::vector<Finding> findings = validate_container(*wrap_memory(file));
+    ASSERT_TRUE(any_fatal(findings));
+    EXPECT_EQ(findings.front().number, static_cast<int>(ContainerRule::proxy_mesh));
+    EXPECT_NE(findings.front().text.find("prxy"), std::string::npos);
+}
+
 } // namespace
 } // namespace tessera

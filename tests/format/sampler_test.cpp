@@ -70,6 +70,29 @@ double sampled(TexelLookup& texture, const glm::dvec3& n, const glm::dvec3& d) {
     return sample(texture, n, d)->x;
 }
 
+// The same places, seen along the normals of the other side; ey is that of outside, ex its opposite.
+TEST(Sampler, FromInsideGivesTheTexelAtItsCentreToo) {
+    const Extent4 size{8, 5, 4, 3};
+    Procedural texture(size, rough);
+    for (std::uint32_t v = 0; v < 5; ++v)
+        for (std::uint32_t u = 0; u < 8; ++u) {
+            const glm::dvec3 n = texel_normal(size, u, v);
+            const SurfaceFrame frame =
+                sphere_frame(Proxy::sphere_inside, (u + 0.5) / 8, (v + 0.5) / 5);
+            EXPECT_LT(glm::distance(frame.ez, -n), 1e-12);
+            EXPECT_LT(glm::distance(frame.ex, -surface_frame(n).ex), 1e-12);
+            EXPECT_LT(glm::distance(frame.ey, surface_frame(n).ey), 1e-12);
+            for (std::uint32_t t = 0; t < 3; ++t)
+                for (std::uint32_t s = 0; s < 4; ++s) {
+                    const glm::dvec3 d = outgoing_direction(frame, (s + 0.5) / 4, (t + 0.5) / 3);
+                    EXPECT_NEAR(sample(texture, n, d, Proxy::sphere_inside)->x,
+                                texture.at(u, v, s, t), 1e-9);
+                }
+        }
+    for (const double v : {0.0, 1.0}) // at the poles
+        EXPECT_EQ(sphere_frame(Proxy::sphere_inside, 0.3, v).ex, (glm::dvec3{1, 0, 0}));
+}
+
 TEST(Sampler, TexelCentresGiveTheTexel) {
     const Extent4 size{16, 8, 6, 5};
     Procedural texture(size, rough);

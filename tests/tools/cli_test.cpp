@@ -1,6 +1,7 @@
 // The tool as a person or a script meets it: the built binary, its exit codes, messages and JSON.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
+#include "tests/support/meshes.h"
 
 #include <csignal>
 #include <cstdlib>
@@ -135,6 +136,28 @@ TEST_F(Cli, DescribesFiles) {
     fail(1, "encode a.exr -o x.tess --transfer gamma", {"--transfer", "linear"});
     fail(1, "encode a.exr -o x.tess --meta novalue", {"--meta"});
     EXPECT_EQ(run("info a.tess").code, 0);
+}
+
+TEST_F(Cli, KeepsTheMesh) {
+    const std::vector<std::byte> mesh = *encode_mesh(six_charts(2, false), {});
+    std::ofstream(at("box.drc"), std::ios::binary)
+        .write(reinterpret_cast<const char*>(mesh.data()), static_cast<long>(mesh.size()));
+    std::ofstream(at("a.gray")) << std::string(16, 'x');
+    succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --surface-map 'mesh uv' "
+            "--angular-map 'octahedral mirrored' -o a.tess");
+    succeed("encode a.tess -q --quality 10 -o b.tess"); // keeps it
+    const Json info = json("info b.tess --json");
+    EXPECT_EQ(info["description"]["proxy"], "mesh");
+    EXPECT_EQ(info["description"]["angular-map"], "octahedral mirrored");
+    EXPECT_EQ(info["mesh"]["triangles"], 48);
+    EXPECT_EQ(info["mesh"]["bytes"], mesh.size());
+    EXPECT_EQ(info["mesh"]["high"], Json({1, 1, 1}));
+    EXPECT_EQ(run("validate b.tess").out, "b.tess: valid\n");
+    succeed("encode b.tess -q --proxy sphere-inside:0,0,0,2 -o c.tess");
+    EXPECT_EQ(json("info c.tess --json")["description"]["proxy"], "sphere-inside:0,0,0,2");
+    EXPECT_FALSE(json("info c.tess --json").contains("mesh"));
+    fail(3, "encode a.tess --mesh a.gray -o x.tess", {"a.gray", "Draco"});
+    fail(2, "encode a.tess --mesh nowhere.drc -o x.tess", {"nowhere.drc"});
 }
 
 TEST_F(Cli, ValidatesEveryTruncation) {

@@ -2,6 +2,7 @@
 // with its name beside it.
 #pragma once
 
+#include "tools/rd/curve_plot.h"
 #include "tools/rd/report.h"
 
 #include <string>
@@ -16,8 +17,5 @@ enum class PlotPart {
 // Of PSNR-RGB. Lossless points and codecs that are not for the plot are left out. Stands alone, and
 // inside HTML. Empty for a close-up that would show all points there are.
 std::string to_svg(const TextureReport& texture, PlotPart part = PlotPart::whole);
-
-// `text` as it may stand in SVG and HTML.
-std::string escaped(const std::string& text);
 
 } // namespace tessera

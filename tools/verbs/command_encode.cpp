@@ -1,3 +1,4 @@
+#include "format/surface_mesh.h"
 #include "tools/support/encode_arguments.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
@@ -13,7 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t most_mesh_bytes = 1u << 28; // a file's head holds no more
+constexpr std::uint64_t longest_mesh_stream = 1u << 28;               // a file's head holds no more
+constexpr std::uint64_t largest_mesh_memory = std::uint64_t{1} << 34; // of the largest there is
 
 struct EncodeCommand {
     std::string input, output, mesh;
@@ -42,10 +44,11 @@ Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, OpenedTexture& i
     std::vector<std::byte> mesh;
     if (!a.mesh.empty()) {
         TESSERA_TRY_ASSIGN(const auto file, open_file(a.mesh));
-        if (file->size() > most_mesh_bytes)
+        if (file->size() > longest_mesh_stream)
             return Status(ErrorCode::unsupported, a.mesh + ": more than 2^28 bytes");
         mesh.resize(file->size());
         TESSERA_TRY(file->read(0, mesh));
+        TESSERA_TRY(decode_mesh(mesh, largest_mesh_memory).with_context(a.mesh));
     } else if (input.decoder != nullptr) {
         const auto kept = input.decoder->container().proxy_mesh();
         mesh.assign(kept.begin(), kept.end());

@@ -1,5 +1,6 @@
 #include "corpus/bake.h"
 #include "tools/rd/rd_run.h"
+#include "tools/rd/views_study.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
@@ -11,10 +12,34 @@ namespace {
 struct RdCommand {
     RdOptions options;
     TextureArguments texture;
+    std::string views; // a scene
     bool json = false;
 };
 
+Status run_views(const RdCommand& a) {
+    if (!a.options.textures.empty())
+        return {ErrorCode::bad_argument, "--views makes its own textures; it takes no others"};
+    if (a.options.efforts.size() > 1)
+        return {ErrorCode::bad_argument, "--views: one of --efforts at a time"};
+    TESSERA_TRY_ASSIGN(const TextureHints hints, make_hints(a.texture));
+    ViewsOptions o{a.views, a.options.output, a.options.quick};
+    if (!a.options.efforts.empty())
+        o.effort = a.options.efforts.front();
+    o.threads = hints.threads;
+    o.quiet = a.texture.quiet || a.json;
+    TESSERA_TRY_ASSIGN(const auto report, run_views_study(o));
+    if (a.json)
+        print_json(to_json(report));
+    else if (!a.texture.quiet)
+        std::printf("\n%s\nLook at %s/views.svg\n", to_text(report).c_str(), o.output.c_str());
+    return {};
+}
+
 Status run(const RdCommand& a) {
+    if (!a.views.empty())
+        return run_views(a);
+    if (a.options.textures.empty())
+        return {ErrorCode::bad_argument, "a texture or --views SCENE is needed"};
     RdOptions options = a.options;
     TESSERA_TRY_ASSIGN(options.hints, make_hints(a.texture));
     options.quiet = a.texture.quiet;
@@ -73,10 +98,13 @@ void declare_sweep(CLI::App& c, RdOptions& o) {
 void add_rd_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, RdCommand& a) {
         c.add_option("textures", a.options.textures,
-                     "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes")
-            ->required();
+                     "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes");
+        c.add_option("--views", a.views,
+                     "Instead: what an observer sees of this built-in scene over the bytes of "
+                     "whole files: on its own surfaces, with a plain 2D texture, on the paper's "
+                     "sphere; writes views.svg, .md, .csv and .json");
         c.add_option("-o,--output", a.options.output,
-                     "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json")
+                     "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json (made if missing)")
             ->required();
         declare_rates(c, a.options);
         declare_sweep(c, a.options);
@@ -94,7 +122,8 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
         "  tessera rd composed --texture-size 128x64x32x32 -o report\n"
         "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
         "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 0,3,5\n"
-        "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera",
+        "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera\n"
+        "  tessera rd --views composed -o report",
         declare, run);
 }
 

@@ -1,0 +1,258 @@
+#include "tools/rd/views_study.h"
+
+#include "codec/encoder.h"
+#include "corpus/catalog.h"
+#include "tools/rd/curve_plot.h"
+#include "tools/rd/scratch_folder.h"
+#include "tools/rd/view_poses.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/output_folders.h"
+#include "tools/support/parse.h"
+#include "tools/support/progress.h"
+#include "tools/texture_io/baking.h"
+#include "tools/view/render_stage.h"
+#include "tools/view/view_file.h"
+#include "tools/view/view_report.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+constexpr unsigned truth_rays = 16;
+constexpr unsigned observers = 32;
+constexpr double nearest = 6, farthest = 30;
+
+// A way to lay a texture around or on the scene, at the qualities that are measured.
+struct Carrier {
+    std::string name;
+    BakeRequest bake;
+    std::vector<double> qualities;
+};
+
+std::vector<Carrier> carriers_of(const ViewsOptions& o) {
+    std::vector<Carrier> all;
+    const auto surface = [&](const char* family, const char* density, const char* directions,
+                             std::vector<double> qualities) {
+        Carrier c{std::string(family) + ":" + density +
+                      (std::string(directions) == "1x1" ? "" : std::string(" ") + directions),
+                  {},
+                  std::move(qualities)};
+        c.bake.scene = o.scene;
+        c.bake.proxy = Proxy::mesh;
+        c.bake.density = std::stod(density);
+        c.bake.directions = directions;
+        all.push_back(std::move(c));
+    };
+    const auto sphere = [&](const char* size) {
+        Carrier c{std::string("sphere:") + size, {}, {50, 62}};
+        c.bake.scene = o.scene;
+        c.bake.size = size;
+        all.push_back(std::move(c));
+    };
+    if (o.quick) {
+        surface("surface", "16", "8x8", {40, 56});
+        surface("plain", "16", "1x1", {50, 70});
+        sphere("64x32x16x16");
+        return all;
+    }
+    surface("surface", "32", "16x16", {36, 44, 52, 60, 68});
+    surface("surface", "32", "24x24", {40, 50, 60, 70});
+    surface("surface", "32", "8x8", {36, 46, 56});
+    surface("surface", "16", "16x16", {36, 46, 56});
+    surface("surface", "64", "16x16", {36, 46, 56});
+    surface("plain", "32", "1x1", {40, 56, 72});
+    surface("plain", "64", "1x1", {40, 56, 72});
+    // The paper's sizes of 403 MB.
+    for (const char* size : {"512x256x32x32", "256x128x64x64", "128x64x128x128", "64x32x256x256"})
+        sphere(size);
+    return all;
+}
+
+// Views of the scene itself, and how much those of a file are like them.
+class Judge {
+public:
+    static Result<Judge> make(const ViewsOptions& o) {
+        Judge judge;
+        TESSERA_TRY_ASSIGN(judge.paper_, paper_cameras());
+        TESSERA_TRY_ASSIGN(judge.spread_, spread_cameras(observers, nearest, farthest));
+        TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(o.scene));
+        judge.type_ = scene.type;
+        judge.options_.threads = o.threads;
+        const auto truth =
+            make_truth_renderer(std::move(scene), std::nullopt, truth_rays, judge.options_);
+        TESSERA_TRY_ASSIGN(judge.paper_truth_, judge.draw(*truth, judge.paper_));
+        TESSERA_TRY_ASSIGN(judge.spread_truth_, judge.draw(*truth, judge.spread_));
+        return judge;
+    }
+
+    Status measure(const std::string& file, ViewsRow& row) const {
+        StageRequest request;
+        request.file = file;
+        TESSERA_TRY_ASSIGN(const Stage stage, set_up_stage(request, options_));
+        TESSERA_TRY_ASSIGN(row.paper, likeness(stage.subject(), paper_, paper_truth_));
+        TESSERA_TRY_ASSIGN(row.spread, likeness(stage.subject(), spread_, spread_truth_));
+        return {};
+    }
+
+private:
+    Result<std::vector<Picture>> draw(ViewRenderer& renderer,
+                                      const std::vector<Camera>& cameras) const {
+        std::vector<Picture> pictures;
+        for (const Camera& camera : cameras) {
+            TESSERA_TRY_ASSIGN(const View view, renderer.render(camera));
+            pictures.push_back(to_picture(view, type_));
+        }
+        return pictures;
+    }
+    Result<SeenQuality> likeness(ViewRenderer& renderer, const std::vector<Camera>& cameras,
+                                 const std::vector<Picture>& truth) const {
+        TESSERA_TRY_ASSIGN(const auto pictures, draw(renderer, cameras));
+        SeenQuality mean;
+        for (std::size_t i = 0; i < pictures.size(); ++i) {
+            const Likeness one = likeness_of(truth[i], pictures[i]);
+            mean.psnr += one.psnr / static_cast<double>(pictures.size());
+            mean.ssim += one.ssim / static_cast<double>(pictures.size());
+        }
+        return mean;
+    }
+
+    std::vector<Camera> paper_, spread_;
+    std::vector<Picture> paper_truth_, spread_truth_;
+    SampleType type_ = SampleType::unorm8;
+    RenderOptions options_;
+};
+
+Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOptions& o,
+                         const Judge& judge, const ProgressFunction& progress) {
+    TESSERA_TRY_ASSIGN(ScratchFolder folder, ScratchFolder::create());
+    const std::string file = folder.at("texture.tess");
+    const auto start = std::chrono::steady_clock::now();
+    TESSERA_TRY_ASSIGN(Baking baking, make_baking(carrier.bake));
+    EncodeOptions options = encode_options(baking);
+    options.rate = {RateTarget::Kind::quality, quality};
+    options.effort = o.effort;
+    options.threads = o.threads;
+    options.verify = false;
+    options.progress = progress;
+    const auto source = interruptible(std::move(baking.texels));
+    TESSERA_TRY_ASSIGN(const EncodeReport report, encode_file(*source, file, options));
+    ViewsRow row;
+    row.carrier = carrier.name;
+    row.setting = "quality " + format_number(quality, 0);
+    row.size = to_string(source->desc().size);
+    row.raw_bytes = source->desc().box_bytes(Box4::whole(source->desc().size));
+    row.bytes = report.file_bytes;
+    row.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    TESSERA_TRY(judge.measure(file, row));
+    return row;
+}
+
+void print_line(const ViewsRow& row) {
+    std::printf("%-22s %-11s %9llu bytes  paper's views %6.2f dB, all around %6.2f dB\n",
+                row.carrier.c_str(), row.setting.c_str(),
+                static_cast<unsigned long long>(row.bytes), row.paper.psnr, row.spread.psnr);
+    std::fflush(stdout);
+}
+
+std::string svg_of(const ViewsReport& report) {
+    std::vector<Curve> curves;
+    for (const ViewsRow& row : report.rows) {
+        if (curves.empty() || curves.back().id != row.carrier)
+            curves.push_back({row.carrier, {}});
+        curves.back().points.push_back(
+            {static_cast<double>(row.bytes), row.paper.psnr,
+             row.carrier + ", " + row.setting + ": " + human_bytes(row.bytes) + ", " +
+                 format_number(row.paper.psnr, 2) + " dB"});
+    }
+    return curves_to_svg(
+        curves, {report.scene + ", as it is seen",
+                 "Mean of the paper's five views against a direct ray trace. Up and to the left is "
+                 "better.",
+                 "bytes of the whole file (logarithmic)", "PSNR of views, dB"});
+}
+
+std::string to_csv(const ViewsReport& report) {
+    std::string csv = "carrier,setting,texture,raw_bytes,bytes,paper_psnr,paper_ssim,around_psnr,"
+                      "around_ssim,seconds\n";
+    for (const ViewsRow& r : report.rows)
+        csv += r.carrier + "," + r.setting + "," + r.size + "," + std::to_string(r.raw_bytes) +
+               "," + std::to_string(r.bytes) + "," + format_number(r.paper.psnr, 3) + "," +
+               format_number(r.paper.ssim, 4) + "," + format_number(r.spread.psnr, 3) + "," +
+               format_number(r.spread.ssim, 4) + "," + format_number(r.seconds, 1) + "\n";
+    return csv;
+}
+
+Status write_reports(const ViewsOptions& o, const ViewsReport& report) {
+    const auto write = [&](const char* name, const std::string& text) {
+        return write_bytes((std::filesystem::path(o.output) / name).string(),
+                           std::as_bytes(std::span(text)));
+    };
+    TESSERA_TRY(write("views.svg", svg_of(report)));
+    TESSERA_TRY(write("views.md", to_text(report)));
+    TESSERA_TRY(write("views.csv", to_csv(report)));
+    return write("views.json", to_json(report).dump(2) + "\n");
+}
+
+} // namespace
+
+Result<ViewsReport> run_views_study(const ViewsOptions& options) {
+    TESSERA_TRY(corpus::find_scene(options.scene).status().with_context("--views"));
+    TESSERA_TRY(make_parent_folders(
+        (std::filesystem::path(options.output) / "views.svg").string()));
+    ViewsReport report{options.scene,
+                       "tessera rd --views " + options.scene + (options.quick ? " --quick" : "") +
+                           " -o " + options.output,
+                       {}};
+    const std::vector<Carrier> carriers = carriers_of(options);
+    TESSERA_TRY_ASSIGN(const Judge judge, Judge::make(options));
+    for (const Carrier& carrier : carriers)
+        for (const double quality : carrier.qualities) {
+            TESSERA_TRY(check_interrupt());
+            Progress progress("tessera rd: " + carrier.name, options.quiet);
+            TESSERA_TRY_ASSIGN(
+                auto row, measure(carrier, quality, options, judge, progress.function()));
+            if (!options.quiet)
+                print_line(row);
+            report.rows.push_back(std::move(row));
+            TESSERA_TRY(write_reports(options, report)); // what is known if the next one fails
+        }
+    return report;
+}
+
+Json to_json(const ViewsReport& report) {
+    Json rows = Json::array();
+    for (const ViewsRow& r : report.rows)
+        rows.push_back({{"carrier", r.carrier},
+                        {"setting", r.setting},
+                        {"texture", r.size},
+                        {"raw_bytes", r.raw_bytes},
+                        {"bytes", r.bytes},
+                        {"paper", {{"psnr", r.paper.psnr}, {"ssim", r.paper.ssim}}},
+                        {"around", {{"psnr", r.spread.psnr}, {"ssim", r.spread.ssim}}},
+                        {"seconds", r.seconds}});
+    return {{"scene", report.scene}, {"command", report.command}, {"rows", rows}};
+}
+
+std::string to_text(const ViewsReport& report) {
+    std::string text =
+        "# " + report.scene + ", as it is seen\n\n`" + report.command +
+        "`: PSNR and SSIM of views against a direct ray trace of 16 rays a pixel,\nover the bytes "
+        "of the whole file. *Paper*: its five views, 640x480; *around*: 32 observers on all sides "
+        "at\ndistances 6 to 30, 320x240. *surface:D SxT*: the things' own surfaces, D texels a "
+        "unit; *plain*: the same\nwith one 2D texture; *sphere*: the paper's.\n\n"
+        "| carrier | setting | texture | raw | bytes | paper dB | SSIM | around dB | SSIM |\n"
+        "|---|---|---|---|---|---|---|---|---|\n";
+    for (const ViewsRow& r : report.rows)
+        text += "| " + r.carrier + " | " + r.setting + " | " + r.size + " | " +
+                human_bytes(r.raw_bytes) + " | " + std::to_string(r.bytes) + " | " +
+                format_number(r.paper.psnr, 2) + " | " + format_number(r.paper.ssim, 4) + " | " +
+                format_number(r.spread.psnr, 2) + " | " + format_number(r.spread.ssim, 4) +
+                " |\n";
+    return text;
+}
+
+} // namespace tessera
