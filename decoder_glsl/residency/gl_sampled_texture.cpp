@@ -71,6 +71,7 @@ std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
                                 ((extent - 1) << tsr_axis_extent_at));
         }
     }
+    words[tsr_p_angular_map] = static_cast<std::uint32_t>(reader.description().angular_map);
     words[tsr_p_half] = reader.desc().type == SampleType::half16;
     words[tsr_p_background] = tables.words()[tsr_t_background_texel];
     words[tsr_p_background + 1] = tables.words()[tsr_t_background_texel + 1];

@@ -1,12 +1,17 @@
-// tessera_sample(): the colour that leaves a textured surface in a direction. For any stage.
+// The colour that leaves a textured surface in a direction. For any stage.
 //
 //     #define TESSERA_RESIDENT_CACHE 1         a tile cache; without, a plain texture
 //     #define TESSERA_HARDWARE_FILTER 1        4 filtered fetches instead of 16
 //     #include "sample.glsl"
-//     vec4 colour = tessera_sample(from_centre, direction);
+//     vec4 colour = tessera_sample(from_centre, direction);                                  of a sphere
+//     vec4 colour = tessera_sample_surface(uv, normal, tangent, direction, footprint);       of a mesh
 //
 //   from_centre   from the sphere's centre to the place on its surface; any length above 0
+//   uv            the place in the atlas, 0..1
+//   normal        interpolated between the vertices, as is
+//   tangent       mesh_tangents() (format/surface_mesh.h); of any length
 //   direction     of unit length, from the surface to the observer
+//   footprint     texels of the atlas along u and v that a pixel covers; without effect as yet
 //   result        linear mix of texels as they are stored (no transfer function undone); grey in all
 //                 three colours, alpha 1 where the texture has none
 //
@@ -34,6 +39,7 @@
 #include "layout.glsl"
 #include "sampler_layout.glsl"
 #include "surface.glsl"
+#include "octahedral.glsl"
 
 layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer TesseraSampler {
     uint tsr_sampler[];
@@ -96,27 +102,66 @@ vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
     vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + offset) / size;
     return textureLod(tsr_texels, vec3(place.x, place.y, float(pixel.z)), 0.0);
 }
+// The mix of a footprint whose texels are neighbours, by whoever does it faster.
+vec4 tsr_mixed(ivec3 pixel, TsrAngularFootprint f) {
+#ifdef TESSERA_HARDWARE_FILTER
+    return tsr_filtered(pixel, f);
+#else
+    return tsr_fetched(pixel, f);
+#endif
+}
+
 #ifdef TESSERA_RESIDENT_CACHE
 #include "sample_cache.glsl"
 #else
 #include "sample_plain.glsl"
 #endif
 
-vec4 tsr_surface_texel(int u, int v, ivec4 size, vec3 direction) {
-    ivec2 texel = ivec2(u, v);
-    return tsr_angular_image(texel, tsr_angular_footprint(texel, ivec2(size.x, size.y),
-                                                          ivec2(size.z, size.w), direction));
+TsrAngularFootprint tsr_angles_of(int u, int v, ivec4 size, vec3 direction) {
+    return tsr_angular_footprint(ivec2(u, v), ivec2(size.x, size.y), ivec2(size.z, size.w),
+                                 direction);
 }
 
 vec4 tessera_sample(vec3 from_centre, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
     TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, ivec2(size.x, size.y));
     // Each of the four surface texels has its own frame, hence its own angles.
-    vec4 low_low = tsr_surface_texel(f.low.x, f.low.y, size, direction);
-    vec4 high_low = tsr_surface_texel(f.high.x, f.low.y, size, direction);
-    vec4 low_high = tsr_surface_texel(f.low.x, f.high.y, size, direction);
-    vec4 high_high = tsr_surface_texel(f.high.x, f.high.y, size, direction);
-    return tsr_mix4(low_low, high_low, low_high, high_high, f.weight);
+    return tsr_four_images(f, tsr_angles_of(f.low.x, f.low.y, size, direction),
+                           tsr_angles_of(f.high.x, f.low.y, size, direction),
+                           tsr_angles_of(f.low.x, f.high.y, size, direction),
+                           tsr_angles_of(f.high.x, f.high.y, size, direction));
+}
+
+// The same angle of the four texels of the atlas.
+vec4 tsr_atlas_texels(TsrSurfaceFootprint f, ivec2 angle) {
+    return tsr_mix4(tsr_angular_texel(f.low, angle),
+                    tsr_angular_texel(ivec2(f.high.x, f.low.y), angle),
+                    tsr_angular_texel(ivec2(f.low.x, f.high.y), angle),
+                    tsr_angular_texel(f.high, angle), f.weight);
+}
+
+vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, vec2 footprint) {
+    ivec4 size = tsr_four(tsr_p_size);
+    ivec2 angular = ivec2(size.z, size.w);
+    int map = int(tsr_parameter(tsr_p_angular_map));
+    TsrMeshFrame frame = tsr_mesh_frame(normal, tangent, direction);
+    TsrOctahedralTaps taps =
+        tsr_octahedral_taps(tsr_octahedral_place(map, frame, direction), angular);
+    TsrSurfaceFootprint f = tsr_atlas_footprint(uv, ivec2(size.x, size.y));
+    bool folds = map == tsr_map_mirrored && tsr_crosses_fold(taps, angular);
+    if (!folds) {
+        TsrAngularFootprint a = tsr_ended(taps, angular);
+        return tsr_four_images(f, a, a, a, a);
+    }
+    // Texels of an angular image that are no neighbours: one by one.
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 4; ++k) {
+        ivec2 after = ivec2(k & 1, k >> 1);
+        vec2 weight = mix(vec2(1.0) - taps.weight, taps.weight, vec2(after));
+        sum += weight.x * weight.y *
+               tsr_atlas_texels(f, tsr_folded(taps.first + after, angular));
+    }
+    return sum;
 }
 
 #endif

@@ -118,39 +118,127 @@ vec4 tsr_cached(TsrColumn c, uint s, uint t) {
     return texelFetch(tsr_texels, tsr_cache_pixel(page, c, s, t), 0);
 }
 
-vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
-    TsrColumn c = tsr_column(texel);
-    uint s0 = tsr_axis(2, f.low.x);
-    uint s1 = tsr_axis(2, f.high.x);
-    uint t0 = tsr_axis(3, f.low.y);
-    uint t1 = tsr_axis(3, f.high.y);
-    uint tile = tsr_tile_of(c, s0, t0);
+vec4 tsr_angular_texel(ivec2 texel, ivec2 angle) {
+    return tsr_cached(tsr_column(texel), tsr_axis(2, angle.x), tsr_axis(3, angle.y));
+}
+
+// Where an angular image is read: words of the axes of s and t, low and high.
+struct TsrAngle {
+    uint s0;
+    uint s1;
+    uint t0;
+    uint t1;
+};
+
+TsrAngle tsr_angle(TsrAngularFootprint f) {
+    TsrAngle a;
+    a.s0 = tsr_axis(2, f.low.x);
+    a.s1 = tsr_axis(2, f.high.x);
+    a.t0 = tsr_axis(3, f.low.y);
+    a.t1 = tsr_axis(3, f.high.y);
+    return a;
+}
+
+// The tile of a surface texel's image where all of it lies in one tile, else tsr_no_tile.
+const uint tsr_no_tile = 0xFFFFFFFFu;
+uint tsr_only_tile(TsrColumn c, TsrAngle a) {
+    bool inside = ((a.s0 ^ a.s1) & 0xFFFFu) == 0u && ((a.t0 ^ a.t1) & 0xFFFFu) == 0u;
+    return inside ? tsr_tile_of(c, a.s0, a.t0) : tsr_no_tile;
+}
+
+// The image of a surface texel, of tiles that may not be there.
+vec4 tsr_image_in_parts(TsrColumn c, TsrAngle a, TsrAngularFootprint f) {
+    uint tile = tsr_tile_of(c, a.s0, a.t0);
     uint page = tsr_page(tile);
-    bool inside = ((s0 ^ s1) & 0xFFFFu) == 0u && ((t0 ^ t1) & 0xFFFFu) == 0u;
-    // Inside one tile, all four texels are one lookup away.
-    if (inside && page < tsr_page_background) {
-        tsr_mark(tile);
-#ifdef TESSERA_HARDWARE_FILTER
-        return tsr_filtered(tsr_cache_pixel(page, c, s0, t0), f);
-#else
-        return tsr_fetched(tsr_cache_pixel(page, c, s0, t0), f);
-#endif
-    }
-    uint tile_s = tsr_tile_of(c, s1, t0);
-    uint tile_t = tsr_tile_of(c, s0, t1);
-    uint tile_st = tsr_tile_of(c, s1, t1);
-    if (page == tsr_page_missing) {
-        tsr_mark_all(uvec4(tile, tile_s, tile_t, tile_st));
-        return tsr_coarse(c, s0, t0, tsr_beyond(f));
-    }
+    bool missing = page == tsr_page_missing;
+    bool there = page < tsr_page_background;
 #ifdef TESSERA_HARDWARE_FILTER
     // Across a border: the tile's own copy of its neighbours' first texels, once all are there.
-    if (page < tsr_page_background && tsr_page(tile_s) != tsr_page_missing &&
-        tsr_page(tile_t) != tsr_page_missing && tsr_page(tile_st) != tsr_page_missing) {
-        tsr_mark_all(uvec4(tile, tile_s, tile_t, tile_st));
-        return tsr_filtered(tsr_cache_pixel(page, c, s0, t0), f);
+    for (int k = 1; k < 4; ++k) {
+        uint other = tsr_tile_of(c, (k & 1) != 0 ? a.s1 : a.s0, (k & 2) != 0 ? a.t1 : a.t0);
+        if (other == tile)
+            continue;
+        tsr_mark(other);
+        there = there && tsr_page(other) != tsr_page_missing;
     }
+#else
+    there = there && tsr_only_tile(c, a) != tsr_no_tile;
 #endif
-    return tsr_mix4(tsr_cached(c, s0, t0), tsr_cached(c, s1, t0), tsr_cached(c, s0, t1),
-                    tsr_cached(c, s1, t1), f.weight);
+    if (there) {
+        tsr_mark(tile);
+        return tsr_mixed(tsr_cache_pixel(page, c, a.s0, a.t0), f);
+    }
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 4; ++k) {
+        bool after_s = (k & 1) != 0;
+        bool after_t = (k & 2) != 0;
+        uint s = after_s ? a.s1 : a.s0;
+        uint t = after_t ? a.t1 : a.t0;
+        if (missing)
+            tsr_mark(tsr_tile_of(c, s, t));
+        else
+            sum += (after_s ? f.weight.x : 1.0 - f.weight.x) *
+                   (after_t ? f.weight.y : 1.0 - f.weight.y) * tsr_cached(c, s, t);
+    }
+    return missing ? tsr_coarse(c, a.s0, a.t0, tsr_beyond(f)) : sum;
+}
+
+// The four surface texels' images, mixed. Most pixels lie in one tile: one page is looked up for them and
+// one tile marked. The rest is done in a loop, which is left at once where nothing is to do: where an if
+// costs the time of both its sides, as on llvmpipe, this is three times as fast.
+vec4 tsr_four_images(TsrSurfaceFootprint f, TsrAngularFootprint low_low,
+                     TsrAngularFootprint high_low, TsrAngularFootprint low_high,
+                     TsrAngularFootprint high_high) {
+    TsrColumn c0 = tsr_column(f.low);
+    TsrColumn c1 = tsr_column(ivec2(f.high.x, f.low.y));
+    TsrColumn c2 = tsr_column(ivec2(f.low.x, f.high.y));
+    TsrColumn c3 = tsr_column(f.high);
+    TsrAngle a0 = tsr_angle(low_low);
+    TsrAngle a1 = tsr_angle(high_low);
+    TsrAngle a2 = tsr_angle(low_high);
+    TsrAngle a3 = tsr_angle(high_high);
+    uint tile = tsr_only_tile(c0, a0);
+    bool together = tile != tsr_no_tile && tile == tsr_only_tile(c1, a1) &&
+                    tile == tsr_only_tile(c2, a2) && tile == tsr_only_tile(c3, a3);
+    vec4 sum = vec4(0.0);
+    int left = 0; // the first that is not in `sum`
+    if (together) {
+        uint page = tsr_page(tile);
+        if (page < tsr_page_background) {
+            sum = tsr_mix4(tsr_mixed(tsr_cache_pixel(page, c0, a0.s0, a0.t0), low_low),
+                           tsr_mixed(tsr_cache_pixel(page, c1, a1.s0, a1.t0), high_low),
+                           tsr_mixed(tsr_cache_pixel(page, c2, a2.s0, a2.t0), low_high),
+                           tsr_mixed(tsr_cache_pixel(page, c3, a3.s0, a3.t0), high_high),
+                           f.weight);
+        } else if (page == tsr_page_background) {
+            sum = tsr_background();
+        }
+        if (page != tsr_page_missing) {
+            tsr_mark(tile);
+            left = 4;
+        }
+    }
+    for (int k = left; k < 4; ++k) {
+        bool high_u = (k & 1) != 0;
+        bool high_v = (k & 2) != 0;
+        TsrColumn c = c0;
+        TsrAngle a = a0;
+        TsrAngularFootprint angles = low_low;
+        if (k == 1) {
+            c = c1;
+            a = a1;
+            angles = high_low;
+        } else if (k == 2) {
+            c = c2;
+            a = a2;
+            angles = low_high;
+        } else if (k == 3) {
+            c = c3;
+            a = a3;
+            angles = high_high;
+        }
+        sum += (high_u ? f.weight.x : 1.0 - f.weight.x) *
+               (high_v ? f.weight.y : 1.0 - f.weight.y) * tsr_image_in_parts(c, a, angles);
+    }
+    return sum;
 }

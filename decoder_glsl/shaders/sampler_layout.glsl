@@ -18,6 +18,7 @@ const int tsr_p_has_coarse = 21;
 const int tsr_p_width = 22; // pixels of a layer
 const int tsr_p_height = 23;
 const int tsr_p_page_at = 24; // word of the page table
+const int tsr_p_angular_map = 25; // as FORMAT.md numbers them
 const int tsr_sampler_words = 32;
 
 // An axis has a word a texel, so that sampling divides nothing:

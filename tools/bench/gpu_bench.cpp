@@ -9,6 +9,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_camera.h"
+#include "tools/view/mesh_renderer.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
 
@@ -88,15 +89,24 @@ private:
         if (request.size.empty())
             request.size = amount_.size;
         TESSERA_TRY_ASSIGN(const auto plan, plan_views(request));
-        TESSERA_TRY_ASSIGN(const auto window,
-                           sphere_window(reader_.description()).with_context(reader_.name()));
+        TESSERA_TRY_ASSIGN(mesh_, mesh_surface(reader_));
+        SphereWindow window; // at the origin of a mesh's coordinates
+        if (!mesh_) {
+            TESSERA_TRY_ASSIGN(window,
+                               sphere_window(reader_.description()).with_context(reader_.name()));
+        }
         for (const PlannedView& view : plan) {
-            TESSERA_TRY(check_outside(window, view.camera).with_context(view.name));
+            if (!mesh_)
+                TESSERA_TRY(check_outside(window, view.camera).with_context(view.name));
             cameras_.push_back(gpu_camera(view.camera, window, glm::dvec3(0)));
         }
         report_.width = cameras_.front().width;
         report_.height = cameras_.front().height;
         return {};
+    }
+    Result<GlViewRenderer> view_of(const SampledTexture& texture) const {
+        return mesh_ ? GlViewRenderer::create(texture, mesh_->mesh)
+                     : GlViewRenderer::create(texture);
     }
     const ViewCamera& camera(unsigned frame) const { return cameras_[frame % cameras_.size()]; }
 
@@ -118,7 +128,7 @@ private:
             return {ErrorCode::invalid_file,
                     reader_.name() + ": has damaged tiles; tessera validate says which"};
         Subject subject{std::move(*texture), std::nullopt};
-        auto view = GlViewRenderer::create(subject.texture);
+        auto view = view_of(subject.texture);
         if (!view.ok())
             return give_up(view.status());
         subject.view.emplace(std::move(*view));
@@ -233,7 +243,7 @@ private:
     // A quarter more than the first view touches.
     Result<bool> has_enough_slots(SampledTexture& texture) {
         if (touched_ == 0) {
-            TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(texture));
+            TESSERA_TRY_ASSIGN(auto view, view_of(texture));
             TESSERA_TRY(view.draw(camera(0)));
             TESSERA_TRY_ASSIGN(const auto update, texture.update(true));
             touched_ = update.touched;
@@ -428,6 +438,7 @@ private:
     const GpuBenchOptions& options_;
     const Amount amount_;
     const TimerClock clock_;
+    std::optional<MeshSurface> mesh_;
     std::vector<ViewCamera> cameras_; // of a turn
     std::optional<Picture> reference_;
     std::string reference_name_;

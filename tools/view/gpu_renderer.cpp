@@ -34,9 +34,9 @@ constexpr unsigned most_troubled = 3;
 
 class GpuRenderer final : public ViewRenderer {
 public:
-    GpuRenderer(HeadlessContext context, const ContainerReader& reader, const SphereWindow& window,
+    GpuRenderer(HeadlessContext context, const ContainerReader& reader,
                 const glm::dvec3& background, const GpuRenderOptions& options)
-        : context_(std::move(context)), reader_(reader), window_(window), background_(background),
+        : context_(std::move(context)), reader_(reader), background_(background),
           options_(options) {}
     GpuRenderer(const GpuRenderer&) = delete;
     GpuRenderer& operator=(const GpuRenderer&) = delete;
@@ -48,28 +48,27 @@ public:
         }
     }
 
-    Status open() {
-        SampledTextureOptions options;
-        options.residency = options_.via == "gpu"    ? choose_residency(reader_, budget())
-                            : options_.via == "load" ? Residency::on_load
-                                                     : Residency::on_feedback;
-        options.budget = budget();
-        options.jobs_per_update = options_.tiles_per_frame;
-        options.coarse_from = {options_.coarse_level, options_.coarse_texels};
-        // Means of all tiles, where no level is at hand, need all tiles.
-        options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
-        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader_, options));
-        texture_.emplace(std::move(texture));
-        by_frames_ = options.residency == Residency::on_feedback;
+    Status open(const SphereWindow& window) {
+        TESSERA_TRY(open_texture());
+        window_ = window;
         TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(*texture_));
         view_.emplace(std::move(view));
         return {};
     }
 
+    Status open(const SurfaceMesh& mesh) {
+        TESSERA_TRY(open_texture());
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(*texture_, mesh));
+        view_.emplace(std::move(view));
+        return {};
+    }
+
     Result<View> render(const Camera& camera) override {
-        TESSERA_TRY(check_outside(window_, camera));
+        if (window_)
+            TESSERA_TRY(check_outside(*window_, camera));
         TESSERA_TRY(context_.make_current());
-        TESSERA_TRY_ASSIGN(const auto report, draw(gpu_camera(camera, window_, background_)));
+        TESSERA_TRY_ASSIGN(const auto report,
+                           draw(gpu_camera(camera, window_.value_or(SphereWindow{}), background_)));
         if (texture_->damaged_tiles() > 0)
             return Status(ErrorCode::invalid_file,
                           reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
@@ -87,6 +86,22 @@ public:
     }
 
 private:
+    Status open_texture() {
+        SampledTextureOptions options;
+        options.residency = options_.via == "gpu"    ? choose_residency(reader_, budget())
+                            : options_.via == "load" ? Residency::on_load
+                                                     : Residency::on_feedback;
+        options.budget = budget();
+        options.jobs_per_update = options_.tiles_per_frame;
+        options.coarse_from = {options_.coarse_level, options_.coarse_texels};
+        // Means of all tiles, where no level is at hand, need all tiles.
+        options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
+        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader_, options));
+        texture_.emplace(std::move(texture));
+        by_frames_ = options.residency == Residency::on_feedback;
+        return {};
+    }
+
     std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
 
     Result<View> read_view(std::uint32_t width, std::uint32_t height) const {
@@ -152,7 +167,7 @@ private:
 
     HeadlessContext context_;
     const ContainerReader& reader_;
-    SphereWindow window_;
+    std::optional<SphereWindow> window_; // absent: a mesh
     glm::dvec3 background_;
     GpuRenderOptions options_;
     std::optional<SampledTexture> texture_;
@@ -162,29 +177,47 @@ private:
     Traffic told_; // by the last frame
 };
 
+template <class Surface>
+Result<std::unique_ptr<ViewRenderer>>
+make_renderer(const ContainerReader& reader, const Surface& surface, const glm::dvec3& background,
+              const GpuRenderOptions& options) {
+    auto context = HeadlessContext::create();
+    if (!context.ok())
+        return or_by_cpu(context.status(), options.via);
+    auto renderer = std::make_unique<GpuRenderer>(std::move(*context), reader, background, options);
+    const Status opened = renderer->open(surface);
+    if (!opened.ok())
+        return or_by_cpu(opened, options.via);
+    return std::unique_ptr<ViewRenderer>(std::move(renderer));
+}
+
 } // namespace
+#else
+namespace {
+
+template <class Surface>
+Result<std::unique_ptr<ViewRenderer>> make_renderer(const ContainerReader&, const Surface&,
+                                                    const glm::dvec3&,
+                                                    const GpuRenderOptions& options) {
+    return or_by_cpu({ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)"},
+                     options.via);
+}
+
+} // namespace
+#endif
 
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SphereWindow& window,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options) {
-    auto context = HeadlessContext::create();
-    if (!context.ok())
-        return or_by_cpu(context.status(), options.via);
-    auto renderer =
-        std::make_unique<GpuRenderer>(std::move(*context), reader, window, background, options);
-    const Status opened = renderer->open();
-    if (!opened.ok())
-        return or_by_cpu(opened, options.via);
-    return std::unique_ptr<ViewRenderer>(std::move(renderer));
+    return make_renderer(reader, window, background, options);
 }
-#else
-Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader&, const SphereWindow&,
-                                                        const glm::dvec3&,
+
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SurfaceMesh& mesh,
+                                                        const glm::dvec3& background,
                                                         const GpuRenderOptions& options) {
-    return or_by_cpu({ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)"},
-                     options.via);
+    return make_renderer(reader, mesh, background, options);
 }
-#endif
 
 } // namespace tessera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/container_reader.h"
+#include "format/surface_mesh.h"
 #include "tools/view/view_renderer.h"
 
 #include <glm/vec3.hpp>
@@ -34,6 +35,13 @@ struct GpuRenderOptions {
 // build has no GPU host; the file does not fit into the budget this way), invalid_file, io.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SphereWindow& window,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options);
+
+// The same of a mesh: the picture of make_mesh_renderer() but for silhouettes, of which it takes four
+// samples a pixel. The observer may stand anywhere. `mesh` is used here only.
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SurfaceMesh& mesh,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options);
 

@@ -9,6 +9,8 @@
 namespace tessera {
 namespace {
 
+constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
+
 class MeshRenderer final : public ViewRenderer {
 public:
     // `surface` stays where it is: the intersector looks at it.
@@ -71,6 +73,22 @@ private:
 };
 
 } // namespace
+
+Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container) {
+    const Description& d = container.description();
+    if (d.proxy != Proxy::mesh)
+        return std::optional<MeshSurface>();
+    if (d.surface_map != SurfaceMap::mesh_uv ||
+        (d.angular_map != AngularMap::octahedral_hemisphere &&
+         d.angular_map != AngularMap::octahedral_mirrored))
+        return Status(ErrorCode::unsupported, container.name() + ": on a mesh only the map '" +
+                                                  name_of(SurfaceMap::mesh_uv) +
+                                                  "' with an octahedral one can be drawn");
+    TESSERA_TRY_ASSIGN(
+        auto mesh,
+        decode_mesh(container.proxy_mesh(), most_mesh_bytes).with_context(container.name()));
+    return std::optional(MeshSurface{std::move(mesh), d.angular_map});
+}
 
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,

@@ -1,6 +1,7 @@
 // What an observer sees of a mesh with a texture.
 #pragma once
 
+#include "format/container_reader.h"
 #include "format/surface_mesh.h"
 #include "tools/view/view_renderer.h"
 
@@ -10,6 +11,10 @@ struct MeshSurface {
     SurfaceMesh mesh;
     AngularMap map = AngularMap::octahedral_mirrored;
 };
+
+// The mesh that a file's texture lies on; nothing where that is another surface. Errors: invalid_file,
+// unsupported.
+Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container);
 
 // Samples the texture by mesh_footprint(), otherwise like make_texture_renderer(); the observer may
 // stand anywhere. A mesh has silhouettes, which one ray a pixel draws as steps. Errors: runtime, what

@@ -19,24 +19,6 @@ constexpr Extent4 lazy_block{8, 8, 4, 4};
 
 // Evenly spread, about as smooth as the multisampling of a GPU.
 constexpr unsigned mesh_rays = 4;
-constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
-
-// The mesh that the texture lies on; nothing where it is another surface. Errors: invalid_file.
-Result<std::optional<MeshSurface>> mesh_of(const ContainerReader& container) {
-    const Description& d = container.description();
-    if (d.proxy != Proxy::mesh)
-        return std::optional<MeshSurface>();
-    if (d.surface_map != SurfaceMap::mesh_uv ||
-        (d.angular_map != AngularMap::octahedral_hemisphere &&
-         d.angular_map != AngularMap::octahedral_mirrored))
-        return Status(ErrorCode::unsupported, container.name() + ": on a mesh only the map '" +
-                                                  name_of(SurfaceMap::mesh_uv) +
-                                                  "' with an octahedral one can be drawn");
-    TESSERA_TRY_ASSIGN(
-        auto mesh,
-        decode_mesh(container.proxy_mesh(), most_mesh_bytes).with_context(container.name()));
-    return std::optional(MeshSurface{std::move(mesh), d.angular_map});
-}
 
 // What an observer of a mesh sees beside it, as the file says; black where it does not.
 Result<glm::dvec3> around_mesh(const ContainerReader& container) {
@@ -104,7 +86,7 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();
-    TESSERA_TRY_ASSIGN(const auto mesh, mesh_of(container));
+    TESSERA_TRY_ASSIGN(const auto mesh, mesh_surface(container));
     if (!mesh) {
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
@@ -148,7 +130,8 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
             on_gpu.coarse_texels = coarse.get();
         }
         TESSERA_TRY_ASSIGN(stage.compressed,
-                           make_gpu_renderer(container, *stage.window, background, on_gpu));
+                           mesh ? make_gpu_renderer(container, mesh->mesh, background, on_gpu)
+                                : make_gpu_renderer(container, *stage.window, background, on_gpu));
     }
     // A mesh's texture is not baked again to be compared with.
     if (r.original.empty() && (r.truth.empty() || mesh))

@@ -1,0 +1,187 @@
+// Textured meshes: triangles, first their depths and then, where they are seen, their colours.
+#include "decoder_glsl/draw/gl_picture.h"
+#include "decoder_glsl/draw/gl_raster_state.h"
+#include "decoder_glsl/draw/view_drawing.h"
+#include "decoder_glsl/gl/gl_buffer.h"
+#include "decoder_glsl/gl/gl_error.h"
+#include "decoder_glsl/gl/gl_program.h"
+#include "format/surface/mesh_check.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace tessera {
+namespace {
+
+// As it stands in the vertex buffer.
+struct Vertex {
+    glm::vec3 position, normal, tangent;
+    glm::vec2 uv;
+};
+static_assert(sizeof(Vertex) == 44);
+
+// The uniform block of shaders/mesh_view.glsl, std140.
+struct MeshViewBlock {
+    float projection[4][4]; // by columns
+    float eye[4];
+};
+
+struct Bounds {
+    glm::dvec3 low, high;
+};
+
+Bounds bounds_of(const SurfaceMesh& mesh) {
+    Bounds b{glm::dvec3(DBL_MAX), glm::dvec3(-DBL_MAX)};
+    for (const glm::vec3& position : mesh.positions) {
+        b.low = glm::min(b.low, glm::dvec3(position));
+        b.high = glm::max(b.high, glm::dvec3(position));
+    }
+    return b;
+}
+
+glm::dvec3 as_vec(const std::array<float, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+// Depth is nearest / distance, in floats, which are as fine far away as they are near. The nearest
+// corner of the box around the mesh, but for observers inside or close to it, for whom what is nearer
+// than a ten-thousandth of its size is not there.
+double nearest_depth(const Bounds& bounds, const glm::dvec3& eye, const glm::dvec3& forward) {
+    double nearest = DBL_MAX;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 at{corner & 1 ? bounds.high.x : bounds.low.x,
+                            corner & 2 ? bounds.high.y : bounds.low.y,
+                            corner & 4 ? bounds.high.z : bounds.low.z};
+        nearest = std::min(nearest, glm::dot(at - eye, forward) / glm::dot(forward, forward));
+    }
+    const double least = glm::length(bounds.high - bounds.low) * 1e-4;
+    return std::max({nearest * 0.999, least, double{FLT_MIN}});
+}
+
+MeshViewBlock block_of(const ViewCamera& camera, const Bounds& bounds) {
+    const glm::dvec3 eye = as_vec(camera.eye), forward = as_vec(camera.forward);
+    const glm::dvec3 rows[] = {as_vec(camera.right), as_vec(camera.up), glm::dvec3(0), forward};
+    MeshViewBlock block{};
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 3; ++column)
+            if (row != 2)
+                block.projection[column][row] = static_cast<float>(
+                    rows[row][column] / glm::dot(rows[row], rows[row])); // at right angles
+    block.projection[3][2] = static_cast<float>(nearest_depth(bounds, eye, forward));
+    for (std::size_t i = 0; i < 3; ++i)
+        block.eye[i] = camera.eye[i];
+    return block;
+}
+
+struct ReleaseVertexArray {
+    void operator()(GLuint id) const { glDeleteVertexArrays(1, &id); }
+};
+
+class MeshDrawing final : public ViewDrawing {
+public:
+    explicit MeshDrawing(const SampledTexture& texture) : texture_(texture) {}
+
+    Status open(const SurfaceMesh& mesh) {
+        TESSERA_TRY(check_mesh(mesh, true, ErrorCode::bad_argument));
+        TESSERA_TRY(make_programs());
+        TESSERA_TRY(upload(mesh));
+        bounds_ = bounds_of(mesh);
+        return {};
+    }
+
+    Status draw(const ViewCamera& camera) override {
+        if (picture_.width() != camera.width || picture_.height() != camera.height) {
+            picture_ = GlPicture();
+            TESSERA_TRY_ASSIGN(picture_, GlPicture::create(camera.width, camera.height));
+        }
+        const MeshViewBlock block = block_of(camera, bounds_);
+        TESSERA_TRY(view_.upload(0, std::as_bytes(std::span(&block, 1))));
+        {
+            GlRasterState state(picture_.framebuffer(), static_cast<GLsizei>(camera.width),
+                                static_cast<GLsizei>(camera.height));
+            picture_.clear(camera.outside);
+            glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_.id());
+            glBindVertexArray(array_.get());
+            state.write_depths();
+            depths_.use();
+            draw_triangles();
+            state.write_colours();
+            texture_.bind();
+            colours_.use();
+            draw_triangles();
+            picture_.resolve();
+        }
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        return take_gl_errors("drawing a view");
+    }
+
+    Result<std::vector<float>> read() const override { return picture_.read(); }
+
+    std::uint64_t bytes() const override {
+        return picture_.bytes() + view_.bytes() + vertices_.bytes() + indices_.bytes();
+    }
+
+private:
+    Status make_programs() {
+        constexpr auto dialect = ShaderDialect::gl450;
+        TESSERA_TRY_ASSIGN(const auto vertex, shader_source("mesh.vert.glsl", dialect));
+        TESSERA_TRY_ASSIGN(const auto fragment,
+                           shader_source("mesh.frag.glsl", dialect, texture_.defines()));
+        const std::string nothing = "#version 450 core\nvoid main() {}\n";
+        TESSERA_TRY_ASSIGN(depths_, GlProgram::graphics(vertex, nothing, "mesh depths"));
+        TESSERA_TRY_ASSIGN(colours_, GlProgram::graphics(vertex, fragment, "mesh colours"));
+        return {};
+    }
+
+    Status upload(const SurfaceMesh& mesh) {
+        const std::vector<glm::vec3> tangents = mesh_tangents(mesh);
+        std::vector<Vertex> vertices;
+        vertices.reserve(tangents.size());
+        for (std::size_t i = 0; i < tangents.size(); ++i)
+            vertices.push_back({mesh.positions[i], mesh.normals[i], tangents[i], mesh.uv[i]});
+        TESSERA_TRY_ASSIGN(vertices_,
+                           GlBuffer::create(std::as_bytes(std::span(vertices)), "vertices"));
+        TESSERA_TRY_ASSIGN(indices_,
+                           GlBuffer::create(std::as_bytes(std::span(mesh.triangles)), "triangles"));
+        TESSERA_TRY_ASSIGN(view_,
+                           GlBuffer::create(sizeof(MeshViewBlock), BufferUse::upload, "mesh view"));
+        count_ = static_cast<GLsizei>(mesh.triangles.size() * 3);
+        GLuint id = 0;
+        glCreateVertexArrays(1, &id);
+        array_ = GlHandle<ReleaseVertexArray>(id);
+        glVertexArrayVertexBuffer(id, 0, vertices_.id(), 0, sizeof(Vertex));
+        glVertexArrayElementBuffer(id, indices_.id());
+        constexpr GLint sizes[] = {3, 3, 3, 2}; // floats of each attribute, one after the other
+        GLuint offset = 0;
+        for (GLuint i = 0; i < std::size(sizes); ++i) {
+            glEnableVertexArrayAttrib(id, i);
+            glVertexArrayAttribFormat(id, i, sizes[i], GL_FLOAT, GL_FALSE, offset);
+            glVertexArrayAttribBinding(id, i, 0);
+            offset += static_cast<GLuint>(sizes[i]) * 4;
+        }
+        return take_gl_errors("a mesh's vertices");
+    }
+
+    void draw_triangles() const { glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr); }
+
+    const SampledTexture& texture_;
+    GlProgram depths_, colours_;
+    GlBuffer vertices_, indices_, view_;
+    GlHandle<ReleaseVertexArray> array_;
+    GLsizei count_ = 0;
+    Bounds bounds_{};
+    GlPicture picture_;
+};
+
+} // namespace
+
+Result<std::unique_ptr<ViewDrawing>> make_mesh_drawing(const SampledTexture& texture,
+                                                       const SurfaceMesh& mesh) {
+    auto drawing = std::make_unique<MeshDrawing>(texture);
+    TESSERA_TRY(drawing->open(mesh));
+    return std::unique_ptr<ViewDrawing>(std::move(drawing));
+}
+
+} // namespace tessera

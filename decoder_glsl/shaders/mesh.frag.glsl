@@ -1,0 +1,18 @@
+// A textured mesh. Its depths are drawn before: what is hidden marks no tiles.
+#include "sample.glsl"
+
+layout(early_fragment_tests) in;
+
+layout(location = 0) centroid in vec3 tsr_to_eye;
+layout(location = 1) centroid in vec3 tsr_surface_normal;
+layout(location = 2) centroid in vec3 tsr_surface_tangent;
+layout(location = 3) centroid in vec2 tsr_place;
+
+layout(location = 0) out vec4 tsr_colour;
+
+void main() {
+    ivec4 size = tsr_four(tsr_p_size);
+    vec2 texels = vec2(float(size.x), float(size.y));
+    tsr_colour = tessera_sample_surface(tsr_place, tsr_surface_normal, tsr_surface_tangent,
+                                        normalize(tsr_to_eye), fwidth(tsr_place) * texels);
+}

@@ -1,0 +1,26 @@
+// The vertices of a textured mesh.
+#include "dialect.glsl"
+#include "mesh_view.glsl"
+
+layout(location = 0) in vec3 tsr_position;
+layout(location = 1) in vec3 tsr_normal;
+layout(location = 2) in vec3 tsr_tangent;
+layout(location = 3) in vec2 tsr_uv;
+
+// At the part of a pixel that the triangle covers, so that uv stays in its chart.
+layout(location = 0) centroid out vec3 tsr_to_eye;
+layout(location = 1) centroid out vec3 tsr_surface_normal;
+layout(location = 2) centroid out vec3 tsr_surface_tangent;
+layout(location = 3) centroid out vec2 tsr_place;
+
+// Both passes over the mesh see the same depths.
+invariant gl_Position;
+
+void main() {
+    vec3 from_eye = tsr_position - tsr_mesh_eye.xyz;
+    tsr_to_eye = -from_eye;
+    tsr_surface_normal = tsr_normal;
+    tsr_surface_tangent = tsr_tangent;
+    tsr_place = tsr_uv;
+    gl_Position = tsr_projection * vec4(from_eye, 1.0);
+}

@@ -1,0 +1,235 @@
+// Meshes drawn on the device, against meshes drawn on the CPU.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/memory_texture.h"
+#include "tests/support/meshes.h"
+#include "tools/view/gpu_camera.h"
+#include "tools/view/gpu_renderer.h"
+#include "tools/view/mesh_intersector.h"
+#include "tools/view/mesh_renderer.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::test {
+namespace {
+
+constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
+constexpr AngularMap mirrored = AngularMap::octahedral_mirrored;
+const glm::dvec3 grey{0.5};
+
+// A box and a ball beside it, partly behind each other. Both wear the same texture.
+SurfaceMesh box_and_ball() {
+    SurfaceMesh mesh = six_charts(1, false), ball = six_charts(2, true);
+    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    for (glm::vec3& position : ball.positions)
+        position = position * 1.5f + glm::vec3(2.4f, 0.3f, -0.5f);
+    const auto append = [](auto& to, const auto& from) {
+        to.insert(to.end(), from.begin(), from.end());
+    };
+    append(mesh.positions, ball.positions);
+    append(mesh.normals, ball.normals);
+    append(mesh.uv, ball.uv);
+    for (const auto& [a, b, c] : ball.triangles)
+        mesh.triangles.push_back({a + base, b + base, c + base});
+    return mesh;
+}
+
+// Rough, and nothing but background at some places: tiles of all kinds.
+Bytes rough_file(AngularMap map) {
+    MemoryTexture texture(
+        {{48, 32, 10, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+            const unsigned hash =
+                static_cast<unsigned>((((u * 31 + v) * 37 + s) * 41 + t * 43 + c) * 2654435761u);
+            return u < 16 && v < 16 ? 0.5 : (hash >> 24) / 255.0;
+        });
+    EncodeOptions options;
+    options.effort = 0;
+    options.rate = {RateTarget::Kind::quality, 60};
+    options.tile_extent = {16, 16, 4, 4};
+    options.description.angular_map = map;
+    Bytes file;
+    const auto report = encode_memory(texture, file, options);
+    EXPECT_TRUE(report) << report.status().message();
+    return file;
+}
+
+using GpuMesh = GpuTest;
+
+Camera camera_at(const glm::dvec3& eye, const glm::dvec3& look) {
+    auto camera = make_camera({eye, look}, {50, 96, 72});
+    EXPECT_TRUE(camera.ok()) << camera.status().message();
+    return *camera;
+}
+
+View view_of(ViewRenderer& renderer, const Camera& camera) {
+    auto view = renderer.render(camera);
+    EXPECT_TRUE(view.ok()) << view.status().message();
+    return view.ok() ? std::move(*view) : View{};
+}
+
+// Of the uncompressed texels, on load.
+View view_of(GlViewRenderer& renderer, const Camera& camera) {
+    EXPECT_TRUE(renderer.draw(gpu_camera(camera, SphereWindow{}, grey)));
+    const auto pixels = renderer.read();
+    View view{camera.width, camera.height, {}};
+    for (std::size_t i = 0; pixels.ok() && i < pixels->size(); ++i)
+        if (i % 4 < 3)
+            view.rgb.push_back((*pixels)[i]);
+    return view;
+}
+
+// What each pixel shows: the number of a triangle, or
+constexpr int several = -1, nothing = -2;
+std::vector<int> triangles_seen(const SurfaceMesh& mesh, const Camera& camera) {
+    const auto intersector = MeshIntersector::create(mesh);
+    EXPECT_TRUE(intersector.ok());
+    const auto seen = [&](double x, double y) {
+        const auto hit = intersector->first_hit(camera.eye, camera.direction(x, y));
+        return hit ? static_cast<int>(hit->triangle) : nothing;
+    };
+    std::vector<int> all;
+    for (std::uint32_t j = 0; j < camera.height; ++j)
+        for (std::uint32_t i = 0; i < camera.width; ++i) {
+            int one = seen(i + 0.5, j + 0.5);
+            for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
+                one = seen(i + x, j + y) == one ? one : several;
+            all.push_back(one);
+        }
+    return all;
+}
+
+// Pixels that show one triangle, or nothing.
+struct Likeness {
+    std::size_t whole = 0, empty = 0, wrong = 0;
+};
+Likeness likeness(const View& a, const View& b, const std::vector<int>& seen) {
+    // A step of bytes; the weights of filtering hardware; halves.
+    constexpr double tolerance = 1.0 / 255 + 2.0 / 512 + 1.0 / 2048;
+    Likeness l;
+    EXPECT_EQ(a.rgb.size(), b.rgb.size());
+    for (std::size_t i = 0; i < seen.size() && a.rgb.size() == b.rgb.size(); ++i) {
+        double worst = 0;
+        for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
+            worst = std::max(worst, std::abs(double{a.rgb[c]} - b.rgb[c]));
+        l.whole += seen[i] != several;
+        l.empty += seen[i] == nothing;
+        l.wrong += seen[i] != several && worst > tolerance;
+    }
+    return l;
+}
+
+// Close by, triangles reach behind the observer. Devices draw what is left of them in parts, and on
+// the lines between these a pixel is a mean of two places.
+struct Place {
+    Camera camera;
+    double on_lines; // share of pixels
+};
+std::vector<Place> places() {
+    return {{camera_at({6, 3, 5}, {1, 0, 0}), 0},
+            {camera_at({-30, 8, 20}, {0.9, 0, 0}), 0},
+            {camera_at({6, 3, 5}, {16, 3, 5}), 0}, // away from both
+            {camera_at({1.6, 1.2, 2.2}, {0.8, 0.2, 0}), 0.03},
+            {camera_at({0, 1.2, 0}, {3, 0, -0.5}), 0.03}};
+}
+
+TEST_F(GpuMesh, LooksAsOnTheCpu) {
+    const SurfaceMesh mesh = box_and_ball();
+    for (const AngularMap map : {hemisphere, mirrored}) {
+        SCOPED_TRACE(name_of(map));
+        const Bytes bytes = rough_file(map);
+        const auto file = wrap_memory(bytes);
+        const auto decoder = Decoder::open(*file);
+        ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+        const auto texels = decoded_source(*decoder);
+        const auto cpu = make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, map}, grey, {});
+        ASSERT_TRUE(cpu.ok()) << cpu.status().message();
+        for (const bool filter : {false, true}) {
+            const auto texture = SampledTexture::from_texels(decoder->container(), *texels, filter);
+            ASSERT_TRUE(texture.ok()) << texture.status().message();
+            auto renderer = GlViewRenderer::create(*texture, mesh);
+            ASSERT_TRUE(renderer.ok()) << renderer.status().message();
+            for (const auto& [camera, on_lines] : places()) {
+                SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
+                const std::vector<int> seen = triangles_seen(mesh, camera);
+                const Likeness l =
+                    likeness(view_of(*renderer, camera), view_of(**cpu, camera), seen);
+                EXPECT_LE(l.wrong, on_lines * static_cast<double>(seen.size()));
+                EXPECT_GT(l.whole, seen.size() / 2);
+                EXPECT_EQ(l.empty == seen.size(), camera.forward.x > 0.999);
+            }
+        }
+    }
+}
+
+TEST_F(GpuMesh, LooksTheSameOnFeedback) {
+    const SurfaceMesh mesh = box_and_ball();
+    const Bytes bytes = rough_file(mirrored);
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+    const auto texels = decoded_source(*decoder);
+    const auto cpu = make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, mirrored}, grey, {});
+    ASSERT_TRUE(cpu.ok()) << cpu.status().message();
+    const auto gpu = make_gpu_renderer(decoder->container(), mesh, grey, {"feedback", 64});
+    ASSERT_TRUE(gpu.ok()) << gpu.status().message();
+    std::vector<DrawnFrame> frames; // of the newest view
+    (*gpu)->watch([&](unsigned number, const DrawnFrame& frame, const auto&) -> Status {
+        frames.resize(number);
+        frames.back() = frame;
+        return {};
+    });
+    for (const auto& [camera, on_lines] : places()) {
+        SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
+        const std::vector<int> seen = triangles_seen(mesh, camera);
+        const Likeness l = likeness(view_of(**gpu, camera), view_of(**cpu, camera), seen);
+        EXPECT_LE(l.wrong, on_lines * static_cast<double>(seen.size()));
+        EXPECT_EQ(frames.back().coarse, 0u);
+        EXPECT_EQ(frames.back().touched == 0, l.empty == seen.size());
+        EXPECT_LT(frames.back().touched, decoder->container().tile_count());
+    }
+}
+
+// What lies behind the box marks no tile: a little ball with another part of the texture.
+TEST_F(GpuMesh, HiddenSurfacesMarkNothing) {
+    SurfaceMesh hidden = six_charts(1, true);
+    for (std::size_t i = 0; i < hidden.positions.size(); ++i) {
+        hidden.positions[i] *= 0.3f;
+        hidden.uv[i] = hidden.uv[i] * 0.1f + 0.9f;
+    }
+    SurfaceMesh mesh = six_charts(1, false);
+    for (glm::vec2& uv : mesh.uv)
+        uv = uv * 0.3f + 0.5f;
+    const Bytes bytes = rough_file(hemisphere);
+    const auto file = wrap_memory(bytes);
+    const auto reader = ContainerReader::open(*file);
+    ASSERT_TRUE(reader.ok()) << reader.status().message();
+    SampledTextureOptions options;
+    options.coarse = false;
+    auto texture = SampledTexture::create(*reader, options);
+    ASSERT_TRUE(texture.ok()) << texture.status().message();
+    const auto touched = [&](const SurfaceMesh& seen) {
+        auto renderer = GlViewRenderer::create(*texture, seen);
+        EXPECT_TRUE(renderer.ok()) << renderer.status().message();
+        EXPECT_TRUE(renderer->draw(gpu_camera(camera_at({6, 3, 5}, {0, 0, 0}), {}, grey)));
+        const auto report = texture->update(true);
+        return report.ok() ? report->touched : 0;
+    };
+    const std::uint32_t alone = touched(mesh);
+    EXPECT_GT(alone, 0u);
+    EXPECT_GT(touched(hidden), 0u);
+    // First, so that it is drawn before what hides it.
+    const auto base = static_cast<std::uint32_t>(hidden.positions.size());
+    const auto append = [](auto& to, const auto& from) {
+        to.insert(to.end(), from.begin(), from.end());
+    };
+    append(hidden.positions, mesh.positions);
+    append(hidden.normals, mesh.normals);
+    append(hidden.uv, mesh.uv);
+    for (const auto& [a, b, c] : mesh.triangles)
+        hidden.triangles.push_back({a + base, b + base, c + base});
+    EXPECT_EQ(touched(hidden), alone);
+}
+
+} // namespace
+} // namespace tessera::test
