@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The main job, end to end: bakes the paper's composed scene straight into a compressed file, decodes
-# it, compares it with the texture itself, and draws what an observer sees of both and of the scene
-# itself: the compressed file on the GPU, decoded there as the views ask for it. Output: demo_output/.
+# The main job, end to end. The paper's composed scene, baked straight into compressed files: on the
+# surfaces of its things, and on the paper's sphere around them; what an observer sees of both, beside
+# the ray traced truth. Then the sphere's texture is decoded, compared with the texture itself, and drawn
+# on the GPU, decoded there as the views ask for it. Output: demo_output/.
 #   tools/demo.sh [UxVxSxT]      default 256x128x16x16
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 SIZE=${1:-256x128x16x16}
@@ -12,8 +13,27 @@ T=build/bin/tessera
 OUT=demo_output
 mkdir -p "$OUT"
 
-say "Baking the composed scene, $SIZE at 16 samples a texel, straight into a compressed file"
+say "Baking the composed scene on the surfaces of its things"
+$T bake composed -o "$OUT/surface.tess" --proxy mesh --effort 2 --quality 40
+
+say "Baking it on the paper's sphere, $SIZE at 16 samples a texel"
 $T bake composed -o "$OUT/composed.tess" --size "$SIZE" --spp 16 --target-psnr 40
+
+say "Drawing the paper's five views of both, and the scene itself ray traced"
+for kind in surface composed; do
+    $T render "$OUT/$kind.tess" -o "$OUT/$kind.png" --views paper --truth composed --write-all |
+        tee "$OUT/$kind.txt"
+done
+$T sheet "$OUT/surface-1.png" "$OUT/composed-1.png" "$OUT/surface-1-truth.png" --columns 3 \
+    --label "its own surfaces, $(stat -c %s "$OUT/surface.tess") bytes" \
+    --label "the paper's sphere, $(stat -c %s "$OUT/composed.tess") bytes" \
+    --label "ray traced" -o "$OUT/sharp.png"
+say "Bytes of the whole file, and dB against the ray traced views"
+for kind in surface composed; do
+    awk -v kind="$kind" -v bytes="$(stat -c %s "$OUT/$kind.tess")" \
+        '$1 ~ /,/ { sum += $2; views++ } END { printf "%-10s %8d bytes  %.2f dB\n", kind, bytes, sum / views }' \
+        "$OUT/$kind.txt"
+done
 
 say "The same texture uncompressed, to compare with"
 $T bake composed -o "$OUT/original.rgb" --size "$SIZE" --spp 16
@@ -45,5 +65,6 @@ elif [ $code != 0 ]; then
     stop "the views could not be drawn"
 fi
 
-say "Done. Look at $ROOT/$OUT/views.png (what an observer sees) and $ROOT/$OUT/sheet.png (the texture)"
+say "Done. Look at $ROOT/$OUT/sharp.png (surfaces, sphere, truth), views.png (the sphere in detail) and
+   sheet.png (its texture) beside it"
 ls -l "$OUT"
