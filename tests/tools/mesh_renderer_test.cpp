@@ -72,13 +72,13 @@ TEST(MeshRenderer, ShowsTheFootprintOfEveryPixel) {
                 const SurfaceFrame frame{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
                 glm::dvec3 expected{0.0};
                 for (const WeightedTexel& tap :
-                     mesh_footprint(texture.desc().size, map,
-                                    {(at.x + 1) / 2, (at.y + 1) / 2},
+                     mesh_footprint(texture.desc().size, map, {(at.x + 1) / 2, (at.y + 1) / 2},
                                     octahedral_place(map, frame, -d)))
-                    expected += tap.weight *
-                                glm::dvec3(std::round(255 * tap.u / 8.0), std::round(255 * tap.v / 8.0),
-                                           std::round(255 * (tap.s + 2 * tap.t) / 16.0)) /
-                                255.0;
+                    expected +=
+                        tap.weight *
+                        glm::dvec3(std::round(255 * tap.u / 8.0), std::round(255 * tap.v / 8.0),
+                                   std::round(255 * (tap.s + 2 * tap.t) / 16.0)) /
+                        255.0;
                 expect_near(seen, expected, 1e-4);
             }
         EXPECT_GT(on_it, 60u);
@@ -90,9 +90,9 @@ TEST(MeshRenderer, SeveralRaysSmoothEdges) {
                                 [](int, int, int, int, int) { return 1.0; });
     RenderOptions options;
     options.rays = 16;
-    auto renderer = make_mesh_renderer(texture, {1, 1, 1, 1},
-                                       {square(), AngularMap::octahedral_hemisphere},
-                                       glm::dvec3(0), options);
+    auto renderer =
+        make_mesh_renderer(texture, {1, 1, 1, 1}, {square(), AngularMap::octahedral_hemisphere},
+                           glm::dvec3(0), options);
     ASSERT_TRUE(renderer.ok());
     const View view = view_of(**renderer, camera_at({{0, 0, 3.3}, {0, 0, 0}}, {45, 25, 25}));
     unsigned between = 0;

@@ -17,16 +17,17 @@ TEST(ViewPoses, SpreadObserversStandAllAroundNearAndFar) {
         EXPECT_GE(distance, 6);
         EXPECT_LE(distance, 30);
         near += distance < 13.4; // the middle in ratios
-        EXPECT_LT(glm::length(camera.eye / distance + camera.forward), 1e-9) << "looks at the middle";
+        EXPECT_LT(glm::length(camera.eye / distance + camera.forward), 1e-9)
+            << "looks at the middle";
         sum += camera.eye / distance;
     }
     EXPECT_LT(glm::length(sum) / 32, 0.05);
     EXPECT_NEAR(near, 16, 2);
     for (std::size_t i = 0; i < 32; ++i)
         for (std::size_t j = 0; j < i; ++j)
-            EXPECT_GT(glm::length(glm::normalize((*cameras)[i].eye) -
-                                  glm::normalize((*cameras)[j].eye)),
-                      0.3);
+            EXPECT_GT(
+                glm::length(glm::normalize((*cameras)[i].eye) - glm::normalize((*cameras)[j].eye)),
+                0.3);
     EXPECT_EQ(paper_cameras()->size(), 5u);
 }
 
