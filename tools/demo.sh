@@ -26,7 +26,7 @@ for kind in surface composed; do
 done
 $T sheet "$OUT/surface-1.png" "$OUT/composed-1.png" "$OUT/surface-1-truth.png" --columns 3 \
     --label "its own surfaces, $(stat -c %s "$OUT/surface.tess") bytes" \
-    --label "the paper's sphere, $(stat -c %s "$OUT/composed.tess") bytes" \
+    --label "sphere of the paper, $(stat -c %s "$OUT/composed.tess") bytes" \
     --label "ray traced" -o "$OUT/sharp.png"
 say "Bytes of the whole file, and dB against the ray traced views"
 for kind in surface composed; do
