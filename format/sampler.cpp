@@ -65,15 +65,19 @@ glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel) {
     return value;
 }
 
-Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d) {
+Result<glm::dvec4> sample(TexelLookup& lookup, const Footprint& footprint) {
     glm::dvec4 sum{0.0};
-    for (const WeightedTexel& w : sample_footprint(lookup.desc().size, from_centre, d)) {
+    for (const WeightedTexel& w : footprint) {
         if (w.weight == 0)
             continue;
         TESSERA_TRY_ASSIGN(const glm::dvec4 texel, lookup.texel(w.u, w.v, w.s, w.t));
         sum += texel * w.weight;
     }
     return sum;
+}
+
+Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d) {
+    return sample(lookup, sample_footprint(lookup.desc().size, from_centre, d));
 }
 
 } // namespace tessera

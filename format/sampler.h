@@ -38,6 +38,7 @@ public:
 
 // The weighted sum of the footprint's texels. Texels of weight 0 are not looked up. Errors: those
 // of the lookup.
+Result<glm::dvec4> sample(TexelLookup& lookup, const Footprint& footprint);
 Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d);
 
 } // namespace tessera

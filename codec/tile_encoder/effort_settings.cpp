@@ -29,18 +29,18 @@ struct Level {
     int along, across, rounds; // of the search for copies; 0: no copies, and no filter either
     bool dense_tables;
     int refinements;
-    bool quick_samples, second_pass;
+    bool second_pass;
 };
 
 constexpr bool on = true, off = false;
 constexpr std::array<Level, most_effort + 1> levels = {{
-    // grids rotation, dependent, recode; copies; dense tables, refinements, quick samples, 2nd pass
-    {four, off, off, off, 0, 0, 0, off, 0, off, off},
-    {seven, on, on, on, 0, 0, 0, off, 0, off, off},
-    {seven, on, on, on, 8, 4, 1, off, 0, off, off},
-    {all, on, on, on, 16, 6, 2, on, 1, on, off},
-    {all, on, on, on, 16, 6, 4, on, 2, off, off},
-    {all, on, on, on, 24, 10, 4, on, 2, off, on},
+    // grids rotation, dependent, recode; copies; dense tables, refinements, 2nd pass
+    {four, off, off, off, 0, 0, 0, off, 0, off},
+    {seven, on, on, on, 0, 0, 0, off, 0, off},
+    {seven, on, on, on, 8, 4, 1, off, 0, off},
+    {all, on, on, on, 16, 6, 2, on, 1, off},
+    {all, on, on, on, 16, 6, 4, on, 2, off},
+    {all, on, on, on, 24, 10, 4, on, 2, on},
 }};
 // Where a tool switch brings copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -76,17 +76,13 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
         settings.refinements = std::max(level.refinements, 1);
     else
         settings.refinements = 0;
-    settings.quick_samples = level.quick_samples;
     settings.second_pass = level.second_pass && settings.fit_tables;
     return settings;
 }
 
 EffortSettings EffortSettings::for_samples() const {
     EffortSettings settings = *this;
-    if (quick_samples) {
-        settings.copy_rounds = 1;
-        settings.refinements = 0;
-    }
+    settings.refinements = 0;
     return settings;
 }
 

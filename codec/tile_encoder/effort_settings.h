@@ -22,12 +22,11 @@ struct EffortSettings {
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
     int copy_rounds = 1;        // of the search for blocks that copy
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
-    bool quick_samples = false; // passes over a sample search once and refine nothing
     bool second_pass = false;   // decide again under the tables of the first pass
 
     // Precondition: effort 0..most_effort (codec/encoder.h).
     static EffortSettings of(int effort, const ToolSwitches& tools = {});
-    // For passes over a sample, which find tables and make choices for the file.
+    // For passes over a sample, which find tables and make choices for the file: they refine nothing.
     EffortSettings for_samples() const;
 };
 

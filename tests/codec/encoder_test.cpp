@@ -140,7 +140,7 @@ TEST(SameBytes, ForAnyNumberOfThreads) {
             options.tile_extent = {16, 8, 4, 4};
             options.threads = 1;
             const Bytes want = encode(texture, options).file;
-            for (const unsigned threads : {2u, 3u, 8u}) {
+            for (const unsigned threads : {2u, 5u}) {
                 options.threads = threads;
                 ASSERT_EQ(encode(texture, options).file, want)
                     << threads << " threads, effort " << effort;
@@ -208,22 +208,20 @@ TEST(SameBytes, DISABLED_PrintDigest) {
 
 TEST(SameBytes, OnEveryPath) {
     const std::uint32_t want = digest();
-    for (const char* path : {"scalar", "avx2"}) {
-        const std::string command = std::string("TESSERA_SIMD=") + path + " '" +
-                                    testing::internal::GetArgvs()[0] +
-                                    "' --gtest_also_run_disabled_tests "
-                                    "--gtest_filter=SameBytes.DISABLED_PrintDigest";
-        std::FILE* pipe = popen(command.c_str(), "r");
-        ASSERT_NE(pipe, nullptr);
-        char line[256];
-        unsigned value = 0;
-        bool found = false;
-        while (std::fgets(line, sizeof line, pipe) != nullptr)
-            found = std::sscanf(line, "digest %x", &value) == 1 || found;
-        ASSERT_EQ(pclose(pipe), 0);
-        ASSERT_TRUE(found);
-        EXPECT_EQ(value, want) << path;
-    }
+    // This process took the best path that there is.
+    const std::string command = "TESSERA_SIMD=scalar '" + testing::internal::GetArgvs()[0] +
+                                "' --gtest_also_run_disabled_tests "
+                                "--gtest_filter=SameBytes.DISABLED_PrintDigest";
+    std::FILE* pipe = popen(command.c_str(), "r");
+    ASSERT_NE(pipe, nullptr);
+    char line[256];
+    unsigned value = 0;
+    bool found = false;
+    while (std::fgets(line, sizeof line, pipe) != nullptr)
+        found = std::sscanf(line, "digest %x", &value) == 1 || found;
+    ASSERT_EQ(pclose(pipe), 0);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(value, want);
 }
 
 void put_half(Bytes& texels, std::size_t sample, std::uint16_t half) {

@@ -199,7 +199,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
         for (const bool copies : {false, true}) {
             test::MemoryTexture source = moving_picture(along_s, along_t);
             EncodeOptions options;
-            options.effort = copies ? most_effort : test::quick_effort;
+            options.effort = copies ? usual_effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
             options.rate = {RateTarget::Kind::quality, copies ? 64.0 : 60.0};
             Bytes file;

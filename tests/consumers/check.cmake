@@ -17,7 +17,8 @@ endfunction()
 function(build_and_run folder programs)
     get_filename_component(name ${folder} NAME)
     run(${CMAKE_COMMAND} -S ${folder} -B ${OUT}/${name} -G Ninja ${ARGN})
-    run(${CMAKE_COMMAND} --build ${OUT}/${name})
+    list(TRANSFORM programs REPLACE ".*/" "" OUTPUT_VARIABLE targets)
+    run(${CMAKE_COMMAND} --build ${OUT}/${name} --target ${targets})
     foreach(program IN LISTS programs)
         run(${OUT}/${name}/${program})
         message(STATUS "${KIND}: ${program} runs")
@@ -27,7 +28,8 @@ endfunction()
 if(KIND STREQUAL "subproject")
     # Without optimisation and in few large sources, to save time.
     build_and_run(${here}/subproject "consumer_c;cpp/consumer_cpp" -DTESSERA_SOURCE=${SOURCE}
-                  -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=40)
+                  -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=
+                  -DCMAKE_C_FLAGS_DEBUG=)
     return()
 endif()
 

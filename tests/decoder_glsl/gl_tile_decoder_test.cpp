@@ -95,7 +95,7 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
     for (const corpus::SceneInfo& scene : corpus::scenes())
         for (const RateTarget rate : {RateTarget{RateTarget::Kind::quality, 55},
                                       RateTarget{RateTarget::Kind::max_error, 8}}) {
-            const auto baked = corpus::make_baked_source(scene.name, {40, 36, 9, 6}, 1, 1);
+            const auto baked = corpus::make_baked_source(scene.name, {34, 20, 9, 5}, 1, 1);
             ASSERT_TRUE(baked) << baked.status().message();
             EncodeOptions options;
             options.rate = rate;

@@ -191,7 +191,7 @@ TEST_F(GpuView, CoarseLevelsStandIn) {
          {std::tuple<SampleType, std::uint8_t, bool>{SampleType::unorm8, 3, false},
           {SampleType::half16, 4, true}}) {
         SCOPED_TRACE(int{channels});
-        const Bytes file = mixed_file(type, channels, 75, true);
+        const Bytes file = mixed_file(type, channels, 60, true);
         const auto memory = wrap_memory(file);
         MoodySource source(*memory);
         source.prefetch = prefetch;
@@ -218,7 +218,7 @@ TEST_F(GpuView, CoarseLevelsStandIn) {
 
 // Tiles that come at a second try, whether they are asked for one by one or together.
 TEST_F(GpuView, LostReadsAreRepeated) {
-    const Bytes file = mixed_file(SampleType::unorm8, 3, 75, true);
+    const Bytes file = mixed_file(SampleType::unorm8, 3, 60, true);
     const auto memory = wrap_memory(file);
     MoodySource source(*memory);
     SampledFile sound(file);

@@ -1,10 +1,9 @@
 #include "tools/view/view_renderer.h"
 
 #include "corpus/shade.h"
-#include "format/work.h"
-#include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
 #include "tools/view/texel_cache.h"
+#include "tools/view/view_drawing.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -12,32 +11,6 @@
 
 namespace tessera {
 namespace {
-
-// Calls pixel(worker, i, j), which returns a Result<glm::dvec3>, for every pixel.
-template <class Worker, class Pixel>
-Result<View> draw(const Camera& camera, std::vector<Worker>& workers,
-                  const ProgressFunction& progress, const Pixel& pixel) {
-    View view{camera.width, camera.height, {}};
-    view.rgb.resize(std::size_t{camera.width} * camera.height * 3);
-    TESSERA_TRY(parallel_for(
-        workers, camera.height,
-        [&](Worker& worker, std::size_t j) -> Status {
-            TESSERA_TRY(check_interrupt());
-            float* out = view.rgb.data() + j * camera.width * 3;
-            for (std::uint32_t i = 0; i < camera.width; ++i) {
-                TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
-                                   pixel(worker, i, static_cast<std::uint32_t>(j)));
-                for (int c = 0; c < 3; ++c)
-                    *out++ = static_cast<float>(colour[c]);
-            }
-            return {};
-        },
-        [&](std::size_t j) {
-            if (progress)
-                progress("rendering", static_cast<double>(j), camera.height);
-        }));
-    return view;
-}
 
 // Where the ray from outside first meets the sphere, as a vector from its centre; false if it
 // misses. Precondition: `direction` is of unit length.
@@ -66,7 +39,7 @@ public:
         if (options_.foretell)
             TESSERA_TRY(options_.foretell(blocks_of(camera)));
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
-        return draw(camera, workers, options_.progress,
+        return draw_pixels(camera, workers, options_.progress,
                     [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
                         return seen(texels, camera.eye, camera.direction(i + 0.5, j + 0.5));
                     });
@@ -117,29 +90,16 @@ public:
         std::vector<int> workers(thread_count(options_.threads));
         const glm::dvec3 eye =
             (camera.eye - window_.centre) * (corpus::window_radius / window_.radius);
-        return draw(camera, workers, options_.progress,
-                    [&](int, std::uint32_t i, std::uint32_t j) -> Result<glm::dvec3> {
-                        return mean_of_rays(camera, eye, i, j);
-                    });
+        return draw_pixels(
+            camera, workers, options_.progress, [&](int, std::uint32_t i, std::uint32_t j) {
+                return mean_of_rays(camera, i, j, samples_,
+                                    [&](const glm::dvec3& direction) -> Result<glm::dvec3> {
+                                        return corpus::trace_scene(scene_, {eye, direction});
+                                    });
+            });
     }
 
 private:
-    // The rays follow the additive recurrence of the plastic number (Roberts, "The unreasonable
-    // effectiveness of quasirandom sequences", 2018), which is even for any count; the first is the
-    // pixel's centre.
-    glm::dvec3 mean_of_rays(const Camera& camera, const glm::dvec3& eye, std::uint32_t i,
-                            std::uint32_t j) const {
-        constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
-        glm::dvec3 sum{0.0};
-        for (unsigned k = 0; k < samples_; ++k) {
-            const double x = 0.5 + k * step_x, y = 0.5 + k * step_y;
-            const glm::dvec3 direction =
-                camera.direction(i + x - std::floor(x), j + y - std::floor(y));
-            sum += corpus::trace_scene(scene_, {eye, direction});
-        }
-        return sum / static_cast<double>(samples_);
-    }
-
     corpus::Scene scene_;
     SphereWindow window_;
     unsigned samples_;
