@@ -56,8 +56,7 @@ Result<MeshIntersector> MeshIntersector::create(const SurfaceMesh& mesh) {
         return failed();
     }
     std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
-    std::memcpy(triangles, mesh.triangles.data(),
-                mesh.triangles.size() * sizeof mesh.triangles[0]);
+    std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
     rtcSetGeometryIntersectFilterFunction(geometry, pass_backs);
     rtcCommitGeometry(geometry);
     state->scene = rtcNewScene(state->device);

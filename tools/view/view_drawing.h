@@ -46,9 +46,8 @@ Result<glm::dvec3> mean_of_rays(const Camera& camera, std::uint32_t i, std::uint
     glm::dvec3 sum{0.0};
     for (unsigned k = 0; k < samples; ++k) {
         const double x = 0.5 + k * step_x, y = 0.5 + k * step_y;
-        TESSERA_TRY_ASSIGN(
-            const glm::dvec3 colour,
-            ray(camera.direction(i + x - std::floor(x), j + y - std::floor(y))));
+        TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
+                           ray(camera.direction(i + x - std::floor(x), j + y - std::floor(y))));
         sum += colour;
     }
     return sum / static_cast<double>(samples);

@@ -40,9 +40,9 @@ public:
             TESSERA_TRY(options_.foretell(blocks_of(camera)));
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
         return draw_pixels(camera, workers, options_.progress,
-                    [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
-                        return seen(texels, camera.eye, camera.direction(i + 0.5, j + 0.5));
-                    });
+                           [&](CachedTexels& texels, std::uint32_t i, std::uint32_t j) {
+                               return seen(texels, camera.eye, camera.direction(i + 0.5, j + 0.5));
+                           });
     }
 
 private:
