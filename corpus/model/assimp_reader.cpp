@@ -28,8 +28,8 @@ public:
 
     Status add() {
         for (unsigned i = 0; i < scene_.mNumMaterials; ++i)
-            TESSERA_TRY(add_material(*scene_.mMaterials[i])
-                            .with_context("material " + std::to_string(i)));
+            TESSERA_TRY(
+                add_material(*scene_.mMaterials[i]).with_context("material " + std::to_string(i)));
         if (builder_.model().materials.empty())
             builder_.model().materials.push_back(plain());
         return scene_.mRootNode ? add_node(*scene_.mRootNode, glm::dmat4(1.0), 0) : Status();
@@ -55,7 +55,8 @@ private:
         if (from.Get(AI_MATKEY_ROUGHNESS_FACTOR, x) == AI_SUCCESS && x >= 0 && x <= 1)
             m.roughness = static_cast<double>(x);
         else if (from.Get(AI_MATKEY_SHININESS, x) == AI_SUCCESS && x > 0) // of Phong
-            m.roughness = std::clamp(std::sqrt(std::sqrt(2.0 / (static_cast<double>(x) + 2.0))), 0.05, 1.0);
+            m.roughness =
+                std::clamp(std::sqrt(std::sqrt(2.0 / (static_cast<double>(x) + 2.0))), 0.05, 1.0);
         if (from.Get(AI_MATKEY_METALLIC_FACTOR, x) == AI_SUCCESS && x >= 0 && x <= 1)
             m.metal = static_cast<double>(x);
         aiString name;
@@ -82,8 +83,8 @@ private:
             return {ErrorCode::invalid_file,
                     "nodes lie more than " + std::to_string(deepest_node) + " deep"};
         const aiMatrix4x4& t = node.mTransformation; // rows
-        const glm::dmat4 own(t.a1, t.b1, t.c1, t.d1, t.a2, t.b2, t.c2, t.d2, t.a3, t.b3, t.c3,
-                             t.d3, t.a4, t.b4, t.c4, t.d4);
+        const glm::dmat4 own(t.a1, t.b1, t.c1, t.d1, t.a2, t.b2, t.c2, t.d2, t.a3, t.b3, t.c3, t.d3,
+                             t.a4, t.b4, t.c4, t.d4);
         const glm::dmat4 place = parent * own;
         for (unsigned i = 0; i < node.mNumMeshes; ++i)
             TESSERA_TRY(add_mesh(node.mMeshes[i], place));
@@ -96,9 +97,8 @@ private:
         const aiMesh& mesh = *scene_.mMeshes[number];
         ModelPart part;
         part.name = "mesh " + std::to_string(number);
-        part.material = mesh.mMaterialIndex < builder_.model().materials.size()
-                            ? mesh.mMaterialIndex
-                            : 0;
+        part.material =
+            mesh.mMaterialIndex < builder_.model().materials.size() ? mesh.mMaterialIndex : 0;
         for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
             const aiVector3D& p = mesh.mVertices[i];
             part.positions.emplace_back(p.x, p.y, p.z);
@@ -141,9 +141,11 @@ Status read_with_assimp(const std::string& path, ModelBuilder& builder) {
         path, aiProcess_Triangulate | aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |
                   aiProcess_SortByPType | aiProcess_ValidateDataStructure);
     if (!scene)
-        return {ErrorCode::invalid_file, std::string("cannot be read: ") + importer.GetErrorString()};
+        return {ErrorCode::invalid_file,
+                std::string("cannot be read: ") + importer.GetErrorString()};
     const std::size_t slash = path.find_last_of('/');
-    return AssimpScene(*scene, slash == std::string::npos ? "." : path.substr(0, slash), builder).add();
+    return AssimpScene(*scene, slash == std::string::npos ? "." : path.substr(0, slash), builder)
+        .add();
 }
 
 } // namespace tessera::corpus

@@ -45,8 +45,8 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
         at += 8;
         if (length > bytes.size() - at)
             return invalid("chunk " + std::to_string(i) + " of the .glb claims " +
-                           std::to_string(length) + " bytes, " +
-                           std::to_string(bytes.size() - at) + " are there");
+                           std::to_string(length) + " bytes, " + std::to_string(bytes.size() - at) +
+                           " are there");
         const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
         const auto end = begin + static_cast<std::ptrdiff_t>(length);
         if (i == 0 && kind == 0x4E4F534A)
@@ -135,9 +135,8 @@ Status check_extensions(const Json& root) {
     if (it == root.end() || !it->is_array())
         return {};
     for (const Json& name : *it)
-        if (!name.is_string() ||
-            (name != draco_name && name != "KHR_mesh_quantization" &&
-             name != "KHR_materials_emissive_strength"))
+        if (!name.is_string() || (name != draco_name && name != "KHR_mesh_quantization" &&
+                                  name != "KHR_materials_emissive_strength"))
             return {ErrorCode::unsupported, "requires the extension " + name.dump()};
     return {};
 }
@@ -169,7 +168,8 @@ Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
             if (extensions == primitive.end() || !extensions->is_object() ||
                 !extensions->contains(draco_name))
                 continue;
-            const std::string name = "mesh " + std::to_string(m) + ", primitive " + std::to_string(p);
+            const std::string name =
+                "mesh " + std::to_string(m) + ", primitive " + std::to_string(p);
             TESSERA_TRY_ASSIGN(DracoUse use, take_draco(primitive, name));
             safe.draco.emplace(std::pair(m, p), std::move(use));
         }

@@ -17,7 +17,7 @@ struct DracoUse {
 };
 
 struct SafeGltf {
-    std::string json; // without what DracoUse has
+    std::string json;                  // without what DracoUse has
     std::vector<unsigned char> binary; // of a .glb: its buffer; may be empty
     std::map<std::pair<std::size_t, std::size_t>, DracoUse> draco; // by mesh and primitive
 };

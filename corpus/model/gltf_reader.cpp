@@ -91,14 +91,15 @@ Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int le
         return invalid(who + " does not exist");
     const Accessor& a = at(file.accessors, index);
     const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
-    const int bytes = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
+    const int bytes =
+        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
     if (n < least || n > most || bytes <= 0 || bytes > 4)
         return invalid(who + " has the wrong type");
     if (a.sparse.isSparse)
         return Status(ErrorCode::unsupported, who + " is sparse");
     if (a.count > most_vertices)
-        return Status(ErrorCode::unsupported, who + " has more than " +
-                                                  std::to_string(most_vertices) + " elements");
+        return Status(ErrorCode::unsupported,
+                      who + " has more than " + std::to_string(most_vertices) + " elements");
     TESSERA_TRY_ASSIGN(const auto data, view_bytes(file, a.bufferView, who));
     const std::uint64_t element = static_cast<std::uint64_t>(n) * static_cast<unsigned>(bytes);
     std::uint64_t stride = at(file.bufferViews, a.bufferView).byteStride;
@@ -123,10 +124,9 @@ Status read_attribute(const tinygltf::Model& file, const tinygltf::Primitive& pr
         return {};
     if (has(file.accessors, it->second) && at(file.accessors, it->second).count <= most_vertices)
         values.assign(at(file.accessors, it->second).count, Vector(otherwise));
-    return read_accessor(file, it->second, least, Vector::length(),
-                         [&](std::size_t i, int c, double x) {
-                             values[i][c] = static_cast<float>(x);
-                         })
+    return read_accessor(
+               file, it->second, least, Vector::length(),
+               [&](std::size_t i, int c, double x) { values[i][c] = static_cast<float>(x); })
         .status()
         .with_context(name);
 }
@@ -156,8 +156,8 @@ Status read_indices(const tinygltf::Model& file, const tinygltf::Primitive& prim
     return {};
 }
 
-Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& safe, std::size_t mesh,
-                                 std::size_t number) {
+Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& safe,
+                                 std::size_t mesh, std::size_t number) {
     const tinygltf::Primitive& primitive = file.meshes[mesh].primitives[number];
     ModelPart part;
     part.name = "mesh " + std::to_string(mesh) + ", primitive " + std::to_string(number);
@@ -227,8 +227,7 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
     if (const auto it = from.extensions.find("KHR_materials_emissive_strength");
         it != from.extensions.end() && it->second.IsObject() &&
         it->second.Has("emissiveStrength") && it->second.Get("emissiveStrength").IsNumber())
-        m.emission *=
-            std::clamp(it->second.Get("emissiveStrength").GetNumberAsDouble(), 0.0, 1e4);
+        m.emission *= std::clamp(it->second.Get("emissiveStrength").GetNumberAsDouble(), 0.0, 1e4);
     m.normal_scale = std::clamp(from.normalTexture.scale, -10.0, 10.0);
     m.cutoff = from.alphaMode == "MASK" ? std::clamp(from.alphaCutoff, 0.0, 1.0) : 0.0;
     m.double_sided = from.doubleSided;
@@ -359,10 +358,9 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keep_bytes, nullptr);
     std::string error, warning;
-    const bool ok =
-        loader.LoadBinaryFromMemory(&file, &error, &warning, bytes.data(),
-                                    static_cast<unsigned>(bytes.size()), folder,
-                                    tinygltf::NO_REQUIRE);
+    const bool ok = loader.LoadBinaryFromMemory(&file, &error, &warning, bytes.data(),
+                                                static_cast<unsigned>(bytes.size()), folder,
+                                                tinygltf::NO_REQUIRE);
     if (ok)
         return {};
     std::string text = error.empty() ? warning : error;

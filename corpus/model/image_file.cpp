@@ -50,8 +50,8 @@ Status check_size(std::span<const unsigned char> bytes) {
 Result<Image> decode_image(std::span<const unsigned char> bytes) {
     TESSERA_TRY(check_size(bytes));
     int w = 0, h = 0, n = 0;
-    const std::unique_ptr<unsigned char, Freer> data(stbi_load_from_memory(
-        bytes.data(), static_cast<int>(bytes.size()), &w, &h, &n, 4));
+    const std::unique_ptr<unsigned char, Freer> data(
+        stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &w, &h, &n, 4));
     if (!data)
         return damaged();
     Image image{static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h), {}};
@@ -65,8 +65,8 @@ Result<LightImage> decode_hdr(std::span<const unsigned char> bytes) {
     if (stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(bytes.size())) == 0)
         return Status(ErrorCode::invalid_file, "is no .hdr picture");
     int w = 0, h = 0, n = 0;
-    const std::unique_ptr<float, Freer> data(stbi_loadf_from_memory(
-        bytes.data(), static_cast<int>(bytes.size()), &w, &h, &n, 3));
+    const std::unique_ptr<float, Freer> data(
+        stbi_loadf_from_memory(bytes.data(), static_cast<int>(bytes.size()), &w, &h, &n, 3));
     if (!data)
         return damaged();
     LightImage image{static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h), {}};

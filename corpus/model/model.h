@@ -23,7 +23,7 @@ struct Image {
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 
 struct TextureUse {
-    int image = -1; // none
+    int image = -1;  // none
     unsigned uv = 0; // which of a vertex's coordinates
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };

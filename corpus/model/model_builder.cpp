@@ -47,10 +47,9 @@ Status check(const ModelPart& part) {
                                              " indices, not three a triangle"};
     for (std::size_t i = 0; i < part.indices.size(); ++i)
         if (part.indices[i] >= part.positions.size())
-            return {ErrorCode::invalid_file,
-                    part.name + ": triangle " + std::to_string(i / 3) + " has vertex " +
-                        std::to_string(part.indices[i]) + " of " +
-                        std::to_string(part.positions.size())};
+            return {ErrorCode::invalid_file, part.name + ": triangle " + std::to_string(i / 3) +
+                                                 " has vertex " + std::to_string(part.indices[i]) +
+                                                 " of " + std::to_string(part.positions.size())};
     return {};
 }
 
@@ -64,9 +63,8 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
 Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
     TESSERA_TRY(check(part));
     if (model_.triangles.size() + part.indices.size() / 3 > most_triangles)
-        return {ErrorCode::unsupported, part.name + ": more than " +
-                                            std::to_string(most_triangles) +
-                                            " triangles in all"};
+        return {ErrorCode::unsupported,
+                part.name + ": more than " + std::to_string(most_triangles) + " triangles in all"};
     const glm::dmat3 linear(to_world);
     const double determinant = glm::determinant(linear);
     if (!(std::abs(determinant) > 1e-30) || !(std::abs(determinant) < 1e30))
@@ -102,9 +100,9 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
         for (std::size_t k = 0; k < 3; ++k)
             p[k] = to_world * glm::dvec4(part.positions[corners[k]], 1.0);
         const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-        const double size = std::max({glm::dot(p[1] - p[0], p[1] - p[0]),
-                                      glm::dot(p[2] - p[0], p[2] - p[0]),
-                                      glm::dot(p[2] - p[1], p[2] - p[1])});
+        const double size =
+            std::max({glm::dot(p[1] - p[0], p[1] - p[0]), glm::dot(p[2] - p[0], p[2] - p[0]),
+                      glm::dot(p[2] - p[1], p[2] - p[1])});
         if (!(glm::length(cross) > 1e-9 * size)) {
             ++flat_;
             continue;
@@ -129,10 +127,10 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
 
 Result<Model> ModelBuilder::finish() && {
     if (model_.triangles.empty())
-        return Status(ErrorCode::invalid_file,
-                      flat_ == 0 ? std::string("has no triangles")
-                                 : "has " + std::to_string(flat_) +
-                                       " triangles, none of which has an area");
+        return Status(ErrorCode::invalid_file, flat_ == 0
+                                                   ? std::string("has no triangles")
+                                                   : "has " + std::to_string(flat_) +
+                                                         " triangles, none of which has an area");
     glm::dvec3 low(1e300), high(-1e300);
     for (const ModelVertex& v : model_.vertices) {
         if (!is_sound(v.position))

@@ -172,8 +172,8 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
         }
         if (chart.triangles.empty()) { // all lean away from their mean: the first one alone
             const glm::dvec3 n = f.normals[piece[0]];
-            const glm::dvec3 u = glm::normalize(glm::cross(
-                std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));
+            const glm::dvec3 u = glm::normalize(
+                glm::cross(std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));
             chart.triangles.push_back(piece[0]);
             chart.places.push_back(seen_along(model, piece[0], u, glm::cross(n, u)));
             left.erase(left.begin());

@@ -19,7 +19,8 @@ std::vector<std::array<std::uint32_t, 3>> welded_corners(const Model& model) {
                                 .first->second);
     std::vector<std::array<std::uint32_t, 3>> corners;
     for (const ModelTriangle& t : model.triangles)
-        corners.push_back({of_vertex[t.vertices[0]], of_vertex[t.vertices[1]], of_vertex[t.vertices[2]]});
+        corners.push_back(
+            {of_vertex[t.vertices[0]], of_vertex[t.vertices[1]], of_vertex[t.vertices[2]]});
     return corners;
 }
 

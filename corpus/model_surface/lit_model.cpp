@@ -40,9 +40,8 @@ Result<std::shared_ptr<const LitModel>> LitModel::make(ModelAtlas atlas, ModelLi
         return Status(ErrorCode::bad_argument, "samples must be 1..65536");
     TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(atlas.mesh, atlas.charts, atlas.size));
     TESSERA_TRY_ASSIGN(auto model, RayModel::make(std::move(atlas.model)));
-    const std::shared_ptr<LitModel> made(new LitModel(std::move(atlas), std::move(model),
-                                                      std::move(light), options,
-                                                      std::move(places)));
+    const std::shared_ptr<LitModel> made(new LitModel(
+        std::move(atlas), std::move(model), std::move(light), options, std::move(places)));
     const unsigned threads = std::max(1u, options.threads);
     std::vector<std::jthread> others;
     for (unsigned i = 1; i < threads; ++i)

@@ -19,9 +19,9 @@ double area_of(const Model& model) {
     double area = 0;
     for (const ModelTriangle& t : model.triangles) {
         const glm::dvec3 p(model.vertices[t.vertices[0]].position);
-        area += 0.5 * glm::length(
-                          glm::cross(glm::dvec3(model.vertices[t.vertices[1]].position) - p,
-                                     glm::dvec3(model.vertices[t.vertices[2]].position) - p));
+        area +=
+            0.5 * glm::length(glm::cross(glm::dvec3(model.vertices[t.vertices[1]].position) - p,
+                                         glm::dvec3(model.vertices[t.vertices[2]].position) - p));
     }
     return area;
 }

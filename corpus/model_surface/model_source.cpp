@@ -162,10 +162,10 @@ NoiseEstimate estimate_noise(const LitModel& model, AngularMap map, const Texels
         const SurfaceFrame frame = model.frame(u, v);
         if (glm::dot(octahedral_direction(map, frame, x, y), frame.ez) < 0.0)
             continue;
-        const glm::dvec3 way =
-            display.value(model.other_light(u, v, map, x, y, 2 * i + 11)) -
-            display.value(model.other_light(u, v, map, x, y, 2 * i + 12));
-        squares += glm::dot(way, way) / 6.0; // three channels; the difference has twice the variance
+        const glm::dvec3 way = display.value(model.other_light(u, v, map, x, y, 2 * i + 11)) -
+                               display.value(model.other_light(u, v, map, x, y, 2 * i + 12));
+        squares +=
+            glm::dot(way, way) / 6.0; // three channels; the difference has twice the variance
         ++done;
     }
     NoiseEstimate estimate;

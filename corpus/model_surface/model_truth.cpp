@@ -17,12 +17,12 @@ std::optional<glm::dvec3> ModelTruth::see(const glm::dvec3& origin, const glm::d
     return display_.value(sum / static_cast<double>(samples_));
 }
 
-Result<std::shared_ptr<const ModelTruth>> make_model_truth(Model model, ModelLight light,
-                                                           const Display& display,
-                                                           unsigned samples) {
+Result<std::shared_ptr<const ModelTruth>>
+make_model_truth(Model model, ModelLight light, const Display& display, unsigned samples) {
     if (samples == 0)
         return Status(ErrorCode::bad_argument, "a truth needs samples");
-    TESSERA_TRY_ASSIGN(auto rays, RayModel::make(with_both_sides(std::move(model))));
+    TESSERA_TRY_ASSIGN(Model both, with_both_sides(std::move(model)));
+    TESSERA_TRY_ASSIGN(auto rays, RayModel::make(std::move(both)));
     return std::make_shared<const ModelTruth>(Tracer(std::move(rays), std::move(light)), display,
                                               samples);
 }

@@ -24,8 +24,7 @@ private:
 };
 
 // `samples` paths a ray. Errors: those of RayModel.
-Result<std::shared_ptr<const ModelTruth>> make_model_truth(Model model, ModelLight light,
-                                                           const Display& display,
-                                                           unsigned samples);
+Result<std::shared_ptr<const ModelTruth>>
+make_model_truth(Model model, ModelLight light, const Display& display, unsigned samples);
 
 } // namespace tessera::corpus

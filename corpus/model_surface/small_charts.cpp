@@ -54,13 +54,15 @@ private:
 
 } // namespace
 
-Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density, const Texels2& tile) {
+Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
+                          const Texels2& tile) {
     std::vector<Patch> patches; // of large charts, then shared tiles
     std::vector<std::size_t> patch_of(charts.size());
     std::vector<std::size_t> small;
     std::vector<Texels2> sides(charts.size());
     for (std::size_t i = 0; i < charts.size(); ++i) {
-        const double u = texels_along(charts[i], 0, density), v = texels_along(charts[i], 1, density);
+        const double u = texels_along(charts[i], 0, density),
+                     v = texels_along(charts[i], 1, density);
         if (u <= tile[0] && v <= tile[1] && (u <= 0.5 * tile[0] || v <= 0.5 * tile[1])) {
             sides[i] = {static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v)};
             small.push_back(i);
@@ -79,7 +81,8 @@ Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density, 
     const std::size_t large = patches.size();
     for (std::size_t i = 0; i < shared.count(); ++i) {
         patches.emplace_back(); // fills its tile
-        patches.back().sides = glm::dvec2(tile[0] - 2.0 * gutter - 0.5, tile[1] - 2.0 * gutter - 0.5) / density;
+        patches.back().sides =
+            glm::dvec2(tile[0] - 2.0 * gutter - 0.5, tile[1] - 2.0 * gutter - 0.5) / density;
     }
     AtlasOptions options;
     options.density = density;

@@ -8,6 +8,7 @@ namespace tessera::corpus {
 
 // Large ones start at multiples of the tile; small ones share tiles, but lie in one each. Errors:
 // unsupported, too large for an atlas.
-Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density, const Texels2& tile);
+Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
+                          const Texels2& tile);
 
 } // namespace tessera::corpus

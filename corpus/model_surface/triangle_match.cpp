@@ -25,8 +25,8 @@ std::uint64_t cell_at(double x, double y) {
 
 } // namespace
 
-Result<std::vector<MatchedTriangle>> match_triangles(const SurfaceMesh& before,
-                                                     const SurfaceMesh& after, const Texels2& size) {
+Result<std::vector<MatchedTriangle>>
+match_triangles(const SurfaceMesh& before, const SurfaceMesh& after, const Texels2& size) {
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells; // of a texel, by middles
     std::vector<Corners> all;
     for (std::uint32_t i = 0; i < before.triangles.size(); ++i) {
@@ -43,7 +43,8 @@ Result<std::vector<MatchedTriangle>> match_triangles(const SurfaceMesh& before,
         bool found = false;
         for (int y = -1; y <= 1; ++y)
             for (int x = -1; x <= 1; ++x) {
-                const auto it = cells.find(cell_at(std::floor(middle.x) + x, std::floor(middle.y) + y));
+                const auto it =
+                    cells.find(cell_at(std::floor(middle.x) + x, std::floor(middle.y) + y));
                 if (it == cells.end())
                     continue;
                 for (const std::uint32_t candidate : it->second)

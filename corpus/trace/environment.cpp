@@ -127,8 +127,8 @@ glm::dvec3 Environment::light(const glm::dvec3& direction) const {
     const std::size_t w = image_.width, h = image_.height;
     const glm::dvec2 place = place_of(direction);
     const double x = place.x * static_cast<double>(w) - 0.5;
-    const double y = std::clamp(place.y * static_cast<double>(h) - 0.5, 0.0,
-                                static_cast<double>(h) - 1.0);
+    const double y =
+        std::clamp(place.y * static_cast<double>(h) - 0.5, 0.0, static_cast<double>(h) - 1.0);
     const double fx = x - std::floor(x), fy = y - std::floor(y);
     const auto y0 = static_cast<std::size_t>(y), y1 = std::min(y0 + 1, h - 1);
     const auto x0 = static_cast<std::size_t>(std::floor(x) + static_cast<double>(w)) % w;
@@ -143,9 +143,9 @@ glm::dvec3 Environment::light(const glm::dvec3& direction) const {
 LightSample Environment::sample(const glm::dvec2& random) const {
     const std::size_t w = image_.width, h = image_.height;
     const double row = random.y * rows_.back();
-    const auto y = std::min(static_cast<std::size_t>(
-                                std::upper_bound(rows_.begin(), rows_.end(), row) - rows_.begin()),
-                            h - 1);
+    const auto y = std::min(
+        static_cast<std::size_t>(std::upper_bound(rows_.begin(), rows_.end(), row) - rows_.begin()),
+        h - 1);
     const double row_begin = y == 0 ? 0.0 : rows_[y - 1];
     const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(y * w);
     const auto end = begin + static_cast<std::ptrdiff_t>(w);
@@ -154,8 +154,7 @@ LightSample Environment::sample(const glm::dvec2& random) const {
         std::min(static_cast<std::size_t>(std::upper_bound(begin, end, cell) - begin), w - 1);
     const double cell_begin = x == 0 ? 0.0 : cells_[y * w + x - 1];
     // What is left of the numbers says where in the cell; even in solid angle.
-    const double fx =
-        std::clamp((cell - cell_begin) / (cells_[y * w + x] - cell_begin), 0.0, 1.0);
+    const double fx = std::clamp((cell - cell_begin) / (cells_[y * w + x] - cell_begin), 0.0, 1.0);
     const double fy = std::clamp((row - row_begin) / (rows_[y] - row_begin), 0.0, 1.0);
     const double top = std::cos(pi * static_cast<double>(y) / static_cast<double>(h));
     const double bottom = std::cos(pi * static_cast<double>(y + 1) / static_cast<double>(h));

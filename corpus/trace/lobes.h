@@ -73,18 +73,19 @@ inline glm::dvec3 any_tangent(const glm::dvec3& n) {
 inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::dvec3& view,
                              const glm::dvec2& random) {
     const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
-    const glm::dvec3 stretched = glm::normalize(glm::dvec3(
-        alpha * glm::dot(view, x), alpha * glm::dot(view, y), std::max(glm::dot(view, normal), 1e-6)));
+    const glm::dvec3 stretched =
+        glm::normalize(glm::dvec3(alpha * glm::dot(view, x), alpha * glm::dot(view, y),
+                                  std::max(glm::dot(view, normal), 1e-6)));
     const glm::dvec3 t1 = any_tangent(stretched), t2 = glm::cross(stretched, t1);
     const double radius = std::sqrt(random.x), angle = 2.0 * std::numbers::pi * random.y;
     const double p1 = radius * std::cos(angle);
     const double share = 0.5 * (1.0 + stretched.z);
-    const double p2 = (1.0 - share) * std::sqrt(std::max(0.0, 1.0 - p1 * p1)) +
-                      share * radius * std::sin(angle);
-    const glm::dvec3 h = p1 * t1 + p2 * t2 +
-                         std::sqrt(std::max(0.0, 1.0 - p1 * p1 - p2 * p2)) * stretched;
-    const glm::dvec3 facet = glm::normalize(
-        x * (alpha * h.x) + y * (alpha * h.y) + normal * std::max(1e-9, h.z));
+    const double p2 =
+        (1.0 - share) * std::sqrt(std::max(0.0, 1.0 - p1 * p1)) + share * radius * std::sin(angle);
+    const glm::dvec3 h =
+        p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0, 1.0 - p1 * p1 - p2 * p2)) * stretched;
+    const glm::dvec3 facet =
+        glm::normalize(x * (alpha * h.x) + y * (alpha * h.y) + normal * std::max(1e-9, h.z));
     return 2.0 * glm::dot(view, facet) * facet - view;
 }
 

@@ -39,9 +39,11 @@ glm::dvec4 texture_value(const Model& model, const TextureUse& use,
     glm::dvec4 sum(0.0);
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
-            const double weight = (i == 0 ? 1.0 - (x - x0) : x - x0) * (j == 0 ? 1.0 - (y - y0) : y - y0);
-            const auto& texel = image.texels[wrapped(y0 + j, image.height, use.wrap_v) * image.width +
-                                             wrapped(x0 + i, image.width, use.wrap_u)];
+            const double weight =
+                (i == 0 ? 1.0 - (x - x0) : x - x0) * (j == 0 ? 1.0 - (y - y0) : y - y0);
+            const auto& texel =
+                image.texels[wrapped(y0 + j, image.height, use.wrap_v) * image.width +
+                             wrapped(x0 + i, image.width, use.wrap_u)];
             for (std::size_t c = 0; c < 4; ++c)
                 sum[static_cast<glm::length_t>(c)] +=
                     weight * (is_colour && c < 3 ? linear[texel[c]] : texel[c] / 255.0);

@@ -48,7 +48,8 @@ glm::dvec3 face_normal(const Model& model, std::uint32_t triangle) {
 glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpolated& at,
                        const ModelPlace& place, const glm::dvec3& normal) {
     const glm::dvec4 texel = texture_value(model, m.normal_texture, at.uv, false);
-    const glm::dvec3 local = (glm::dvec3(texel) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1.0);
+    const glm::dvec3 local =
+        (glm::dvec3(texel) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1.0);
     glm::dvec3 t(at.tangent);
     double sign = at.tangent.w < 0.0 ? -1.0 : 1.0;
     if (at.tangent.w == 0.0) {
@@ -67,7 +68,8 @@ glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpo
     if (!(length > 1e-9))
         return normal;
     t /= length;
-    const glm::dvec3 bent = t * local.x + glm::cross(normal, t) * (sign * local.y) + normal * local.z;
+    const glm::dvec3 bent =
+        t * local.x + glm::cross(normal, t) * (sign * local.y) + normal * local.z;
     const double size = glm::length(bent);
     return size > 1e-6 ? bent / size : normal;
 }
@@ -148,25 +150,6 @@ struct RayModel::Scenes {
     }
 };
 
-Model with_both_sides(Model model) {
-    const std::size_t count = model.triangles.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        ModelTriangle back = model.triangles[i];
-        if (!model.materials[back.material].double_sided)
-            continue;
-        std::swap(back.vertices[1], back.vertices[2]);
-        for (std::uint32_t& vertex : back.vertices) {
-            ModelVertex v = model.vertices[vertex];
-            v.normal = -v.normal;
-            v.tangent.w = -v.tangent.w;
-            vertex = static_cast<std::uint32_t>(model.vertices.size());
-            model.vertices.push_back(v);
-        }
-        model.triangles.push_back(back);
-    }
-    return model;
-}
-
 RayModel::RayModel(Model model) : model_(std::move(model)), scenes_(std::make_unique<Scenes>()) {}
 RayModel::~RayModel() = default;
 
@@ -217,6 +200,14 @@ bool RayModel::meets_back(const glm::dvec3& origin, const glm::dvec3& direction)
            glm::dot(glm::vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z), glm::vec3(direction)) > 0;
 }
 
+bool RayModel::is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    RTCRay ray = make_ray(origin, direction);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scenes_->all, &context, &ray);
+    return ray.tfar < 0;
+}
+
 bool RayModel::is_cut_out(const ModelPlace& place) const {
     return cut_out(model_, place);
 }
@@ -231,18 +222,17 @@ LitPoint RayModel::point(const ModelPlace& place) const {
     p.normal = length > 1e-6 ? at.normal / length : p.face;
     if (m.normal_texture.image >= 0)
         p.normal = bent_normal(model_, m, at, place, p.normal);
-    const glm::dvec3 base = glm::clamp(
-        glm::dvec3(m.base) * glm::dvec3(at.colour) *
-            glm::dvec3(texture_value(model_, m.base_texture, at.uv, true)),
-        0.0, 1.0);
+    const glm::dvec3 base =
+        glm::clamp(glm::dvec3(m.base) * glm::dvec3(at.colour) *
+                       glm::dvec3(texture_value(model_, m.base_texture, at.uv, true)),
+                   0.0, 1.0);
     const glm::dvec4 mr = texture_value(model_, m.metal_roughness_texture, at.uv, false);
     const double metal = std::clamp(m.metal * mr.b, 0.0, 1.0);
     const double roughness = std::clamp(m.roughness * mr.g, least_roughness, 1.0);
     p.lobes.diffuse = base * (1.0 - metal);
     p.lobes.facing = glm::mix(glm::dvec3(0.04), base, metal);
     p.lobes.alpha = roughness * roughness;
-    p.emission =
-        m.emission * glm::dvec3(texture_value(model_, m.emission_texture, at.uv, true));
+    p.emission = m.emission * glm::dvec3(texture_value(model_, m.emission_texture, at.uv, true));
     return p;
 }
 

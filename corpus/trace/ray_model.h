@@ -24,7 +24,9 @@ struct LitPoint {
 };
 
 // A model with triangles of double-sided materials twice, once for each side: nothing else has a back.
-Model with_both_sides(Model model);
+// Backs from which no way leads out are left out: closed models are often called double-sided. Errors:
+// those of RayModel.
+Result<Model> with_both_sides(Model model);
 
 // Immutable, hence thread-safe.
 class RayModel {
@@ -35,10 +37,13 @@ public:
 
     const Model& model() const { return model_; }
     // Rays pass backs and what the alpha masks cut out. `direction` is of unit length.
-    std::optional<ModelPlace> first_hit(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    std::optional<ModelPlace> first_hit(const glm::dvec3& origin,
+                                        const glm::dvec3& direction) const;
     bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const;
     // Whether the first thing along the ray, backs included, is a back: the origin is inside something.
     bool meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    // Whether anything stands in the way, fronts, backs and what is cut out.
+    bool is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const;
     LitPoint point(const ModelPlace& place) const;
     // Whether the mask lets light pass there.
     bool is_cut_out(const ModelPlace& place) const;

@@ -5,9 +5,9 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double off = 1e-4;       // world units that rays start above a surface
-constexpr int most_bounces = 8;    // after the first
-constexpr int sure_bounces = 2;    // before chance ends paths
+constexpr double off = 1e-4;         // world units that rays start above a surface
+constexpr int most_bounces = 8;      // after the first
+constexpr int sure_bounces = 2;      // before chance ends paths
 constexpr double least_alpha = 0.09; // of places met by way of others
 
 double largest(const glm::dvec3& x) {
@@ -91,7 +91,8 @@ LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
 template <class Lobe>
 glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const {
     glm::dvec3 sum(0.0);
-    const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction, const glm::dvec3& share) {
+    const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
+                         const glm::dvec3& share) {
         if (largest(share * light) > 0.0 && !model_->is_blocked(start_of(point), direction))
             sum += share * light;
     };
@@ -137,7 +138,8 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double dens
         const auto hit = model_->first_hit(origin, direction);
         if (!hit) {
             const double other = light_.environment->density(direction);
-            return sum + share * light_.environment->light(direction) * (density / (density + other));
+            return sum +
+                   share * light_.environment->light(direction) * (density / (density + other));
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);

@@ -9,8 +9,8 @@ namespace tessera::corpus {
 
 // Parallel light from infinitely far: shadows are sharp.
 struct Sun {
-    glm::dvec3 direction{0, 1, 0};   // towards it, of unit length
-    glm::dvec3 irradiance{3.0}; // on a surface that faces it
+    glm::dvec3 direction{0, 1, 0}; // towards it, of unit length
+    glm::dvec3 irradiance{3.0};    // on a surface that faces it
 };
 
 struct ModelLight {
