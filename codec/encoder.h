@@ -67,6 +67,9 @@ struct EncodeOptions {
     Metadata metadata;   // key/values; "Software" is filled in when absent, and keys
                          // with "tessera:" in front are the encoder's: how it encoded
     Description description; // proxy, maps, transfer, primaries
+    // With Proxy::mesh, and only then: the bytes of encode_mesh() (format/surface_mesh.h), stored as
+    // they are.
+    std::vector<std::byte> mesh;
     ProgressFunction progress;
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
     std::function<bool()> cancelled;
@@ -112,7 +115,8 @@ std::string coding_tools_help();
 Status check_coding_tools(const std::string& tools);
 
 // Everything about an encode that can be refused before a texel is read: ranges, tile extents, tools,
-// the mask's shape, alpha against channels, metadata (UTF-8, sizes), a size target that not even a
+// the mask's shape, alpha against channels, metadata (UTF-8, sizes), a mesh that
+// does not decode, a size target that not even a
 // file of nothing but background meets. The functions below begin with it, before they touch a disk.
 // Time: short, but a walk over the tiles' number for targets in bytes. Errors: bad_argument;
 // unsupported (more tiles than a file can have).
@@ -125,8 +129,8 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
 // and the message of an error says so; with bad_argument it leaves none, as no resume could do better. Two processes cannot write one output with a journal at once.
-// The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata` and
-// `description` only.
+// The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata`,
+// `description` and `mesh` only.
 // Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
 // runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
 // slab_bytes.

@@ -238,6 +238,10 @@ typedef struct {
      * refused. */
     const tessera_key_value* source_facts;
     size_t source_fact_count;
+    /* With TESSERA_PROXY_MESH, and only then: a Draco mesh with uv (format/FORMAT.md, 5.2), stored as
+     * it is. */
+    const void* mesh;
+    size_t mesh_bytes;
 } tessera_encode_options;
 
 TESSERA_API void tessera_encode_options_init_sized(tessera_encode_options* options,
@@ -364,6 +368,8 @@ TESSERA_API int tessera_get_texture(const tessera_decoder* decoder, tessera_text
 
 /* The caller sets description->struct_size (tessera_description_init). Numbers outside the enums
  * are those of a later version of the format. */
+/* The Draco mesh of a file with TESSERA_PROXY_MESH, to be freed with the decoder; else null, 0. */
+TESSERA_API int tessera_get_mesh(const tessera_decoder* decoder, const void** bytes, size_t* count);
 TESSERA_API int tessera_get_description(const tessera_decoder* decoder,
                                         tessera_description* description);
 

@@ -48,6 +48,7 @@ enum class ContainerRule : int {
     root = 15,
     index_crc = 20,
     index_record = 21, // lengths, pages and size of the record fit the root
+    proxy_mesh = 22,   // section prxy holds a mesh
     page_crc = 30,
     // Not fatal: the texels decode without these.
     proxy_section = 40,    // a mesh proxy and its section come together
@@ -129,6 +130,10 @@ public:
     // Bytes of the first section of that type before INDX, e.g. "prxy"; empty when there is none.
     std::span<const std::byte> section_bytes(const std::string& type) const;
 
+    // Section prxy of a file whose proxy is a mesh, for decode_mesh() of format/surface_mesh.h; empty
+    // when there is none. At most 2^28 bytes.
+    std::span<const std::byte> proxy_mesh() const;
+
     // Reads the whole index. Errors: io, invalid_file.
     Result<TileSummary> summarise_tiles() const;
 
@@ -166,8 +171,9 @@ public:
     bool wants_prefetch() const;
 
     using Progress = std::function<void(double done, double total)>; // bytes of DATA
-    // Checks everything that open() could not: all index records and pages. Reads DATA once, holds
-    // one page. At most 1000 findings are listed. Empty: the container is sound.
+    // Checks everything that open() could not: the mesh, all index records and pages. Reads DATA once,
+    // holds one page, and a mesh of up to a million triangles (1 GiB; larger ones are not fatal, and
+    // reported as not checked). At most 1000 findings are listed. Empty: the container is sound.
     std::vector<Finding> validate(const Progress& progress = {}) const;
 
 private:

@@ -32,6 +32,11 @@ glm::dvec3 sphere_normal(double u, double v) {
             std::cos(longitude) * std::cos(latitude)};
 }
 
+SurfaceFrame sphere_frame(Proxy proxy, double u, double v) {
+    const glm::dvec3 outwards = sphere_normal(u, v);
+    return surface_frame(proxy == Proxy::sphere_inside ? -outwards : outwards);
+}
+
 glm::dvec2 sphere_place(const glm::dvec3& from_centre) {
     const double longitude = from_centre.x == 0.0 && from_centre.z == 0.0
                                  ? 0.0

@@ -12,6 +12,7 @@
 //   * directions that point into the surface (d . ez < 0) clamp to the nearest s, 0 or 1.
 #pragma once
 
+#include "format/metadata.h"
 #include "format/status.h"
 
 #include <glm/vec2.hpp>
@@ -19,7 +20,7 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// Local frame at a surface point: ez the outward normal, ex horizontal, ey = ez x ex.
+// Local frame at a surface point: ez the normal, ex horizontal, ey = ez x ex.
 struct SurfaceFrame {
     glm::dvec3 ex, ey, ez;
 };
@@ -29,6 +30,9 @@ SurfaceFrame surface_frame(const glm::dvec3& normal);
 
 // Equation 3 inverted: unit vector from the centre to the surface place (u, v), both in 0..1.
 glm::dvec3 sphere_normal(double u, double v);
+
+// The frame at (u, v) of a sphere, or of the sphere seen from inside: its normal points to the centre.
+SurfaceFrame sphere_frame(Proxy proxy, double u, double v);
 
 // Equation 3: (u, v) of the surface place in direction `from_centre` (any length above 0).
 // u is in [0, 1), v in [0, 1]; on the axis (x = z = 0) u = 1/2.

@@ -33,8 +33,8 @@ Neighbours neighbours(double coordinate, std::uint32_t n, bool wraps) {
 
 } // namespace
 
-Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
-                           const glm::dvec3& d) {
+Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre, const glm::dvec3& d,
+                           Proxy proxy) {
     const glm::dvec3 unit = glm::normalize(d);
     const glm::dvec2 place = sphere_place(from_centre);
     const Neighbours u = neighbours(place.x, size[axis_u], true);
@@ -43,8 +43,8 @@ Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre,
     std::size_t next = 0;
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
-            const SurfaceFrame frame = surface_frame(sphere_normal(
-                (u.texel[i] + 0.5) / size[axis_u], (v.texel[j] + 0.5) / size[axis_v]));
+            const SurfaceFrame frame = sphere_frame(proxy, (u.texel[i] + 0.5) / size[axis_u],
+                                                    (v.texel[j] + 0.5) / size[axis_v]);
             const glm::dvec2 angles = direction_angles(frame, unit);
             const Neighbours s = neighbours(angles.x, size[axis_s], false);
             const Neighbours t = neighbours(angles.y, size[axis_t], false);
@@ -76,8 +76,9 @@ Result<glm::dvec4> sample(TexelLookup& lookup, const Footprint& footprint) {
     return sum;
 }
 
-Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d) {
-    return sample(lookup, sample_footprint(lookup.desc().size, from_centre, d));
+Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d,
+                          Proxy proxy) {
+    return sample(lookup, sample_footprint(lookup.desc().size, from_centre, d, proxy));
 }
 
 } // namespace tessera

@@ -1,5 +1,5 @@
 // The surface that a texture lies on: triangles with a place of the atlas at every corner, and what
-// their coordinates mean (FORMAT.md part 5, "Mesh"). The baker, the CPU sampler and the shaders agree
+// their coordinates mean (FORMAT.md 5.2). The baker, the CPU sampler and the shaders agree
 // on this file.
 #pragma once
 
@@ -26,7 +26,7 @@ struct SurfaceMesh {
 
 // How finely a stream holds the numbers: bits of a coordinate over the longest side of the mesh's
 // box, of uv over 0..1 (both 4..24), and of each of a normal's two octahedral coordinates (3..16).
-// 0 bits of normals: the stream has none, and readers compute them (FORMAT.md part 5), smooth where
+// 0 bits of normals: the stream has none, and readers compute them (FORMAT.md 5.2), smooth where
 // triangles meet at less than 45 degrees. That saves a sixth of a closed surface's bytes.
 struct MeshQuantisation {
     unsigned position_bits = 12, uv_bits = 12, normal_bits = 0;

@@ -381,6 +381,17 @@ int tessera_get_description(const tessera_decoder* decoder, tessera_description*
     });
 }
 
+int tessera_get_mesh(const tessera_decoder* decoder, const void** bytes, size_t* count) {
+    return guarded([&]() -> Status {
+        if (decoder == nullptr || bytes == nullptr || count == nullptr)
+            return missing("decoder, bytes or count");
+        const std::span<const std::byte> mesh = decoder->decoder.container().proxy_mesh();
+        *bytes = mesh.empty() ? nullptr : mesh.data();
+        *count = mesh.size();
+        return {};
+    });
+}
+
 uint32_t tessera_level_count(const tessera_decoder* decoder) {
     return decoder == nullptr ? 0
                               : static_cast<uint32_t>(decoder->decoder.container().levels().size());

@@ -142,6 +142,10 @@ private:
                            ? Status()
                            : bad("metadata \"" + std::string(key) + "\" is given twice");
             }));
+        if (o.mesh == nullptr && o.mesh_bytes > 0)
+            return missing("mesh");
+        const auto* const mesh = static_cast<const std::byte*>(o.mesh);
+        options_.mesh.assign(mesh, mesh + o.mesh_bytes);
         TESSERA_TRY_ASSIGN(options_.journal, take_enum(o.journal, JournalUse::resume, "journal"));
         TESSERA_TRY(for_each_entry(o.source_facts, o.source_fact_count, "source_facts",
                                    [this](const char* name, const char* value) {

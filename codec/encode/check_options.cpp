@@ -5,6 +5,7 @@
 #include "codec/trials/tile_choice.h"
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
+#include "format/surface_mesh.h"
 #include "format/tile/coding_parameters.h"
 #include "format/tile/limits.h"
 
@@ -105,6 +106,18 @@ Status check_description(const TextureDesc& desc, const Description& d) {
     return status.ok() ? Status() : refused(std::string(message));
 }
 
+Status check_surface(const EncodeOptions& options) {
+    const bool mesh = options.description.proxy == Proxy::mesh;
+    if (mesh != !options.mesh.empty())
+        return refused(mesh ? "the proxy is a mesh, and no mesh is given"
+                            : "a mesh is given, and the proxy is not a mesh");
+    if (!mesh)
+        return {};
+    const Status status =
+        decode_mesh(options.mesh, std::numeric_limits<std::uint64_t>::max()).status();
+    return status.ok() ? Status() : refused(status.message());
+}
+
 // Bytes that no file of this texture is below: one of nothing but background, with built-in tables.
 Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOptions& options) {
     const std::vector<std::byte> coding = write_coding_parameters({});
@@ -113,6 +126,7 @@ Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOpti
     contents.description = options.description;
     contents.metadata = options.metadata;
     contents.codec_parameters = coding;
+    contents.proxy_mesh = options.mesh;
     contents.tile_length = [](std::uint64_t) { return std::uint64_t{0}; };
     contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
@@ -153,6 +167,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
     TESSERA_TRY(check_tile_count(desc, options));
     TESSERA_TRY(check_rate(options.rate, desc.type));
     TESSERA_TRY(check_description(desc, options.description));
+    TESSERA_TRY(check_surface(options));
     TESSERA_TRY(check_metadata(options.metadata));
     return check_size_target(desc, options);
 }

@@ -73,6 +73,7 @@ ContainerContents contents_of(const FileParts& parts) {
     if (plan.options.layers)
         contents.page_bytes = layered_page_bytes;
     contents.codec_parameters = parts.coding;
+    contents.proxy_mesh = plan.options.mesh;
     for (const CoarseLevel& level : parts.levels)
         contents.coarse_levels.push_back(level.entry);
     contents.tile_length = [&parts](std::uint64_t tile) -> std::uint64_t {

@@ -98,6 +98,9 @@ JournalFacts facts_of(const EncodePlan& plan) {
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},
     };
+    if (!o.mesh.empty())
+        facts.emplace_back("mesh", std::to_string(o.mesh.size()) + " bytes of checksum " +
+                                       checksum(o.mesh));
     if (plan.mask != nullptr)
         facts.emplace_back("size of the mask", to_string(plan.mask->desc().size));
     for (const auto& [name, value] : o.source_facts)

@@ -73,7 +73,9 @@ std::vector<Patch> sphere_patches(double radius, double tolerance) {
 }
 
 std::vector<Patch> cylinder_patches(double radius, double half_height, double tolerance) {
-    const std::uint32_t corners = count_of(pi / 2.0 * std::sqrt(radius / tolerance), 6);
+    // A ball's outline is made of many edges, whose errors cancel. A tube's is one edge, wrong all along.
+    constexpr double finer = 8;
+    const std::uint32_t corners = count_of(pi / 2.0 * std::sqrt(finer * radius / tolerance), 6);
     const double corner = straddling(radius, pi / corners);
     Patch side;
     side.part.round = true;

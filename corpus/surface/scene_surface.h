@@ -15,8 +15,9 @@ struct SurfaceOptions {
     AtlasOptions atlas;
     // Of texels on mirrors, relative to other places. What a place of a mirror shows turns with the place
     // and with the direction, and directions are the coarser: the bytes are better spent there.
-    double mirror_density = 0.5;
-    double tolerance = 0.1 * paper_pixel; // between polygons and what they stand for
+    double mirror_density = 0.25;
+    double tolerance =
+        0.2 * paper_pixel; // between polygons and what they stand for; outlines are nearer
 };
 
 struct SceneSurface {

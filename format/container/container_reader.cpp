@@ -83,6 +83,10 @@ std::span<const std::byte> ContainerReader::codec_parameters() const {
 std::span<const std::byte> ContainerReader::section_bytes(const std::string& type) const {
     return container_->section_bytes(type);
 }
+std::span<const std::byte> ContainerReader::proxy_mesh() const {
+    return description().proxy == Proxy::mesh ? section_bytes("prxy")
+                                              : std::span<const std::byte>();
+}
 Result<TileSummary> ContainerReader::summarise_tiles() const {
     return container_->summarise_tiles();
 }

@@ -1,4 +1,5 @@
 #include "format/container/open_container.h"
+#include "format/surface_mesh.h"
 
 #include <algorithm>
 
@@ -8,6 +9,7 @@ namespace {
 
 constexpr std::size_t max_findings = 1000;
 constexpr std::uint64_t max_listed_boxes = 8; // in one finding
+constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 30;
 
 Finding finding(ContainerRule rule, bool fatal, std::string text) {
     return {static_cast<int>(rule), fatal, std::move(text), 0, 0};
@@ -41,6 +43,14 @@ void note_unknown_values(const Description& d, const std::string& name, std::vec
     note("primaries", static_cast<int>(d.primaries), 1);
 }
 
+void check_mesh_section(std::span<const std::byte> stream, const std::string& name,
+                        std::vector<Finding>& out) {
+    const Status status = decode_mesh(stream, most_mesh_bytes).status();
+    if (!status)
+        out.push_back(finding(ContainerRule::proxy_mesh, status.code() == ErrorCode::invalid_file,
+                              name + ": section prxy: " + status.message()));
+}
+
 } // namespace
 
 void OpenContainer::note_curiosities(std::vector<Finding>& out) const {
@@ -49,6 +59,8 @@ void OpenContainer::note_curiosities(std::vector<Finding>& out) const {
         out.push_back(finding(ContainerRule::proxy_section, false,
                               name() + (mesh ? ": the proxy is a mesh, but section prxy is missing"
                                              : ": section prxy without a mesh as proxy")));
+    else if (mesh)
+        check_mesh_section(section_bytes("prxy"), name(), out);
     note_unknown_values(header_.description, name(), out);
     if (header_.optional_features != 0)
         out.push_back(finding(ContainerRule::unknown_optional, false,

@@ -1,11 +1,11 @@
-// What a surface mesh must hold, whoever made it: FORMAT.md part 5, "Mesh".
+// What a surface mesh must hold, whoever made it: FORMAT.md 5.2.
 #pragma once
 
 #include "format/surface_mesh.h"
 
 namespace tessera {
 
-// Limits of FORMAT.md part 5.
+// Limits of FORMAT.md 5.2.
 inline constexpr std::uint64_t max_mesh_triangles = 1u << 24;
 inline constexpr float max_mesh_coordinate = 1e30f; // products of two stay finite
 // Beyond 0..1 by this much a coordinate is taken for 0 or 1: what dequantising may be off by.

@@ -1,4 +1,4 @@
-// Normals of a mesh whose stream has none: FORMAT.md part 5, "Mesh".
+// Normals of a mesh whose stream has none: FORMAT.md 5.2.
 #pragma once
 
 #include "format/surface_mesh.h"

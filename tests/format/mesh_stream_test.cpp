@@ -3,6 +3,7 @@
 #include "tests/support/meshes.h"
 
 #include <algorithm>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <limits>
@@ -67,6 +68,183 @@ TEST(MeshStream, TrianglesComeBackInSomeOrder) {
     const SurfaceMesh soup = on_grid(triangle_soup(50, 1));
     const SurfaceMesh back = there_and_back(soup, {8, 10, 0});
     EXPECT_EQ(back.triangles.size(), soup.triangles.size());
+}
+
+// Of a sphere every place has a nearest decoded vertex; normals and uv go with it.
+TEST(MeshStream, NumbersAreOffByHalfAStepAtMost) {
+    const SurfaceMesh mesh = six_charts(5, true);
+    for (const unsigned bits : {8u, 11u, 14u}) {
+        const SurfaceMesh back = there_and_back(mesh, {bits, bits, 8});
+        ASSERT_EQ(back.positions.size(), mesh.positions.size());
+        const float steps = static_cast<float>((1u << bits) - 1);
+        const float place_error = 2.0f / steps / 2 + 1e-6f, uv_error = 1 / steps / 2 + 1e-6f;
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            bool found = false;
+            for (std::size_t k = 0; k < back.positions.size() && !found; ++k) {
+                const glm::vec3 off = glm::abs(back.positions[k] - mesh.positions[i]);
+                const glm::vec2 uv = glm::abs(back.uv[k] - mesh.uv[i]);
+                found = std::max({off.x, off.y, off.z}) <= place_error &&
+                        std::max(uv.x, uv.y) <= uv_error &&
+                        glm::dot(back.normals[k], mesh.normals[i]) > 0.9995f;
+            }
+            EXPECT_TRUE(found) << i;
+        }
+    }
+}
+
+TEST(MeshStream, BytesAreTheSameEveryTime) {
+    const SurfaceMesh mesh = six_charts(4, true);
+    EXPECT_EQ(*encode_mesh(mesh, {}), *encode_mesh(mesh, {}));
+    SurfaceMesh without = mesh;
+    without.normals.clear(); // not looked at
+    EXPECT_EQ(*encode_mesh(mesh, {}), *encode_mesh(without, {}));
+    EXPECT_LT(encode_mesh(mesh, {})->size(), encode_mesh(mesh, {12, 12, 8})->size());
+}
+
+void refuses(const char* what, const MeshQuantisation& bits,
+             const std::function<void(SurfaceMesh&)>& spoil) {
+    SurfaceMesh mesh = six_charts(1, false);
+    spoil(mesh);
+    const Status status = encode_mesh(mesh, bits).status();
+    EXPECT_EQ(status.code(), ErrorCode::bad_argument) << status.message();
+    EXPECT_NE(status.message().find(what), std::string::npos) << status.message();
+}
+
+TEST(MeshStream, RefusesToEncodeWhatIsNoMesh) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float infinity = std::numeric_limits<float>::infinity();
+    const MeshQuantisation all{12, 12, 8};
+    refuses("no triangles", {}, [](SurfaceMesh& m) { m.triangles.clear(); });
+    refuses("triangle 3", {}, [](SurfaceMesh& m) { m.triangles[3][1] = 24; });
+    refuses("position 5", {}, [&](SurfaceMesh& m) { m.positions[5].y = nan; });
+    refuses("position 5", {}, [&](SurfaceMesh& m) { m.positions[5].y = -infinity; });
+    refuses("position 0", {}, [&](SurfaceMesh& m) { m.positions[0].x = 2e30f; });
+    refuses("uv 23", {}, [&](SurfaceMesh& m) { m.uv[23].x = nan; });
+    refuses("uv 1", {}, [&](SurfaceMesh& m) { m.uv[1].y = 1.01f; });
+    refuses("uv 1", {}, [&](SurfaceMesh& m) { m.uv[1].y = -0.01f; });
+    refuses("normal 2", all, [&](SurfaceMesh& m) { m.normals[2] = {}; });
+    refuses("normal 2", all, [&](SurfaceMesh& m) { m.normals[2].z = nan; });
+    refuses("normals", all, [&](SurfaceMesh& m) { m.normals.pop_back(); });
+    refuses("uv", {}, [&](SurfaceMesh& m) { m.uv.pop_back(); });
+    refuses("three places", {}, [&](SurfaceMesh& m) {
+        for (auto& triangle : m.triangles)
+            triangle[1] = triangle[0];
+    });
+    refuses("position bits", {3, 12, 8}, [](SurfaceMesh&) {});
+    refuses("uv bits", {12, 25, 8}, [](SurfaceMesh&) {});
+    refuses("normal bits", {12, 12, 2}, [](SurfaceMesh&) {});
+}
+
+TEST(MeshStream, LeavesOutTrianglesWithTwoCornersAtOnePlace) {
+    SurfaceMesh mesh = six_charts(1, false);
+    const std::size_t count = mesh.triangles.size();
+    for (std::uint32_t i = 0; i < 100000; ++i)
+        mesh.triangles.push_back({i % 24, i % 24, i % 7});
+    EXPECT_EQ(there_and_back(mesh, {}).triangles.size(), count);
+}
+
+// Vertices that fall together when quantised leave triangles without area.
+TEST(MeshStream, KeepsTrianglesThatQuantisingMakesFlat) {
+    SurfaceMesh mesh = triangle_soup(20, 3);
+    for (std::size_t i = 3; i < mesh.positions.size(); ++i)
+        mesh.positions[i] = mesh.positions[i - i % 3] + 1e-6f * static_cast<float>(i % 3);
+    const SurfaceMesh back = there_and_back(mesh, {8, 8, 0});
+    EXPECT_EQ(back.triangles.size(), mesh.triangles.size());
+    for (const glm::vec3& normal : back.normals)
+        EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);
+}
+
+// An edge of five triangles, a vertex of two cones, a strip with one twist.
+TEST(MeshStream, TakesWhatIsNoManifold) {
+    SurfaceMesh mesh;
+    const auto vertex = [&](float x, float y, float z) {
+        mesh.positions.emplace_back(x, y, z);
+        mesh.uv.emplace_back(std::abs(x) / 8, std::abs(y) / 8);
+        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    };
+    const std::uint32_t a = vertex(0, 0, 0), b = vertex(0, 0, 1);
+    for (int i = 0; i < 5; ++i)
+        mesh.triangles.push_back({a, b, vertex(1, static_cast<float>(i), 0)});
+    for (int i = 0; i < 4; ++i) // a reversed neighbour
+        mesh.triangles.push_back({b, static_cast<std::uint32_t>(2 + i), a});
+    for (const float z : {-1.0f, 1.0f})
+        mesh.triangles.push_back({a, vertex(3, 3, z), vertex(4, 3, z)});
+    EXPECT_EQ(there_and_back(mesh, {}).triangles.size(), mesh.triangles.size());
+}
+
+Bytes box_stream(unsigned normal_bits) {
+    return *encode_mesh(six_charts(1, false), {10, 10, normal_bits});
+}
+
+TEST(MeshStream, RefusesStreamsThatAreCutOffOrGoOn) {
+    for (const unsigned normal_bits : {0u, 6u}) {
+        const Bytes whole = box_stream(normal_bits);
+        for (std::size_t size = 0; size < whole.size(); ++size) {
+            const auto part = decode_mesh(std::span(whole).first(size), no_limit);
+            EXPECT_EQ(part.status().code(), ErrorCode::invalid_file) << size;
+        }
+        Bytes more = whole;
+        more.push_back(std::byte{0});
+        EXPECT_EQ(decode_mesh(more, no_limit).status().code(), ErrorCode::invalid_file);
+    }
+}
+
+// Whatever comes of it: an error, or a mesh in range.
+TEST(MeshStream, SurvivesFlippedBits) {
+    for (const unsigned normal_bits : {0u, 6u}) {
+        const Bytes whole = box_stream(normal_bits);
+        for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+            Bytes flipped = whole;
+            flipped[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+            const auto mesh = decode_mesh(flipped, 64u << 20);
+            if (!mesh) {
+                EXPECT_NE(mesh.status().code(), ErrorCode::runtime) << bit;
+                continue;
+            }
+            ASSERT_EQ(mesh->normals.size(), mesh->positions.size());
+            for (const auto& triangle : mesh->triangles)
+                for (const std::uint32_t corner : triangle)
+                    ASSERT_LT(corner, mesh->positions.size());
+        }
+    }
+}
+
+// The counts stand behind twelve bytes; a box' are one byte each.
+TEST(MeshStream, RefusesCountsBeforeReservingMemory) {
+    const auto claiming = [](std::initializer_list<int> counts) {
+        Bytes stream = box_stream(0);
+        stream.erase(stream.begin() + 12, stream.begin() + 14);
+        for (auto i = std::rbegin(counts); i != std::rend(counts); ++i)
+            stream.insert(stream.begin() + 12, static_cast<std::byte>(*i));
+        return decode_mesh(stream, 256u << 20).status().code();
+    };
+    EXPECT_EQ(claiming({8, 12}), ErrorCode::ok);
+    EXPECT_EQ(claiming({8, 0}), ErrorCode::invalid_file);
+    EXPECT_EQ(claiming({37, 12}), ErrorCode::invalid_file);                   // vertices
+    EXPECT_EQ(claiming({8, 0x80, 0x80, 0x80, 0x04}), ErrorCode::unsupported); // 2^23 triangles
+    EXPECT_EQ(claiming({8, 0x81, 0x80, 0x80, 0x08}), ErrorCode::invalid_file);
+    EXPECT_EQ(claiming({8, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}), ErrorCode::invalid_file);
+    EXPECT_EQ(claiming({8, 0xFF, 0xFF, 0xFF, 0xFF, 0x1F}), ErrorCode::invalid_file);
+    EXPECT_EQ(decode_mesh(box_stream(0), 1000).status().code(), ErrorCode::unsupported);
+}
+
+TEST(MeshStream, RefusesOtherKindsOfStreams) {
+    const auto with = [](std::size_t at, int value) {
+        Bytes stream = box_stream(0);
+        stream[at] = static_cast<std::byte>(value);
+        return decode_mesh(stream, no_limit).status().message();
+    };
+    const auto says = [&](std::size_t at, int value, const char* what) {
+        EXPECT_NE(with(at, value).find(what), std::string::npos) << with(at, value);
+    };
+    says(0, 'd', "not Draco's");
+    says(5, 1, "1.2");
+    says(6, 1, "2.1");
+    says(7, 0, "not a mesh"); // a cloud of points
+    says(8, 0, "Edgebreaker");
+    says(10, 0x80, "metadata");
+    says(11, 1, "traversal");
+    says(14, 3, "seams");
 }
 
 } // namespace

@@ -160,7 +160,7 @@ Header read_header(Bytes file) {
     for (size_t at = 80; at < 104; at += 4)
         require(std::isfinite(f32(file, at)), "header: not finite");
     const float radius = f32(file, 92);
-    require(proxy == 1 ? radius > 0 : radius == 0, "header: sphere_radius");
+    require(proxy == 1 || proxy == 3 ? radius > 0 : radius == 0, "header: sphere_radius");
     require(f32(file, 96) >= 0 && f32(file, 96) <= f32(file, 100), "header: viewing_radius");
 
     for (size_t c = 0; c < 4; ++c) {

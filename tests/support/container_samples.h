@@ -4,6 +4,7 @@
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
+#include "tests/support/meshes.h"
 #include "tests/support/random.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ inline std::unique_ptr<Sample> rich_sample() {
     tiles.resize(258);
     tiles[257] = Random(4).bytes(30);
     auto sample = std::make_unique<Sample>(std::move(tiles));
-    static const Bytes mesh = Random(5).bytes(20), extra = Random(6).bytes(10);
+    static const Bytes mesh = *encode_mesh(six_charts(1, false), {}), extra = Random(6).bytes(10);
     sample->contents.description.proxy = Proxy::mesh;
     sample->contents.metadata = {{"Author", "someone"}, {"Software", "test"}};
     sample->contents.proxy_mesh = mesh;

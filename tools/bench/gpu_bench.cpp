@@ -1,6 +1,6 @@
-#ifdef TESSERA_GPU
 #include "tools/bench/gpu_bench.h"
 
+#ifdef TESSERA_GPU
 #include "codec/metrics.h"
 #include "decoder_glsl/gl_context.h"
 #include "tools/bench/gpu_stage_times.h"

@@ -59,11 +59,14 @@ Status set_proxy(Description& d, const std::string& text) {
         return {};
     }
     float sphere[4];
-    const bool is_sphere = text.rfind("sphere:", 0) == 0;
-    if (!is_sphere || !parse_floats(std::string_view(text).substr(7), sphere, 4) || sphere[3] <= 0)
+    const std::size_t colon = text.find(':');
+    const std::string kind = text.substr(0, colon);
+    if ((kind != "sphere" && kind != "sphere-inside") || colon == std::string::npos ||
+        !parse_floats(std::string_view(text).substr(colon + 1), sphere, 4) || sphere[3] <= 0)
         return {ErrorCode::bad_argument,
-                "proxy '" + text + "' is not none or sphere:cx,cy,cz,r with r above 0"};
-    d.proxy = Proxy::sphere;
+                "proxy '" + text +
+                    "' is not none, sphere:cx,cy,cz,r or sphere-inside:cx,cy,cz,r with r above 0"};
+    d.proxy = kind == "sphere" ? Proxy::sphere : Proxy::sphere_inside;
     for (int i = 0; i < 3; ++i)
         d.sphere_centre[i] = sphere[i];
     d.sphere_radius = sphere[3];
@@ -80,11 +83,11 @@ std::string float_text(float value) {
 
 std::string description_field_values(std::string_view field) {
     if (field == "proxy")
-        return "none, sphere:cx,cy,cz,r";
+        return "none, sphere:cx,cy,cz,r, sphere-inside:cx,cy,cz,r";
     if (field == "surface-map")
         return all_names<SurfaceMap>(2);
     if (field == "angular-map")
-        return all_names<AngularMap>(2);
+        return all_names<AngularMap>(4);
     if (field == "transfer")
         return all_names<Transfer>(2);
     if (field == "primaries")
@@ -120,10 +123,10 @@ Status set_description_field(Description& d, std::string_view field, const std::
 
 std::map<std::string, std::string> description_to_text(const Description& d) {
     std::map<std::string, std::string> text;
-    if (d.proxy == Proxy::sphere)
-        text["proxy"] = "sphere:" + float_text(d.sphere_centre[0]) + "," +
-                        float_text(d.sphere_centre[1]) + "," + float_text(d.sphere_centre[2]) +
-                        "," + float_text(d.sphere_radius);
+    if (is_sphere(d.proxy))
+        text["proxy"] = (d.proxy == Proxy::sphere ? "sphere:" : "sphere-inside:") +
+                        float_text(d.sphere_centre[0]) + "," + float_text(d.sphere_centre[1]) +
+                        "," + float_text(d.sphere_centre[2]) + "," + float_text(d.sphere_radius);
     if (d.surface_map != SurfaceMap::none)
         text["surface-map"] = name_of(d.surface_map);
     if (d.angular_map != AngularMap::none)

@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// Fields: proxy ("sphere:cx,cy,cz,r"), surface-map, angular-map, transfer, primaries, alpha,
+// Fields: proxy ("sphere:cx,cy,cz,r", "sphere-inside:cx,cy,cz,r"; a mesh is not said), surface-map, angular-map, transfer, primaries, alpha,
 // viewing-radius ("near,far").
 inline constexpr const char* description_fields[] = {
     "proxy", "surface-map", "angular-map", "transfer", "primaries", "alpha", "viewing-radius"};

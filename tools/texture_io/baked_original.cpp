@@ -17,6 +17,10 @@ std::uint64_t remembered(const Metadata& metadata, const std::string& key,
 
 Result<std::unique_ptr<TexelSource>> bake_again(const BakeAgain& bake, const std::string& name,
                                                 const Extent4& size, const Metadata& metadata) {
+    // A mask goes with those: most of what differs would be texels that do not matter.
+    if (metadata.contains("Texels per unit"))
+        return Status(ErrorCode::unsupported,
+                      name + ": was baked on a mesh, and only spheres are baked again");
     const std::uint64_t samples =
         bake.samples ? *bake.samples : remembered(metadata, "Samples per texel", usual_samples);
     if (samples > corpus::max_samples_per_texel)

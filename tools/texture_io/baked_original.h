@@ -21,7 +21,8 @@ struct BakeAgain {
 };
 
 // `size` and `metadata` are those of the file `name`; its samples may be of another type or number.
-// Errors: bad_argument (no such scene, the file remembers more samples than there can be).
+// Errors: bad_argument (no such scene, the file remembers more samples than there can be);
+// unsupported (the file's texture lies on a mesh).
 Result<std::unique_ptr<TexelSource>> bake_again(const BakeAgain& bake, const std::string& name,
                                                 const Extent4& size, const Metadata& metadata);
 

@@ -1,34 +1,24 @@
 #include "corpus/bake.h"
+#include "corpus/catalog.h"
 #include "tools/support/copy_texture.h"
-#include "tools/support/encode_arguments.h"
+#include "tools/support/description_text.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
-#include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_sources.h"
 #include "tools/verbs/command.h"
 
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 
 namespace tessera {
 namespace {
-
-struct BakeCommand {
-    std::string scene, output;
-    TextureArguments texture; // threads and quiet; size is the size to bake
-    unsigned samples = 16;
-    std::uint64_t seed = 1;
-    bool list = false;
-    EncodeArguments encode;
-};
-
-bool is_compressed(const BakeCommand& a) {
-    return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
-}
 
 Status list_scenes() {
     for (const corpus::SceneInfo& scene : corpus::scenes())
@@ -38,45 +28,37 @@ Status list_scenes() {
     return {};
 }
 
-// Every scene lies inside the paper's sphere of diameter 7.
-Description baked_description(SampleType type) {
-    Description d;
-    d.proxy = Proxy::sphere;
-    d.sphere_radius = 3.5f;
-    d.surface_map = SurfaceMap::sphere_longitude_latitude;
-    d.angular_map = AngularMap::hemisphere_alpha_beta;
-    d.transfer = type == SampleType::unorm8 ? Transfer::srgb : Transfer::linear;
-    d.primaries = Primaries::bt709;
-    return d;
+std::string capitalised(std::string name) {
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+    return name;
 }
 
 // What the command asks of the encoder; errors that need no texel.
-Result<EncodeOptions> options_for(const BakeCommand& a, const TextureDesc& desc) {
+Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
+    const TextureDesc& desc = baking.texels->desc();
     const bool compressed = is_compressed(a);
     if (!compressed && says_how_to_encode(a.encode))
         return Status(ErrorCode::bad_argument,
                       a.output +
                           ": rate, tile, tools, metadata and --resume options need a .tess output");
-    Metadata metadata = {{"Scene", a.scene},
-                         {"Samples per texel", std::to_string(a.samples)},
-                         {"Seed", std::to_string(a.seed)}};
-    TESSERA_TRY_ASSIGN(auto options,
-                       make_encode_options(a.encode, a.texture.threads, std::move(metadata),
-                                           baked_description(desc.type)));
+    Metadata metadata;
+    for (const auto& [name, value] : baking.facts)
+        metadata[capitalised(name)] = value;
+    TESSERA_TRY_ASSIGN(auto options, make_encode_options(a.encode, a.texture.threads,
+                                                         std::move(metadata), baking.description));
+    options.mesh = baking.mesh;
+    options.mask = baking.mask.get();
+    if (a.encode.tile.empty())
+        options.tile_extent = baking.tile;
     TESSERA_TRY(check_for(a.encode, options, desc));
     TESSERA_TRY(compressed ? check_tess_output(a.encode, a.output)
                            : check_texture_output(a.output, desc));
-    options.source_facts = {{"scene", a.scene},
-                            {"samples per texel", std::to_string(a.samples)},
-                            {"seed", std::to_string(a.seed)}};
+    options.source_facts = baking.facts;
     return options;
 }
 
-Json scene_json(const BakeCommand& a) {
-    return {{"scene", a.scene}, {"samples_per_texel", a.samples}, {"seed", a.seed}};
-}
-
-Status bake_compressed(const BakeCommand& a, TexelSource& source, EncodeOptions options) {
+Status bake_compressed(const BakeCommand& a, const Baking& baking, EncodeOptions options) {
+    TexelSource& source = *baking.texels;
     TESSERA_TRY_ASSIGN(const auto report, [&] {
         Progress progress("tessera bake", a.texture.quiet);
         options.progress = progress.function();
@@ -84,15 +66,18 @@ Status bake_compressed(const BakeCommand& a, TexelSource& source, EncodeOptions 
     }());
     if (a.encode.json) {
         Json json = report_json(a.output, source.desc(), options, report);
-        json.update(scene_json(a));
+        json.update(baking.json);
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source.desc(), report);
+        if (!baking.remark.empty())
+            std::fprintf(summary_stream(a.output), "  %s\n", baking.remark.c_str());
     }
     return {};
 }
 
-Status bake_plain(const BakeCommand& a, TexelSource& source, const EncodeOptions& options) {
+Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOptions& options) {
+    TexelSource& source = *baking.texels;
     const auto start = std::chrono::steady_clock::now();
     const TextureDesc& desc = source.desc();
     TESSERA_TRY_ASSIGN(auto sink,
@@ -108,7 +93,7 @@ Status bake_plain(const BakeCommand& a, TexelSource& source, const EncodeOptions
         Json json = {{"output", a.output},         {"size", to_string(desc.size)},
                      {"type", name_of(desc.type)}, {"channels", desc.channels},
                      {"raw_bytes", bytes},         {"seconds", seconds.count()}};
-        json.update(scene_json(a));
+        json.update(baking.json);
         print_json(json);
     } else if (!a.texture.quiet) {
         std::printf("%s: %s, %d x %s, %s of texels in %.2f s\n", a.output.c_str(),
@@ -124,14 +109,12 @@ Status run(const BakeCommand& a) {
     if (a.scene.empty() || a.output.empty())
         return {ErrorCode::bad_argument,
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
-    TESSERA_TRY_ASSIGN(const auto scene, corpus::find_scene(a.scene));
-    TESSERA_TRY_ASSIGN(const auto size,
-                       parse_extent_or(a.texture.size, "--size", scene.default_size));
-    TESSERA_TRY_ASSIGN(auto baked, corpus::make_baked_source(a.scene, size, a.samples, a.seed));
-    const auto source = interruptible(std::move(baked)); // bakes where it is read
-    TESSERA_TRY_ASSIGN(const auto options, options_for(a, source->desc()));
-    return with_memory_hint(is_compressed(a) ? bake_compressed(a, *source, options)
-                                             : bake_plain(a, *source, options));
+    BakeCommand own = a;
+    TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
+    baking.texels = interruptible(std::move(baking.texels)); // bakes where it is read
+    TESSERA_TRY_ASSIGN(const auto options, options_for(own, baking));
+    return with_memory_hint(is_compressed(a) ? bake_compressed(own, baking, options)
+                                             : bake_plain(own, baking, options));
 }
 
 } // namespace
@@ -148,17 +131,42 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         c.add_option("--spp", a.samples, "Rays per texel, over all four dimensions")
             ->check(CLI::Range(1u, corpus::max_samples_per_texel))
             ->capture_default_str();
-        c.add_option("--seed", a.seed, "Of the sample pattern")->capture_default_str();
+        c.add_option("--seed", a.seed, "Of the sample pattern on the sphere (default 1)");
+        c.add_option(
+             "--density", a.density,
+             "Mesh: texels a world unit (default 32; 64 where things have patterns); mirrors "
+             "and what is farther away have fewer")
+            ->check(number_between(0.01, 10000));
+        c.add_option(
+            "--directions", a.directions,
+            "Mesh: SxT of each place's angular image (default 24x24; 16x16 where only some "
+            "things shine, 1x1 where none do)");
         add_threads_options(c, a.texture);
         add_encode_options(c, a.encode);
+        c.get_option("--proxy")->description(
+            "What the texture lies on: sphere, the paper's (default), or mesh, the surfaces of the "
+            "things themselves; none or sphere:cx,cy,cz,r describe it otherwise");
+        c.get_option("--angular-map")
+            ->description("Mesh: hemisphere, mirrored, or auto, by trial (default). Sphere: " +
+                          description_field_values("angular-map"));
     };
     add_verb<BakeCommand>(
         app, chosen, "bake", "Ray trace a built-in scene into a texture",
         "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
         "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory only.\n\n"
+        "On the paper's sphere, things that lie behind the surface are blurred: no size resolves "
+        "them.\n"
+        "--proxy mesh puts the texture on the things themselves. The scene becomes a mesh with "
+        "charts in\n"
+        "an atlas; the file holds both, and the texels that nobody sees cost next to nothing. "
+        "Places\n"
+        "need --density, what shines needs --directions; --spp samples spread over the place "
+        "only.\n\n"
         "Examples:\n"
         "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
         "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
+        "  tessera bake composed -o mesh.tess --proxy mesh --target-bytes 16000\n"
+        "  tessera bake mirror -o mirror.tess --proxy mesh --density 64 --directions 32x32\n"
         "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
         "  tessera bake --list",
         declare, run);

@@ -13,8 +13,10 @@
 namespace tessera {
 namespace {
 
+constexpr std::uint64_t most_mesh_bytes = 1u << 28; // a file's head holds no more
+
 struct EncodeCommand {
-    std::string input, output;
+    std::string input, output, mesh;
     TextureArguments texture;
     MaskArguments mask;
     EncodeArguments encode;
@@ -35,6 +37,24 @@ std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a
     return facts;
 }
 
+// The mesh that is asked for, else that of a .tess, which then is the proxy.
+Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, OpenedTexture& input) {
+    std::vector<std::byte> mesh;
+    if (!a.mesh.empty()) {
+        TESSERA_TRY_ASSIGN(const auto file, open_file(a.mesh));
+        if (file->size() > most_mesh_bytes)
+            return Status(ErrorCode::unsupported, a.mesh + ": more than 2^28 bytes");
+        mesh.resize(file->size());
+        TESSERA_TRY(file->read(0, mesh));
+    } else if (input.decoder != nullptr) {
+        const auto kept = input.decoder->container().proxy_mesh();
+        mesh.assign(kept.begin(), kept.end());
+    }
+    if (!mesh.empty())
+        input.description.proxy = Proxy::mesh;
+    return mesh;
+}
+
 Status run(const EncodeCommand& a) {
     // What the command line alone shows to be wrong, before a file is opened.
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
@@ -44,9 +64,12 @@ Status run(const EncodeCommand& a) {
     TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}));
     TESSERA_TRY_ASSIGN(auto input, open_texture(a.input, hints));
     input.metadata.erase(software_key); // the encoder names itself
+    TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, input));
     TESSERA_TRY_ASSIGN(auto options,
                        make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
                                            input.description));
+    if (options.description.proxy == Proxy::mesh) // --proxy may have put another in its place
+        options.mesh = std::move(mesh);
     const auto source = interruptible(std::move(input.source));
     TESSERA_TRY(check_for(a.encode, options, source->desc()));
     const auto mask = open_mask(a.mask, source->desc().size, a.texture.threads, options.slab_bytes);
@@ -84,6 +107,10 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         add_texture_options(c, a.texture);
         add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
+        c.add_option(
+             "--mesh", a.mesh,
+             "The surface: a Draco mesh with uv, stored as the proxy (that of a .tess is kept)")
+            ->group("Description");
     };
     add_verb<EncodeCommand>(
         app, chosen, "encode", "Compress a texture into a .tess file",

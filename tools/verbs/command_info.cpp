@@ -1,4 +1,5 @@
 #include "format/container_reader.h"
+#include "format/surface_mesh.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/description_text.h"
 #include "tools/support/json_text.h"
@@ -8,9 +9,12 @@
 #include "tools/verbs/command.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 
 namespace tessera {
 namespace {
+
+constexpr std::uint64_t most_mesh_memory = std::uint64_t{1} << 30;
 
 struct InfoCommand {
     std::string input;
@@ -26,6 +30,26 @@ Json texture_json(const std::string& path, const TextureDesc& desc,
             {"channels", desc.channels},
             {"raw_bytes", desc.box_bytes(Box4::whole(desc.size))},
             {"description", description_to_text(description)}};
+}
+
+// "error" where the section holds no mesh, or one too large to look at here.
+Json mesh_json(std::span<const std::byte> stream) {
+    Json json = {{"bytes", stream.size()}};
+    const auto mesh = decode_mesh(stream, most_mesh_memory);
+    if (!mesh.ok()) {
+        json["error"] = mesh.status().message();
+        return json;
+    }
+    glm::vec3 low = mesh->positions.front(), high = low;
+    for (const glm::vec3& p : mesh->positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    json["triangles"] = mesh->triangles.size();
+    json["vertices"] = mesh->positions.size();
+    json["low"] = {low.x, low.y, low.z};
+    json["high"] = {high.x, high.y, high.z};
+    return json;
 }
 
 Json tess_json(const std::string& path, const ContainerReader& file, const TileSummary& tiles) {
@@ -47,6 +71,10 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
                      {"bytes", tiles.bytes},
                      {"largest", tiles.largest}};
     json["page_bytes"] = facts.page_bytes;
+    if (!file.proxy_mesh().empty()) {
+        json["description"]["proxy"] = "mesh";
+        json["mesh"] = mesh_json(file.proxy_mesh());
+    }
     json["background"] = Json::array();
     for (std::size_t c = 0; c < desc.channels; ++c)
         json["background"].push_back(facts.background[c]);

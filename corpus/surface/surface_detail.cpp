@@ -1,0 +1,42 @@
+#include "corpus/surface/surface_detail.h"
+
+#include "corpus/shade.h"
+
+#include <algorithm>
+
+namespace tessera::corpus {
+namespace {
+
+// What a tile may have, codec/encoder.h.
+constexpr std::uint32_t most_directions = 32, most_places = 64, most_tile_texels = 65536;
+
+// A tile is coded alone. What looks the same from everywhere is coded once where a tile has all
+// directions; where everything shines, more places and fewer directions are 8 % cheaper.
+Extent4 tile_for(bool all_shine, const Texels2& directions) {
+    Extent4 tile{};
+    const std::uint32_t most = all_shine ? 8 : most_directions;
+    tile[axis_s] = std::min(directions[0], most);
+    tile[axis_t] = std::min(directions[1], most);
+    std::uint32_t side = most_places;
+    while (side * side * tile[axis_s] * tile[axis_t] > most_tile_texels)
+        side /= 2;
+    tile[axis_u] = tile[axis_v] = side;
+    return tile;
+}
+
+} // namespace
+
+SurfaceDetail surface_detail(const Scene& scene, const SurfaceWish& wish) {
+    bool any_shine = false, all_shine = true, any_pattern = false;
+    for (const Object& object : scene.objects) {
+        any_shine = any_shine || shines(object.material);
+        all_shine = all_shine && shines(object.material);
+        any_pattern = any_pattern || object.material.pattern != Pattern::flat;
+    }
+    const std::uint32_t side = all_shine ? 24 : any_shine ? 16 : 1;
+    const Texels2 directions = wish.directions.value_or(Texels2{side, side});
+    return {wish.density.value_or(any_pattern ? 64.0 : 32.0), directions,
+            wish.tile.value_or(tile_for(all_shine, directions))};
+}
+
+} // namespace tessera::corpus

@@ -1,0 +1,44 @@
+// Section prxy: refused, or a mesh in range that can be drawn.
+#include "format/surface_mesh.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/support/meshes.h"
+
+#include <cmath>
+
+namespace tessera::fuzz {
+
+constexpr std::uint64_t most_memory = 64u << 20;
+
+std::vector<Bytes> seeds() {
+    return {*encode_mesh(test::six_charts(1, false), {}),
+            *encode_mesh(test::six_charts(3, true), {10, 10, 6}),
+            *encode_mesh(test::triangle_soup(5, 1), {8, 8, 0})};
+}
+
+void check(const SurfaceMesh& mesh) {
+    require(!mesh.triangles.empty(), "a mesh without triangles");
+    const std::size_t vertices = mesh.positions.size();
+    require(mesh.uv.size() == vertices && mesh.normals.size() == vertices, "lists of other lengths");
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t corner : triangle)
+            require(corner < vertices, "a corner that is no vertex");
+    const std::vector<glm::vec3> tangents = mesh_tangents(mesh);
+    for (std::size_t i = 0; i < vertices; ++i) {
+        const glm::vec2& uv = mesh.uv[i];
+        require(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1, "uv outside 0..1");
+        require(std::abs(glm::length(mesh.normals[i]) - 1) < 1e-5f, "a normal's length");
+        require(std::abs(glm::length(tangents[i]) - 1) < 1e-5f, "a tangent's length");
+        require(std::abs(glm::dot(tangents[i], mesh.normals[i])) < 1e-5f, "a tangent's angle");
+    }
+}
+
+} // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tessera;
+    const auto mesh =
+        decode_mesh({reinterpret_cast<const std::byte*>(data), size}, fuzz::most_memory);
+    if (mesh)
+        fuzz::check(*mesh);
+    return 0;
+}

@@ -1,0 +1,37 @@
+// Scenes on their own surfaces, for the tests of the corpus.
+#pragma once
+
+#include "corpus/catalog.h"
+#include "corpus/surface/scene_surface.h"
+#include "corpus/surface/surface_source.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera::corpus::support {
+
+inline Scene surfaces_of(const std::string& name) {
+    return with_surfaces(*make_scene(name));
+}
+
+inline SceneSurface surface_of(const Scene& scene, double density, const Texels2& tile = {32, 32}) {
+    SurfaceOptions options;
+    options.atlas.density = density;
+    options.atlas.tile = tile;
+    auto surface = make_scene_surface(scene, options);
+    EXPECT_TRUE(surface.ok()) << surface.status().message();
+    return std::move(*surface);
+}
+
+// Through the stream that viewers get.
+inline std::shared_ptr<const LitSurface> lit_surface(const Scene& scene,
+                                                     const SceneSurface& surface) {
+    const auto stream = encode_mesh(surface.mesh, MeshQuantisation{});
+    EXPECT_TRUE(stream.ok()) << stream.status().message();
+    auto mesh = decode_mesh(*stream, 1u << 28);
+    EXPECT_TRUE(mesh.ok()) << mesh.status().message();
+    auto lit = LitSurface::make(scene, std::move(*mesh), surface.charts, surface.size);
+    EXPECT_TRUE(lit.ok()) << lit.status().message();
+    return *lit;
+}
+
+} // namespace tessera::corpus::support

@@ -1,0 +1,51 @@
+#include "tools/texture_io/baked_surface.h"
+
+#include "corpus/catalog.h"
+#include "corpus/surface/angular_choice.h"
+#include "corpus/surface/scene_surface.h"
+#include "corpus/surface/surface_source.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 30;
+
+} // namespace
+
+Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
+    TESSERA_TRY_ASSIGN(const corpus::Scene made, corpus::make_scene(bake.scene));
+    const corpus::Scene scene = corpus::with_surfaces(made);
+    BakedSurface baked;
+    baked.detail = corpus::surface_detail(scene, bake.detail);
+    const Extent4& tile = baked.detail.tile;
+    corpus::SurfaceOptions options;
+    options.atlas.density = baked.detail.density;
+    options.atlas.tile = {tile[axis_u], tile[axis_v]};
+    TESSERA_TRY_ASSIGN(corpus::SceneSurface surface, corpus::make_scene_surface(scene, options));
+    TESSERA_TRY_ASSIGN(baked.mesh, encode_mesh(surface.mesh, MeshQuantisation{}));
+    // From here on the mesh is the one that viewers see.
+    TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_mesh(baked.mesh, most_mesh_bytes));
+    baked.triangles = mesh.triangles.size();
+    baked.charts = surface.charts.size();
+    TESSERA_TRY_ASSIGN(
+        const auto lit,
+        corpus::LitSurface::make(scene, std::move(mesh), std::move(surface.charts), surface.size));
+    baked.map = bake.map ? *bake.map : corpus::choose_angular_map(*lit, baked.detail.directions);
+    TESSERA_TRY_ASSIGN(baked.texels, corpus::make_surface_source(
+                                         lit, baked.map, baked.detail.directions, bake.samples));
+    baked.mask = corpus::make_surface_mask(lit, baked.map, baked.detail.directions);
+    return baked;
+}
+
+Result<std::optional<AngularMap>> parse_octahedral_map(const std::string& text) {
+    if (text == "auto")
+        return std::optional<AngularMap>();
+    for (const auto& [map, word] : {std::pair(AngularMap::octahedral_hemisphere, "hemisphere"),
+                                    std::pair(AngularMap::octahedral_mirrored, "mirrored")})
+        if (text == word || text == name_of(map))
+            return std::optional(map);
+    return Status(ErrorCode::bad_argument,
+                  "'" + text + "' is not auto, hemisphere or mirrored, the maps of a mesh");
+}
+
+} // namespace tessera

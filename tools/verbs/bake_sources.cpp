@@ -1,0 +1,137 @@
+#include "tools/verbs/bake_sources.h"
+
+#include "corpus/bake.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/standard_streams.h"
+#include "tools/texture_io/baked_surface.h"
+#include "tools/texture_io/texture_io.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t usual_seed = 1;
+
+Description colours_of(SampleType type) {
+    Description d;
+    d.transfer = type == SampleType::unorm8 ? Transfer::srgb : Transfer::linear;
+    d.primaries = Primaries::bt709;
+    return d;
+}
+
+// The value that was given for a field of the description, which is taken out; "" where none was.
+std::string take(BakeCommand& a, const char* field) {
+    auto& fields = a.encode.description;
+    const auto entry = fields.find(field);
+    if (entry == fields.end())
+        return "";
+    std::string text = entry->second;
+    fields.erase(entry);
+    return text;
+}
+
+// Every scene lies inside the paper's sphere of diameter 7.
+Result<Baking> sphere_baking(const BakeCommand& a) {
+    for (const auto& [option, given] : {std::pair("--density", a.density.has_value()),
+                                        std::pair("--directions", !a.directions.empty())})
+        if (given)
+            return Status(ErrorCode::bad_argument,
+                          std::string(option) + ": needs --proxy mesh; a sphere has --size");
+    TESSERA_TRY_ASSIGN(const auto scene, corpus::find_scene(a.scene));
+    TESSERA_TRY_ASSIGN(const auto size,
+                       parse_extent_or(a.texture.size, "--size", scene.default_size));
+    const std::uint64_t seed = a.seed.value_or(usual_seed);
+    TESSERA_TRY_ASSIGN(auto texels, corpus::make_baked_source(a.scene, size, a.samples, seed));
+    Baking baking;
+    baking.description = colours_of(texels->desc().type);
+    baking.description.proxy = Proxy::sphere;
+    baking.description.sphere_radius = 3.5f;
+    baking.description.surface_map = SurfaceMap::sphere_longitude_latitude;
+    baking.description.angular_map = AngularMap::hemisphere_alpha_beta;
+    baking.facts = {{"scene", a.scene},
+                    {"samples per texel", std::to_string(a.samples)},
+                    {"seed", std::to_string(seed)}};
+    baking.json = {{"scene", a.scene}, {"samples_per_texel", a.samples}, {"seed", seed}};
+    baking.texels = std::move(texels);
+    return baking;
+}
+
+Status check_mesh_options(const BakeCommand& a) {
+    if (!a.texture.size.empty())
+        return {ErrorCode::bad_argument,
+                "--size: with --proxy mesh the size comes from --density and "
+                "--directions"};
+    if (a.seed)
+        return {ErrorCode::bad_argument,
+                "--seed: with --proxy mesh every texel has the same sample pattern"};
+    if (a.encode.description.contains("surface-map"))
+        return {ErrorCode::bad_argument, "--surface-map: --proxy mesh has its own"};
+    if (!is_compressed(a))
+        return {ErrorCode::bad_argument,
+                a.output + ": --proxy mesh needs a .tess output, which holds the mesh"};
+    return {};
+}
+
+Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
+    corpus::SurfaceWish wish;
+    wish.density = a.density;
+    if (!a.directions.empty()) {
+        const auto size = parse_extent("1x1x" + a.directions);
+        if (!size.ok())
+            return Status(ErrorCode::bad_argument,
+                          "--directions: '" + a.directions + "' is not SxT such as 16x16");
+        wish.directions = {(*size)[axis_s], (*size)[axis_t]};
+    }
+    if (!a.encode.tile.empty()) {
+        TESSERA_TRY_ASSIGN(wish.tile, parse_extent(a.encode.tile).with_context("--tile"));
+    }
+    return wish;
+}
+
+Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
+    TESSERA_TRY(check_mesh_options(a));
+    SurfaceBake bake{a.scene, {}, {}, a.samples};
+    TESSERA_TRY_ASSIGN(bake.detail, surface_wish(a));
+    TESSERA_TRY_ASSIGN(
+        bake.map, parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
+    TESSERA_TRY_ASSIGN(BakedSurface baked, bake_surface(bake));
+    Baking baking;
+    baking.description = colours_of(baked.texels->desc().type);
+    baking.description.proxy = Proxy::mesh;
+    baking.description.surface_map = SurfaceMap::mesh_uv;
+    baking.description.angular_map = baked.map;
+    baking.tile = baked.detail.tile;
+    const std::string density = format_number(baked.detail.density, 3);
+    baking.facts = {{"scene", a.scene},
+                    {"samples per texel", std::to_string(a.samples)},
+                    {"texels per unit", density}};
+    baking.json = {{"scene", a.scene},
+                   {"samples_per_texel", a.samples},
+                   {"texels_per_unit", baked.detail.density},
+                   {"angular_map", name_of(baked.map)},
+                   {"triangles", baked.triangles},
+                   {"charts", baked.charts},
+                   {"mesh_bytes", baked.mesh.size()}};
+    baking.remark = std::to_string(baked.triangles) + " triangles in " +
+                    human_bytes(baked.mesh.size()) + ", " + std::to_string(baked.charts) +
+                    " charts, " + density + " texels a unit, " + name_of(baked.map);
+    baking.mesh = std::move(baked.mesh);
+    baking.texels = std::move(baked.texels);
+    baking.mask = std::move(baked.mask);
+    return baking;
+}
+
+} // namespace
+
+bool is_compressed(const BakeCommand& a) {
+    return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
+}
+
+Result<Baking> make_baking(BakeCommand& a) {
+    const auto proxy = a.encode.description.find("proxy");
+    const std::string word = proxy != a.encode.description.end() ? proxy->second : "sphere";
+    if (word == "mesh" || word == "sphere")
+        take(a, "proxy"); // others describe the sphere's texels in their own way
+    return word == "mesh" ? mesh_baking(a, take(a, "angular-map")) : sphere_baking(a);
+}
+
+} // namespace tessera
