@@ -76,7 +76,11 @@ inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::
     const glm::dvec3 stretched =
         glm::normalize(glm::dvec3(alpha * glm::dot(view, x), alpha * glm::dot(view, y),
                                   std::max(glm::dot(view, normal), 1e-6)));
-    const glm::dvec3 t1 = any_tangent(stretched), t2 = glm::cross(stretched, t1);
+    // The hemisphere seen from there is a half disk beside half an ellipse, cut along t1.
+    const double flat = std::hypot(stretched.x, stretched.y);
+    const glm::dvec3 t1 =
+        flat > 1e-9 ? glm::dvec3(-stretched.y, stretched.x, 0.0) / flat : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 t2 = glm::cross(stretched, t1);
     const double radius = std::sqrt(random.x), angle = 2.0 * std::numbers::pi * random.y;
     const double p1 = radius * std::cos(angle);
     const double share = 0.5 * (1.0 + stretched.z);

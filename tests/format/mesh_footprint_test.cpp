@@ -1,6 +1,6 @@
 // The sixteen texels, against the second implementation and against what a fold must give.
-#include "tests/reference/spec_mesh_sampling.h"
 #include "format/surface_mesh.h"
+#include "tests/reference/spec_mesh_sampling.h"
 #include "tests/support/random_rays.h"
 
 #include <algorithm>
@@ -36,8 +36,8 @@ void expect_as_specified(const Extent4& size, AngularMap map, const SurfaceFrame
     Weights difference = weights_of(mesh_footprint(size, map, uv, st));
     const reference::Frame same{vector_of(frame.ex), vector_of(frame.ey), vector_of(frame.ez)};
     double sum = 0;
-    for (const auto& tap : reference::mesh_taps(size.data(), static_cast<int>(map), same, uv.x,
-                                                uv.y, vector_of(d))) {
+    for (const auto& tap :
+         reference::mesh_taps(size.data(), static_cast<int>(map), same, uv.x, uv.y, vector_of(d))) {
         difference[{tap.texel[0], tap.texel[1], tap.texel[2], tap.texel[3]}] -= tap.weight;
         sum += tap.weight;
     }

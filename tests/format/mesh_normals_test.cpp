@@ -33,7 +33,8 @@ TEST(MeshNormals, AreSmoothWhereChartsOfASphereMeet) {
 // weigh both alike.
 TEST(MeshNormals, DoNotDependOnHowSquaresAreCut) {
     SurfaceMesh roof; // two slopes of 30 degrees that meet in the ridge 0, 1
-    roof.positions = {{0, 0, 0}, {0, 0, 1}, {1, -0.5f, 0}, {1, -0.5f, 1}, {-1, -0.5f, 0}, {-1, -0.5f, 1}};
+    roof.positions = {{0, 0, 0},     {0, 0, 1},      {1, -0.5f, 0},
+                      {1, -0.5f, 1}, {-1, -0.5f, 0}, {-1, -0.5f, 1}};
     roof.uv.resize(6);
     roof.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 4, 1}, {4, 5, 1}};
     const std::vector<glm::vec3> normals = mesh_normals(roof);

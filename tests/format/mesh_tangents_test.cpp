@@ -27,9 +27,9 @@ void expect_tangent(const SurfaceMesh& mesh, const glm::vec3& wanted) {
 
 TEST(MeshTangents, PointWhereUGrows) {
     expect_tangent(triangle({0, 0}, {1, 0}, {0, 1}), {1, 0, 0});
-    expect_tangent(triangle({0, 0}, {0, 1}, {1, 0}), {0, 1, 0});   // mirrored
-    expect_tangent(triangle({1, 0}, {0, 0}, {1, 1}), {-1, 0, 0});  // mirrored
-    expect_tangent(triangle({1, 1}, {0, 1}, {1, 0}), {-1, 0, 0});  // turned
+    expect_tangent(triangle({0, 0}, {0, 1}, {1, 0}), {0, 1, 0});  // mirrored
+    expect_tangent(triangle({1, 0}, {0, 0}, {1, 1}), {-1, 0, 0}); // mirrored
+    expect_tangent(triangle({1, 1}, {0, 1}, {1, 0}), {-1, 0, 0}); // turned
     expect_tangent(triangle({0, 0}, {1, 1}, {1, 0}), glm::normalize(glm::vec3{0, 1, 0}));
 }
 
@@ -64,7 +64,8 @@ TEST(MeshTangents, OfPointsMakeFramesOfThree) {
         EXPECT_LT(glm::distance(ez, glm::normalize(p.position)), 0.05);
     }
     const SurfacePoint corner = surface_point(mesh, tangents, 7, {1, 0});
-    EXPECT_LT(glm::distance(glm::vec3(corner.position), mesh.positions[mesh.triangles[7][1]]), 1e-6f);
+    EXPECT_LT(glm::distance(glm::vec3(corner.position), mesh.positions[mesh.triangles[7][1]]),
+              1e-6f);
     EXPECT_LT(glm::distance(glm::vec2(corner.uv), mesh.uv[mesh.triangles[7][1]]), 1e-6f);
 }
 

@@ -18,7 +18,8 @@ std::vector<Bytes> seeds() {
 void check(const SurfaceMesh& mesh) {
     require(!mesh.triangles.empty(), "a mesh without triangles");
     const std::size_t vertices = mesh.positions.size();
-    require(mesh.uv.size() == vertices && mesh.normals.size() == vertices, "lists of other lengths");
+    require(mesh.uv.size() == vertices && mesh.normals.size() == vertices,
+            "lists of other lengths");
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t corner : triangle)
             require(corner < vertices, "a corner that is no vertex");
