@@ -1,10 +1,12 @@
 #include "tools/verbs/bake_sources.h"
 
 #include "corpus/bake.h"
+#include "corpus/model/model.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/baked_surface.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_models.h"
 
 namespace tessera {
 namespace {
@@ -71,22 +73,6 @@ Status check_mesh_options(const BakeCommand& a) {
     return {};
 }
 
-Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
-    corpus::SurfaceWish wish;
-    wish.density = a.density;
-    if (!a.directions.empty()) {
-        const auto size = parse_extent("1x1x" + a.directions);
-        if (!size.ok())
-            return Status(ErrorCode::bad_argument,
-                          "--directions: '" + a.directions + "' is not SxT such as 16x16");
-        wish.directions = {(*size)[axis_s], (*size)[axis_t]};
-    }
-    if (!a.encode.tile.empty()) {
-        TESSERA_TRY_ASSIGN(wish.tile, parse_extent(a.encode.tile).with_context("--tile"));
-    }
-    return wish;
-}
-
 Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
     TESSERA_TRY(check_mesh_options(a));
     SurfaceBake bake{a.scene, {}, {}, a.samples};
@@ -123,16 +109,42 @@ Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
 
 } // namespace
 
+Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
+    corpus::SurfaceWish wish;
+    wish.density = a.density;
+    if (!a.directions.empty()) {
+        const auto size = parse_extent("1x1x" + a.directions);
+        if (!size.ok())
+            return Status(ErrorCode::bad_argument,
+                          "--directions: '" + a.directions + "' is not SxT such as 16x16");
+        wish.directions = {(*size)[axis_s], (*size)[axis_t]};
+    }
+    if (!a.encode.tile.empty()) {
+        TESSERA_TRY_ASSIGN(wish.tile, parse_extent(a.encode.tile).with_context("--tile"));
+    }
+    return wish;
+}
+
 bool is_compressed(const BakeCommand& a) {
     return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
 }
 
 Result<Baking> make_baking(BakeCommand& a) {
     const auto proxy = a.encode.description.find("proxy");
-    const std::string word = proxy != a.encode.description.end() ? proxy->second : "sphere";
+    const bool is_model = corpus::is_model_path(a.scene);
+    const std::string word =
+        proxy != a.encode.description.end() ? proxy->second : (is_model ? "mesh" : "sphere");
+    if (is_model && word != "mesh")
+        return Status(ErrorCode::bad_argument,
+                      "--proxy " + word + ": a model's texture lies on itself, --proxy mesh");
+    if (!is_model)
+        TESSERA_TRY(check_no_model_options(a.model));
     if (word == "mesh" || word == "sphere")
         take(a, "proxy"); // others describe the sphere's texels in their own way
-    return word == "mesh" ? mesh_baking(a, take(a, "angular-map")) : sphere_baking(a);
+    if (word != "mesh")
+        return sphere_baking(a);
+    const std::string map = take(a, "angular-map");
+    return is_model ? model_baking(a, map) : mesh_baking(a, map);
 }
 
 } // namespace tessera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/encoder.h"
+#include "corpus/surface/surface_detail.h"
 #include "tools/support/encode_arguments.h"
 #include "tools/support/json_text.h"
 #include "tools/support/texture_arguments.h"
@@ -14,14 +15,21 @@
 
 namespace tessera {
 
+// Of models only.
+struct ModelArguments {
+    std::string environment, light; // a file; x,y,z
+    std::optional<double> exposure, roughness, metal;
+};
+
 struct BakeCommand {
-    std::string scene, output;
-    TextureArguments texture; // threads and quiet; size is the size to bake
+    std::string scene, output; // a built-in scene's name, or a model's file
+    TextureArguments texture;  // threads and quiet; size is the size to bake
     unsigned samples = 16;
     std::optional<std::uint64_t> seed;
     bool list = false;
     std::optional<double> density;
     std::string directions; // SxT
+    ModelArguments model;
     EncodeArguments encode; // its description has the proxy
 };
 
@@ -39,7 +47,10 @@ struct Baking {
 
 bool is_compressed(const BakeCommand& a);
 
-// On the paper's sphere or, with --proxy mesh, on the surfaces of the things themselves. Takes out of `a` the
+// --density, --directions and --tile. Errors: bad_argument.
+Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);
+
+// On the paper's sphere or, with --proxy mesh and for models, on the surfaces of the things themselves. Takes out of `a` the
 // words of the description that are said in another way. Errors: bad_argument, where options do not go
 // together; those of the bakers.
 Result<Baking> make_baking(BakeCommand& a);

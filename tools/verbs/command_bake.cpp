@@ -10,7 +10,7 @@
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/bake_sources.h"
+#include "tools/verbs/bake_models.h"
 #include "tools/verbs/command.h"
 
 #include <cctype>
@@ -121,7 +121,8 @@ Status run(const BakeCommand& a) {
 
 void add_bake_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, BakeCommand& a) {
-        c.add_option("scene", a.scene, "Name of a built-in scene");
+        c.add_option("scene", a.scene,
+                     "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
         c.add_option(
             "-o,--output", a.output,
             "What to write: .tess (compressed on the way; - is standard output), .exr, .rgb, "
@@ -141,6 +142,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
             "--directions", a.directions,
             "Mesh: SxT of each place's angular image (default 24x24; 16x16 where only some "
             "things shine, 1x1 where none do)");
+        add_model_options(c, a.model);
         add_threads_options(c, a.texture);
         add_encode_options(c, a.encode);
         c.get_option("--proxy")->description(
@@ -151,7 +153,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
                           description_field_values("angular-map"));
     };
     add_verb<BakeCommand>(
-        app, chosen, "bake", "Ray trace a built-in scene into a texture",
+        app, chosen, "bake", "Ray trace a built-in scene or a model into a texture",
         "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
         "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory only.\n\n"
         "On the paper's sphere, things that lie behind the surface are blurred: no size resolves "
@@ -167,6 +169,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
         "  tessera bake composed -o mesh.tess --proxy mesh --target-bytes 16000\n"
         "  tessera bake mirror -o mirror.tess --proxy mesh --density 64 --directions 32x32\n"
+        "  tessera bake bunny.glb -o bunny.tess --env studio.exr --spp 64\n"
         "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
         "  tessera bake --list",
         declare, run);

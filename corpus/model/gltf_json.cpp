@@ -1,0 +1,181 @@
+#include "corpus/model/gltf_json.h"
+
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace tessera::corpus {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int deepest_json = 64;
+constexpr const char* draco_name = "KHR_draco_mesh_compression";
+
+Status invalid(const std::string& text) {
+    return {ErrorCode::invalid_file, text};
+}
+
+std::uint32_t number_at(const std::vector<unsigned char>& bytes, std::size_t at) {
+    std::uint32_t x = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+        x |= std::uint32_t{bytes[at + i]} << (8 * i);
+    return x;
+}
+
+struct Chunks {
+    std::string json;
+    std::vector<unsigned char> binary;
+};
+
+Result<Chunks> split(std::vector<unsigned char> bytes) {
+    Chunks chunks;
+    if (bytes.size() < 4 || std::memcmp(bytes.data(), "glTF", 4) != 0) {
+        chunks.json.assign(bytes.begin(), bytes.end());
+        return chunks;
+    }
+    if (bytes.size() < 20)
+        return invalid("the .glb is cut short");
+    if (number_at(bytes, 4) != 2)
+        return Status(ErrorCode::unsupported, "the .glb is not of version 2");
+    std::size_t at = 12;
+    for (int i = 0; at + 8 <= bytes.size(); ++i) {
+        const std::size_t length = number_at(bytes, at);
+        const std::uint32_t kind = number_at(bytes, at + 4);
+        at += 8;
+        if (length > bytes.size() - at)
+            return invalid("chunk " + std::to_string(i) + " of the .glb claims " +
+                           std::to_string(length) + " bytes, " + std::to_string(bytes.size() - at) +
+                           " are there");
+        const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+        const auto end = begin + static_cast<std::ptrdiff_t>(length);
+        if (i == 0 && kind == 0x4E4F534A)
+            chunks.json.assign(begin, end);
+        else if (i == 1 && kind == 0x004E4942)
+            chunks.binary.assign(begin, end);
+        at += length;
+    }
+    return chunks;
+}
+
+// The array's elements must be objects; none where it is missing.
+Result<std::vector<Json*>> objects_of(Json& parent, const char* name) {
+    std::vector<Json*> all;
+    const auto it = parent.find(name);
+    if (it == parent.end())
+        return all;
+    if (!it->is_array())
+        return invalid(std::string(name) + " is not an array");
+    for (Json& element : *it) {
+        if (!element.is_object())
+            return invalid(std::string(name) + " " + std::to_string(all.size()) +
+                           " is not an object");
+        all.push_back(&element);
+    }
+    return all;
+}
+
+// A count or an index; `absent` where there is none, -1 for an error.
+std::int64_t count_of(const Json& object, const char* name, std::int64_t absent) {
+    const auto it = object.find(name);
+    if (it == object.end())
+        return absent;
+    if (!it->is_number_integer())
+        return -1;
+    const auto x = it->get<std::int64_t>();
+    return x >= 0 && x <= INT32_MAX ? x : -1;
+}
+
+Status check_views(Json& root) {
+    TESSERA_TRY_ASSIGN(const auto buffers, objects_of(root, "buffers"));
+    TESSERA_TRY_ASSIGN(const auto views, objects_of(root, "bufferViews"));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const std::int64_t buffer = count_of(*views[i], "buffer", -1);
+        const std::int64_t offset = count_of(*views[i], "byteOffset", 0);
+        const std::int64_t length = count_of(*views[i], "byteLength", -1);
+        const std::string name = "bufferView " + std::to_string(i);
+        if (buffer < 0 || static_cast<std::size_t>(buffer) >= buffers.size())
+            return invalid(name + " has no buffer");
+        const std::int64_t size =
+            count_of(*buffers[static_cast<std::size_t>(buffer)], "byteLength", -1);
+        if (offset < 0 || length < 0 || size < 0 || offset + length > size)
+            return invalid(name + " lies outside of its buffer");
+    }
+    TESSERA_TRY_ASSIGN(const auto images, objects_of(root, "images"));
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const std::int64_t view = count_of(*images[i], "bufferView", 0);
+        if (view < 0 ||
+            (images[i]->contains("bufferView") && static_cast<std::size_t>(view) >= views.size()))
+            return invalid("image " + std::to_string(i) + " has no bufferView");
+    }
+    return {};
+}
+
+Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
+    DracoUse use;
+    const Json extension = primitive["extensions"][draco_name];
+    primitive["extensions"].erase(draco_name);
+    primitive.erase("indices"); // the stream has them, the accessor has no bytes
+    if (!extension.is_object())
+        return invalid(name + ": " + draco_name + " is not an object");
+    use.view = static_cast<int>(count_of(extension, "bufferView", -1));
+    const auto attributes = extension.find("attributes");
+    if (use.view < 0 || attributes == extension.end() || !attributes->is_object())
+        return invalid(name + ": " + draco_name + " lacks a bufferView or attributes");
+    for (const auto& [key, value] : attributes->items()) {
+        if (!value.is_number_integer())
+            return invalid(name + ": Draco attribute " + key + " is not a number");
+        use.attributes[key] = static_cast<int>(count_of(*attributes, key.c_str(), -1));
+    }
+    return use;
+}
+
+Status check_extensions(const Json& root) {
+    const auto it = root.find("extensionsRequired");
+    if (it == root.end() || !it->is_array())
+        return {};
+    for (const Json& name : *it)
+        if (!name.is_string() || (name != draco_name && name != "KHR_mesh_quantization" &&
+                                  name != "KHR_materials_emissive_strength"))
+            return {ErrorCode::unsupported, "requires the extension " + name.dump()};
+    return {};
+}
+
+} // namespace
+
+Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
+    TESSERA_TRY_ASSIGN(Chunks chunks, split(std::move(bytes)));
+    SafeGltf safe;
+    safe.binary = std::move(chunks.binary);
+    bool too_deep = false;
+    const auto watch = [&](int depth, Json::parse_event_t, Json&) {
+        too_deep = too_deep || depth > deepest_json;
+        return !too_deep;
+    };
+    Json root = Json::parse(chunks.json, watch, false);
+    if (too_deep)
+        return invalid("the JSON is nested more than " + std::to_string(deepest_json) + " deep");
+    if (!root.is_object())
+        return invalid("is not JSON");
+    TESSERA_TRY(check_extensions(root));
+    TESSERA_TRY(check_views(root));
+    TESSERA_TRY_ASSIGN(const auto meshes, objects_of(root, "meshes"));
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        TESSERA_TRY_ASSIGN(const auto primitives, objects_of(*meshes[m], "primitives"));
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            Json& primitive = *primitives[p];
+            const auto extensions = primitive.find("extensions");
+            if (extensions == primitive.end() || !extensions->is_object() ||
+                !extensions->contains(draco_name))
+                continue;
+            const std::string name =
+                "mesh " + std::to_string(m) + ", primitive " + std::to_string(p);
+            TESSERA_TRY_ASSIGN(DracoUse use, take_draco(primitive, name));
+            safe.draco.emplace(std::pair(m, p), std::move(use));
+        }
+    }
+    safe.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return safe;
+}
+
+} // namespace tessera::corpus

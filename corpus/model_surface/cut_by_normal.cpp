@@ -1,0 +1,201 @@
+#include "corpus/model_surface/flat_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <queue>
+
+namespace tessera::corpus {
+namespace {
+
+// Cosine of what a triangle may lean to its chart's normal. Seen along that, it is shortened by as
+// much. Pieces of a few triangles then join a neighbour that they lean to more.
+constexpr double least_cosine = 0.58, least_cosine_joining = 0.35;
+constexpr double small_share = 0.004; // of the whole area: a chart that had better join another
+
+struct Facets {
+    std::vector<glm::dvec3> normals; // of unit length
+    std::vector<double> areas;
+    std::vector<std::array<std::int64_t, 3>> neighbours; // across each edge; -1: none
+};
+
+Facets facets_of(const Model& model) {
+    Facets f;
+    const auto corners = welded_corners(model);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::uint32_t, std::size_t>> edges;
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+        std::array<glm::dvec3, 3> p;
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = glm::dvec3(model.vertices[model.triangles[i].vertices[k]].position);
+        const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+        const double length = glm::length(cross);
+        f.normals.push_back(length > 0.0 ? cross / length : glm::dvec3(0, 1, 0));
+        f.areas.push_back(0.5 * length);
+        f.neighbours.push_back({-1, -1, -1});
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = corners[i][k], b = corners[i][(k + 1) % 3];
+            const auto other = edges.find({b, a});
+            if (other != edges.end()) {
+                f.neighbours[i][k] = other->second.first;
+                f.neighbours[other->second.first][other->second.second] = i;
+                edges.erase(other);
+            } else {
+                edges.emplace(std::pair(a, b), std::pair(i, k));
+            }
+        }
+    }
+    return f;
+}
+
+constexpr std::uint32_t nowhere = UINT32_MAX;
+
+// Charts by growth: from the largest free triangle, always on to the neighbour that leans least.
+class Growth {
+public:
+    explicit Growth(const Facets& facets) : f_(facets), chart_of_(facets.areas.size(), nowhere) {
+        for (std::uint32_t i = 0; i < f_.areas.size(); ++i)
+            order_.push_back(i);
+        std::stable_sort(order_.begin(), order_.end(),
+                         [&](auto a, auto b) { return f_.areas[a] > f_.areas[b]; });
+    }
+
+    std::vector<std::uint32_t> run() {
+        for (const std::uint32_t seed : order_)
+            if (chart_of_[seed] == nowhere)
+                grow(seed);
+        join_small();
+        return std::move(chart_of_);
+    }
+
+private:
+    void grow(std::uint32_t seed) {
+        const auto chart = static_cast<std::uint32_t>(sums_.size());
+        sums_.emplace_back(0.0);
+        areas_.push_back(0.0);
+        using Candidate = std::pair<double, std::uint32_t>;
+        std::priority_queue<Candidate> open;
+        open.push({1.0, seed});
+        while (!open.empty()) {
+            const std::uint32_t next = open.top().second;
+            open.pop();
+            if (chart_of_[next] != nowhere)
+                continue;
+            const glm::dvec3 sum = sums_[chart] + f_.areas[next] * f_.normals[next];
+            const glm::dvec3 axis = areas_[chart] > 0.0 ? glm::normalize(sum) : f_.normals[next];
+            // The axis moves: not so far that the seed leans too much.
+            if (glm::dot(axis, f_.normals[next]) < least_cosine ||
+                glm::dot(axis, f_.normals[seed]) < least_cosine)
+                continue;
+            chart_of_[next] = chart;
+            sums_[chart] = sum;
+            areas_[chart] += f_.areas[next];
+            for (const std::int64_t n : f_.neighbours[next])
+                if (n >= 0 && chart_of_[static_cast<std::size_t>(n)] == nowhere)
+                    open.push({glm::dot(axis, f_.normals[static_cast<std::size_t>(n)]),
+                               static_cast<std::uint32_t>(n)});
+        }
+    }
+
+    void join_small() {
+        double all = 0;
+        for (const double area : areas_)
+            all += area;
+        for (int pass = 0; pass < 8; ++pass)
+            for (const std::uint32_t i : order_) {
+                const std::uint32_t own = chart_of_[i];
+                if (areas_[own] > small_share * all)
+                    continue;
+                double best = least_cosine_joining;
+                std::uint32_t to = own;
+                for (const std::int64_t n : f_.neighbours[i]) {
+                    const std::uint32_t other =
+                        n < 0 ? own : chart_of_[static_cast<std::size_t>(n)];
+                    if (other == own || areas_[other] < areas_[own])
+                        continue;
+                    const double cosine = glm::dot(glm::normalize(sums_[other]), f_.normals[i]);
+                    if (cosine > best) {
+                        best = cosine;
+                        to = other;
+                    }
+                }
+                areas_[own] -= f_.areas[i];
+                areas_[to] += f_.areas[i];
+                sums_[to] += (to == own ? 0.0 : f_.areas[i]) * f_.normals[i];
+                chart_of_[i] = to;
+            }
+    }
+
+    const Facets& f_;
+    std::vector<std::uint32_t> order_, chart_of_;
+    std::vector<glm::dvec3> sums_; // a chart: normals times areas
+    std::vector<double> areas_;
+};
+
+FlatTriangle seen_along(const Model& model, std::uint32_t triangle, const glm::dvec3& x,
+                        const glm::dvec3& y) {
+    FlatTriangle t;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 p(model.vertices[model.triangles[triangle].vertices[k]].position);
+        t[k] = {glm::dot(p, x), glm::dot(p, y)};
+    }
+    return t;
+}
+
+// Connected pieces of what is not flat yet become charts, without the triangles that would cover
+// others; those are left for another time.
+void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> piece,
+              std::vector<FlatChart>& charts) {
+    while (!piece.empty()) {
+        glm::dvec3 axis(0.0);
+        double area = 0;
+        for (const std::uint32_t i : piece) {
+            axis += f.areas[i] * f.normals[i];
+            area += f.areas[i];
+        }
+        if (!(glm::length(axis) > 1e-3 * area))
+            axis = f.normals[piece[0]];
+        axis = glm::normalize(axis);
+        const glm::dvec3 side = std::abs(axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+        const glm::dvec3 x = glm::normalize(glm::cross(side, axis)), y = glm::cross(axis, x);
+        FlatChart chart;
+        FlatSheet sheet(2.0 * std::sqrt(area / static_cast<double>(piece.size())) + 1e-12);
+        std::vector<std::uint32_t> left;
+        for (const std::uint32_t i : piece) {
+            const FlatTriangle t = seen_along(model, i, x, y);
+            if (doubled_area(t) > 0.2 * 2.0 * f.areas[i] && sheet.add(t)) {
+                chart.triangles.push_back(i);
+                chart.places.push_back(t);
+            } else {
+                left.push_back(i);
+            }
+        }
+        if (chart.triangles.empty()) { // all lean away from their mean: the first one alone
+            const glm::dvec3 n = f.normals[piece[0]];
+            const glm::dvec3 u = glm::normalize(
+                glm::cross(std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));
+            chart.triangles.push_back(piece[0]);
+            chart.places.push_back(seen_along(model, piece[0], u, glm::cross(n, u)));
+            left.erase(left.begin());
+        }
+        turn_into_rectangle(chart);
+        charts.push_back(std::move(chart));
+        piece = std::move(left);
+    }
+}
+
+} // namespace
+
+std::vector<FlatChart> cut_by_normal(const Model& model) {
+    const Facets facets = facets_of(model);
+    const std::vector<std::uint32_t> chart_of = Growth(facets).run();
+    std::map<std::uint32_t, std::vector<std::uint32_t>> pieces;
+    for (std::uint32_t i = 0; i < chart_of.size(); ++i)
+        pieces[chart_of[i]].push_back(i);
+    std::vector<FlatChart> charts;
+    for (auto& [number, piece] : pieces)
+        lay_flat(model, facets, std::move(piece), charts);
+    return charts;
+}
+
+} // namespace tessera::corpus

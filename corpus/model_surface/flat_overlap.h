@@ -1,0 +1,33 @@
+// Whether triangles in the plane cover each other.
+#pragma once
+
+#include "corpus/model_surface/flat_chart.h"
+
+#include <unordered_map>
+
+namespace tessera::corpus {
+
+inline double doubled_area(const FlatTriangle& t) {
+    const glm::dvec2 p = t[1] - t[0], q = t[2] - t[0];
+    return p.x * q.y - p.y * q.x;
+}
+
+// By more than a trace: those that share an edge do not.
+bool cover_each_other(const FlatTriangle& a, const FlatTriangle& b);
+
+// Triangles in the plane, sorted into cells.
+class FlatSheet {
+public:
+    explicit FlatSheet(double cell) : cell_(cell) {}
+    // Adds the triangle if it covers none that is there; whether it did.
+    bool add(const FlatTriangle& triangle);
+
+private:
+    template <class Visit> void cells_of(const FlatTriangle& triangle, const Visit& visit) const;
+
+    double cell_;
+    std::vector<FlatTriangle> triangles_;
+    std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+};
+
+} // namespace tessera::corpus

@@ -1,0 +1,107 @@
+// How a place of a model throws light: glTF's metallic-roughness.
+//
+// The specular lobe is that of glTF's appendix B: GGX, Smith's height-correlated shadowing, Schlick's
+// Fresnel. The diffuse one is Ashikhmin and Shirley's (2000), which takes as much from what the
+// specular lobe has thrown as appendix B's does, about, but as a product of a factor of the place and one of
+// the direction: so diffuse light is baked once a place. Light that GGX's microfacets throw to and
+// fro is lost, as in appendix B.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+
+namespace tessera::corpus {
+
+// Light leaves along `view`; both it and directions of light point away from the surface.
+struct Lobes {
+    glm::dvec3 diffuse{0.0}; // colour, no metal
+    glm::dvec3 facing{0.04}; // Fresnel's reflectance straight on
+    double alpha = 1.0;      // GGX: roughness squared
+};
+
+inline double fifth(double x) {
+    const double y = std::clamp(x, 0.0, 1.0);
+    return y * y * y * y * y;
+}
+
+// The diffuse lobe is diffuse_colour() times bend() of both cosines.
+inline double bend(double cosine) {
+    return 1.0 - fifth(1.0 - 0.5 * cosine);
+}
+inline glm::dvec3 diffuse_colour(const Lobes& lobes) {
+    return lobes.diffuse * (28.0 / 23.0 * 0.96 / std::numbers::pi);
+}
+
+inline glm::dvec3 fresnel(const Lobes& lobes, double cosine) {
+    return lobes.facing + (glm::dvec3(1.0) - lobes.facing) * fifth(1.0 - cosine);
+}
+
+// Microfacets along a half vector at this cosine to the normal, per steradian.
+inline double ggx(double alpha, double cosine) {
+    const double a = alpha * alpha;
+    const double x = cosine * cosine * (a - 1.0) + 1.0;
+    return a / (std::numbers::pi * x * x);
+}
+
+// Smith's lambda, doubled and raised: sqrt(a^2 + (1 - a^2) c^2) per cosine.
+inline double smith_root(double alpha, double cosine) {
+    return std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine);
+}
+
+// G / (4 (n.l) (n.v)).
+inline double smith_visibility(double alpha, double nl, double nv) {
+    return 0.5 / (nl * smith_root(alpha, nv) + nv * smith_root(alpha, nl));
+}
+
+// Per steradian, of directions that sample_ggx() gives.
+inline double ggx_density(double alpha, double nh, double nv) {
+    // G1 D (v.h) / (n.v) / (4 (v.h))
+    return ggx(alpha, nh) * 0.5 / (nv + smith_root(alpha, nv));
+}
+
+inline glm::dvec3 any_tangent(const glm::dvec3& n) {
+    const glm::dvec3 axis = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    return glm::normalize(glm::cross(axis, n));
+}
+
+// A direction of light for `view`: the mirror image at a microfacet that `view` sees (Heitz 2018).
+// It may point into the surface.
+inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::dvec3& view,
+                             const glm::dvec2& random) {
+    const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
+    const glm::dvec3 stretched =
+        glm::normalize(glm::dvec3(alpha * glm::dot(view, x), alpha * glm::dot(view, y),
+                                  std::max(glm::dot(view, normal), 1e-6)));
+    // The hemisphere seen from there is a half disk beside half an ellipse, cut along t1.
+    const double flat = std::hypot(stretched.x, stretched.y);
+    const glm::dvec3 t1 =
+        flat > 1e-9 ? glm::dvec3(-stretched.y, stretched.x, 0.0) / flat : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 t2 = glm::cross(stretched, t1);
+    const double radius = std::sqrt(random.x), angle = 2.0 * std::numbers::pi * random.y;
+    const double p1 = radius * std::cos(angle);
+    const double share = 0.5 * (1.0 + stretched.z);
+    const double p2 =
+        (1.0 - share) * std::sqrt(std::max(0.0, 1.0 - p1 * p1)) + share * radius * std::sin(angle);
+    const glm::dvec3 h =
+        p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0, 1.0 - p1 * p1 - p2 * p2)) * stretched;
+    const glm::dvec3 facet =
+        glm::normalize(x * (alpha * h.x) + y * (alpha * h.y) + normal * std::max(1e-9, h.z));
+    return 2.0 * glm::dot(view, facet) * facet - view;
+}
+
+// Lambert's cosine.
+inline glm::dvec3 sample_cosine(const glm::dvec3& normal, const glm::dvec2& random) {
+    const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
+    const double radius = std::sqrt(random.x), angle = 2.0 * std::numbers::pi * random.y;
+    return x * (radius * std::cos(angle)) + y * (radius * std::sin(angle)) +
+           normal * std::sqrt(std::max(0.0, 1.0 - random.x));
+}
+inline double cosine_density(double cosine) {
+    return std::max(cosine, 0.0) / std::numbers::pi;
+}
+
+} // namespace tessera::corpus

@@ -1,0 +1,239 @@
+#include "corpus/trace/ray_model.h"
+
+#include "corpus/trace/model_texture.h"
+
+#include <cstring>
+#include <embree3/rtcore.h>
+#include <limits>
+
+namespace tessera::corpus {
+namespace {
+
+// Smoother than that, highlights are thinner than any direction's cell.
+constexpr double least_roughness = 0.03;
+
+struct Interpolated {
+    glm::dvec3 position, normal;
+    glm::dvec4 tangent, colour;
+    std::array<glm::dvec2, 2> uv;
+};
+
+Interpolated interpolate(const Model& model, const ModelPlace& place) {
+    const auto& corners = model.triangles[place.triangle].vertices;
+    const double w[3] = {1.0 - place.barycentric.x - place.barycentric.y, place.barycentric.x,
+                         place.barycentric.y};
+    Interpolated sum{glm::dvec3(0.0), glm::dvec3(0.0), glm::dvec4(0.0), glm::dvec4(0.0), {}};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const ModelVertex& v = model.vertices[corners[k]];
+        sum.position += w[k] * glm::dvec3(v.position);
+        sum.normal += w[k] * glm::dvec3(v.normal);
+        sum.tangent += w[k] * glm::dvec4(v.tangent);
+        sum.colour += w[k] * glm::dvec4(v.colour);
+        for (std::size_t s = 0; s < 2; ++s)
+            sum.uv[s] += w[k] * glm::dvec2(v.uv[s]);
+    }
+    return sum;
+}
+
+glm::dvec3 face_normal(const Model& model, std::uint32_t triangle) {
+    const auto& [a, b, c] = model.triangles[triangle].vertices;
+    const glm::dvec3 p(model.vertices[a].position);
+    const glm::dvec3 cross = glm::cross(glm::dvec3(model.vertices[b].position) - p,
+                                        glm::dvec3(model.vertices[c].position) - p);
+    const double length = glm::length(cross);
+    return length > 0.0 ? cross / length : glm::dvec3(0, 1, 0);
+}
+
+// The normal map's normal, in the tangents' frame: the file's, or that of the texture's coordinates.
+glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpolated& at,
+                       const ModelPlace& place, const glm::dvec3& normal) {
+    const glm::dvec4 texel = texture_value(model, m.normal_texture, at.uv, false);
+    const glm::dvec3 local =
+        (glm::dvec3(texel) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1.0);
+    glm::dvec3 t(at.tangent);
+    double sign = at.tangent.w < 0.0 ? -1.0 : 1.0;
+    if (at.tangent.w == 0.0) {
+        const auto& [a, b, c] = model.triangles[place.triangle].vertices;
+        const auto uv = [&](std::uint32_t v) {
+            return glm::dvec2(model.vertices[v].uv[m.normal_texture.uv]);
+        };
+        const auto p = [&](std::uint32_t v) { return glm::dvec3(model.vertices[v].position); };
+        const glm::dvec2 q = uv(b) - uv(a), r = uv(c) - uv(a);
+        const double turn = q.x * r.y - q.y * r.x;
+        t = ((p(b) - p(a)) * r.y - (p(c) - p(a)) * q.y) * (turn < 0.0 ? -1.0 : 1.0);
+        sign = turn > 0.0 ? -1.0 : 1.0; // v grows downwards in pictures, normal maps' y upwards
+    }
+    t -= normal * glm::dot(t, normal);
+    const double length = glm::length(t);
+    if (!(length > 1e-9))
+        return normal;
+    t /= length;
+    const glm::dvec3 bent =
+        t * local.x + glm::cross(normal, t) * (sign * local.y) + normal * local.z;
+    const double size = glm::length(bent);
+    return size > 1e-6 ? bent / size : normal;
+}
+
+bool cut_out(const Model& model, const ModelPlace& place) {
+    const ModelMaterial& m = model.materials[model.triangles[place.triangle].material];
+    if (m.cutoff <= 0.0)
+        return false;
+    const Interpolated at = interpolate(model, place);
+    return m.base.a * at.colour.a * texture_value(model, m.base_texture, at.uv, true).a < m.cutoff;
+}
+
+// Embree's normal is that of counter-clockwise corners: a back's points along with the ray.
+void pass(const RTCFilterFunctionNArguments* arguments) {
+    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(arguments->ray);
+    const RTCHit& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
+    const bool back = hit.Ng_x * ray.dir_x + hit.Ng_y * ray.dir_y + hit.Ng_z * ray.dir_z >= 0;
+    if (back || cut_out(*static_cast<const Model*>(arguments->geometryUserPtr),
+                        {hit.primID, {static_cast<double>(hit.u), static_cast<double>(hit.v)}}))
+        arguments->valid[0] = 0;
+}
+
+RTCRay make_ray(const glm::dvec3& origin, const glm::dvec3& direction) {
+    RTCRay ray{};
+    ray.org_x = static_cast<float>(origin.x);
+    ray.org_y = static_cast<float>(origin.y);
+    ray.org_z = static_cast<float>(origin.z);
+    ray.dir_x = static_cast<float>(direction.x);
+    ray.dir_y = static_cast<float>(direction.y);
+    ray.dir_z = static_cast<float>(direction.z);
+    ray.tfar = std::numeric_limits<float>::infinity();
+    ray.mask = ~0u;
+    return ray;
+}
+
+} // namespace
+
+struct RayModel::Scenes {
+    RTCDevice device = nullptr;
+    RTCScene fronts = nullptr, all = nullptr;
+    ~Scenes() {
+        for (RTCScene scene : {fronts, all})
+            if (scene)
+                rtcReleaseScene(scene);
+        if (device)
+            rtcReleaseDevice(device);
+    }
+
+    RTCScene add(const Model& model, bool filtered) const {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        auto* positions = static_cast<glm::vec3*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                    sizeof(glm::vec3), model.vertices.size()));
+        auto* triangles = static_cast<std::uint32_t*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                    3 * sizeof(std::uint32_t), model.triangles.size()));
+        if (!positions || !triangles) {
+            rtcReleaseGeometry(geometry);
+            return nullptr;
+        }
+        for (const ModelVertex& v : model.vertices)
+            *positions++ = v.position;
+        for (const ModelTriangle& t : model.triangles)
+            for (const std::uint32_t v : t.vertices)
+                *triangles++ = v;
+        if (filtered) {
+            rtcSetGeometryUserData(geometry, const_cast<Model*>(&model));
+            rtcSetGeometryIntersectFilterFunction(geometry, pass);
+            rtcSetGeometryOccludedFilterFunction(geometry, pass);
+        }
+        rtcCommitGeometry(geometry);
+        RTCScene scene = rtcNewScene(device);
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // none slips between two triangles
+        rtcAttachGeometry(scene, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene);
+        return scene;
+    }
+};
+
+RayModel::RayModel(Model model) : model_(std::move(model)), scenes_(std::make_unique<Scenes>()) {}
+RayModel::~RayModel() = default;
+
+Result<std::shared_ptr<const RayModel>> RayModel::make(Model model) {
+    std::shared_ptr<RayModel> made(new RayModel(std::move(model)));
+    Scenes& scenes = *made->scenes_;
+    scenes.device = rtcNewDevice("threads=1"); // whoever asks has threads
+    if (scenes.device) {
+        scenes.fronts = scenes.add(made->model_, true);
+        scenes.all = scenes.add(made->model_, false);
+    }
+    const RTCError error = rtcGetDeviceError(scenes.device);
+    if (error != RTC_ERROR_NONE || !scenes.fronts || !scenes.all)
+        return Status(ErrorCode::runtime,
+                      "Embree: error " + std::to_string(static_cast<int>(error)));
+    return std::shared_ptr<const RayModel>(std::move(made));
+}
+
+std::optional<ModelPlace> RayModel::first_hit(const glm::dvec3& origin,
+                                              const glm::dvec3& direction) const {
+    RTCRayHit query{make_ray(origin, direction), {}};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scenes_->fronts, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return std::nullopt;
+    return ModelPlace{query.hit.primID,
+                      {static_cast<double>(query.hit.u), static_cast<double>(query.hit.v)}};
+}
+
+bool RayModel::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    RTCRay ray = make_ray(origin, direction);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scenes_->fronts, &context, &ray);
+    return ray.tfar < 0;
+}
+
+bool RayModel::meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    RTCRayHit query{make_ray(origin, direction), {}};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scenes_->all, &context, &query);
+    const RTCHit& hit = query.hit;
+    return hit.geomID != RTC_INVALID_GEOMETRY_ID &&
+           glm::dot(glm::vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z), glm::vec3(direction)) > 0;
+}
+
+bool RayModel::is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    RTCRay ray = make_ray(origin, direction);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scenes_->all, &context, &ray);
+    return ray.tfar < 0;
+}
+
+bool RayModel::is_cut_out(const ModelPlace& place) const {
+    return cut_out(model_, place);
+}
+
+LitPoint RayModel::point(const ModelPlace& place) const {
+    const ModelMaterial& m = model_.materials[model_.triangles[place.triangle].material];
+    const Interpolated at = interpolate(model_, place);
+    LitPoint p;
+    p.position = at.position;
+    p.face = face_normal(model_, place.triangle);
+    const double length = glm::length(at.normal);
+    p.normal = length > 1e-6 ? at.normal / length : p.face;
+    if (m.normal_texture.image >= 0)
+        p.normal = bent_normal(model_, m, at, place, p.normal);
+    const glm::dvec3 base =
+        glm::clamp(glm::dvec3(m.base) * glm::dvec3(at.colour) *
+                       glm::dvec3(texture_value(model_, m.base_texture, at.uv, true)),
+                   0.0, 1.0);
+    const glm::dvec4 mr = texture_value(model_, m.metal_roughness_texture, at.uv, false);
+    const double metal = std::clamp(m.metal * mr.b, 0.0, 1.0);
+    const double roughness = std::clamp(m.roughness * mr.g, least_roughness, 1.0);
+    p.lobes.diffuse = base * (1.0 - metal);
+    p.lobes.facing = glm::mix(glm::dvec3(0.04), base, metal);
+    p.lobes.alpha = roughness * roughness;
+    p.emission = m.emission * glm::dvec3(texture_value(model_, m.emission_texture, at.uv, true));
+    return p;
+}
+
+} // namespace tessera::corpus

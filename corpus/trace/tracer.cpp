@@ -1,0 +1,168 @@
+#include "corpus/trace/tracer.h"
+
+#include <cmath>
+
+namespace tessera::corpus {
+namespace {
+
+constexpr double off = 1e-4;         // world units that rays start above a surface
+constexpr int most_bounces = 8;      // after the first
+constexpr int sure_bounces = 2;      // before chance ends paths
+constexpr double least_alpha = 0.09; // of places met by way of others
+
+double largest(const glm::dvec3& x) {
+    return std::max({x.x, x.y, x.z});
+}
+
+glm::dvec3 start_of(const LitPoint& p) {
+    return p.position + off * p.face;
+}
+
+// Light times the lobe's cosine, and the density with which the lobe finds the direction.
+struct Thrown {
+    glm::dvec3 share{0.0};
+    double density = 0;
+};
+
+struct DiffuseLobe {
+    const LitPoint& p;
+    Thrown operator()(const glm::dvec3& l) const {
+        const double nl = glm::dot(p.normal, l);
+        if (nl <= 0.0 || glm::dot(p.face, l) <= 0.0)
+            return {};
+        return {diffuse_colour(p.lobes) * (bend(nl) * nl), cosine_density(nl)};
+    }
+};
+
+struct SpecularLobe {
+    const LitPoint& p;
+    glm::dvec3 view;
+    Thrown operator()(const glm::dvec3& l) const {
+        const double nl = glm::dot(p.normal, l), nv = glm::dot(p.normal, view);
+        if (nl <= 0.0 || nv <= 0.0 || glm::dot(p.face, l) <= 0.0)
+            return {};
+        const glm::dvec3 h = glm::normalize(l + view);
+        const double nh = std::min(glm::dot(p.normal, h), 1.0);
+        const double alpha = p.lobes.alpha;
+        return {fresnel(p.lobes, glm::dot(view, h)) *
+                    (ggx(alpha, nh) * smith_visibility(alpha, nl, nv) * nl),
+                ggx_density(alpha, nh, nv)};
+    }
+};
+
+// Both, of which `specular_share` of the directions come from the second.
+struct BothLobes {
+    DiffuseLobe diffuse;
+    SpecularLobe specular;
+    double specular_share;
+    Thrown operator()(const glm::dvec3& l) const {
+        const Thrown d = diffuse(l), s = specular(l);
+        return {d.share * bend(glm::dot(diffuse.p.normal, specular.view)) + s.share,
+                d.density * (1.0 - specular_share) + s.density * specular_share};
+    }
+};
+
+BothLobes both_lobes(const LitPoint& p, const glm::dvec3& view) {
+    const double s = largest(fresnel(p.lobes, glm::dot(p.normal, view)));
+    const double d = largest(p.lobes.diffuse);
+    const double share = d > 0.0 ? std::clamp(s / (s + d), 0.1, 0.9) : 1.0;
+    return {{p}, {p, view}, share};
+}
+
+glm::dvec3 sample_both(const BothLobes& lobes, PathRandom& random) {
+    const LitPoint& p = lobes.diffuse.p;
+    const bool specular = random.next() < lobes.specular_share;
+    const glm::dvec2 x = random.next2();
+    return specular ? sample_ggx(p.lobes.alpha, p.normal, lobes.specular.view, x)
+                    : sample_cosine(p.normal, x);
+}
+
+} // namespace
+
+LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
+    constexpr double least = 0.02;
+    if (const double cosine = glm::dot(point.normal, view); cosine < least)
+        point.normal = glm::normalize(point.normal + (least - cosine) * view);
+    return point;
+}
+
+// By choosing a light: the sun, and a direction of the environment. What the lobe's own directions
+// find of the environment counts there (arriving()); together both are one estimate.
+template <class Lobe>
+glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const {
+    glm::dvec3 sum(0.0);
+    const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
+                         const glm::dvec3& share) {
+        if (largest(share * light) > 0.0 && !model_->is_blocked(start_of(point), direction))
+            sum += share * light;
+    };
+    const LightSample far = light_.environment->sample(random.next2());
+    const Thrown thrown = lobe(far.direction);
+    add(far.light, far.direction, thrown.share / (far.density + thrown.density));
+    if (light_.sun)
+        add(light_.sun->irradiance, light_.sun->direction, lobe(light_.sun->direction).share);
+    return sum;
+}
+
+glm::dvec3 Tracer::diffuse(const LitPoint& point, PathRandom& random) const {
+    if (largest(point.lobes.diffuse) <= 0.0)
+        return glm::dvec3(0.0);
+    const DiffuseLobe lobe{point};
+    glm::dvec3 sum = direct(point, lobe, random);
+    const glm::dvec3 l = sample_cosine(point.normal, random.next2());
+    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
+        sum += thrown.share / thrown.density * arriving(start_of(point), l, thrown.density, random);
+    return sum;
+}
+
+glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
+                            PathRandom& random) const {
+    const SpecularLobe lobe{point, view};
+    glm::dvec3 sum = direct(point, lobe, random);
+    const glm::dvec3 l = sample_ggx(point.lobes.alpha, point.normal, view, random.next2());
+    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
+        sum += thrown.share / thrown.density * arriving(start_of(point), l, thrown.density, random);
+    return sum;
+}
+
+glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
+                           PathRandom& random) const {
+    return point.emission + diffuse(point, random) * bend(glm::dot(point.normal, view)) +
+           specular(point, view, random);
+}
+
+glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double density,
+                            PathRandom& random) const {
+    glm::dvec3 sum(0.0), share(1.0);
+    for (int bounce = 0; bounce < most_bounces; ++bounce) {
+        const auto hit = model_->first_hit(origin, direction);
+        if (!hit) {
+            const double other = light_.environment->density(direction);
+            return sum +
+                   share * light_.environment->light(direction) * (density / (density + other));
+        }
+        const glm::dvec3 view = -direction;
+        LitPoint p = facing(model_->point(*hit), view);
+        p.lobes.alpha = std::max(p.lobes.alpha, least_alpha);
+        sum += share * p.emission;
+        const BothLobes lobes = both_lobes(p, view);
+        sum += share * direct(p, lobes, random);
+        const glm::dvec3 l = sample_both(lobes, random);
+        const Thrown thrown = lobes(l);
+        if (!(thrown.density > 0.0))
+            return sum;
+        share *= thrown.share / thrown.density;
+        if (bounce >= sure_bounces) {
+            const double chance = std::min(0.95, largest(share));
+            if (random.next() >= chance)
+                return sum;
+            share /= chance;
+        }
+        origin = start_of(p);
+        direction = l;
+        density = thrown.density;
+    }
+    return sum;
+}
+
+} // namespace tessera::corpus

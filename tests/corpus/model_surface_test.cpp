@@ -1,0 +1,188 @@
+// Models on their own surfaces: charts, texels, masks.
+#include "corpus/model_surface/flat_overlap.h"
+#include "corpus/model_surface/model_source.h"
+#include "corpus/model_surface/model_truth.h"
+#include "tests/support/corpus_support.h"
+#include "tests/support/model_files.h"
+
+namespace tessera::corpus {
+namespace {
+
+using namespace support;
+using namespace tessera::support;
+
+ModelAtlas atlas_of(const Model& model, double texels) {
+    ModelAtlasOptions options;
+    options.texels = texels;
+    options.tile = {16, 16};
+    auto atlas = make_model_atlas(model, options);
+    EXPECT_TRUE(atlas.ok()) << atlas.status().message();
+    return std::move(*atlas);
+}
+
+std::shared_ptr<const LitModel> lit_model(const Model& model, const LitModelOptions& options) {
+    auto lit = LitModel::make(atlas_of(model, 1500), white_light(), options);
+    EXPECT_TRUE(lit.ok()) << lit.status().message();
+    return *lit;
+}
+
+// Nor any triangle wrongly round, as the mesh decodes.
+void expect_no_overlap(const ModelAtlas& atlas) {
+    FlatSheet sheet(4.0);
+    std::size_t covering = 0;
+    for (const auto& triangle : atlas.mesh.triangles) {
+        FlatTriangle flat;
+        for (std::size_t k = 0; k < 3; ++k)
+            flat[k] =
+                glm::dvec2(atlas.mesh.uv[triangle[k]]) * glm::dvec2(atlas.size[0], atlas.size[1]);
+        EXPECT_GT(doubled_area(flat), 0.0);
+        covering += !sheet.add(flat);
+    }
+    EXPECT_EQ(covering, 0u);
+}
+
+TEST(ModelSurface, ChartsDoNotOverlap) {
+    for (const Model& model : {cube_model(), ball_model(12)}) {
+        const ModelAtlas atlas = atlas_of(model, 4000);
+        EXPECT_EQ(atlas.mesh.triangles.size(), model.triangles.size());
+        expect_no_overlap(atlas);
+        EXPECT_LE(atlas.charts.size(), 16u);
+    }
+}
+
+TEST(ModelSurface, OwnCoordinatesAreUsedWhereTheyLieFlat) {
+    Model model = cube_model();
+    for (std::uint32_t i = 0; i < model.vertices.size(); ++i) // six squares beside each other
+        model.vertices[i].uv[0] = {(static_cast<float>(i / 4) + 0.9f * static_cast<float>(i % 2)) /
+                                       6.0f,
+                                   static_cast<float>(i / 2 % 2)};
+    const std::vector<FlatChart> charts = cut_by_uv(model);
+    ASSERT_EQ(charts.size(), 6u);
+    for (const FlatChart& chart : charts) // of the world's size
+        EXPECT_NEAR(chart.sides.x * chart.sides.y, 16.0, 1e-3);
+    for (ModelVertex& v : model.vertices) // all on one place
+        v.uv[0].x = 0.5f;
+    EXPECT_TRUE(cut_by_uv(model).empty());
+    expect_no_overlap(atlas_of(model, 2000));
+}
+
+TEST(ModelSurface, CornersKeepWhatTheModelSays) {
+    Model model = ball_model(6);
+    for (ModelVertex& v : model.vertices)
+        v.colour = glm::vec4(v.position, 1.0f);
+    for (const ModelVertex& v : atlas_of(model, 1000).model.vertices)
+        EXPECT_LT(glm::length(glm::vec3(v.colour) - v.position), 0.01f);
+}
+
+TEST(ModelSurface, SameBytesForAnyBoxAndThreadCount) {
+    const Model model = ball_model(6);
+    LitModelOptions options;
+    options.samples = 2;
+    options.diffuse_samples = 4;
+    const auto one = lit_model(model, options);
+    options.threads = 3;
+    const auto three = lit_model(model, options);
+    for (const AngularMap map :
+         {AngularMap::octahedral_hemisphere, AngularMap::octahedral_mirrored}) {
+        auto a = make_model_source(one, map, {3, 2}, {});
+        auto b = make_model_source(three, map, {3, 2}, {});
+        ASSERT_TRUE(a.ok() && b.ok());
+        const TextureDesc& desc = (*a)->desc();
+        const Bytes whole = read_box(**a, Box4::whole(desc.size));
+        auto random = generator(5);
+        for (int i = 0; i < 12; ++i) {
+            Box4 box;
+            for (std::size_t axis = 0; axis < 4; ++axis) {
+                box.begin[axis] = static_cast<std::uint32_t>(random() % desc.size[axis]);
+                box.end[axis] =
+                    box.begin[axis] + 1 +
+                    static_cast<std::uint32_t>(
+                        random() % std::min<std::uint64_t>(20, desc.size[axis] - box.begin[axis]));
+            }
+            Bytes part(desc.box_bytes(box));
+            copy_box(box, Box4::whole(desc.size), whole, box, part, desc.texel_bytes());
+            EXPECT_EQ(read_box(**b, box), part);
+        }
+    }
+}
+
+TEST(ModelSurface, TexelsAgreeWithTheTruth) {
+    // In white light a ball has one colour a cosine: the texture must have it too.
+    Model model = ball_model(16);
+    model.materials[0].metal = 0.0;
+    model.materials[0].roughness = 0.7;
+    LitModelOptions options;
+    options.samples = 16;
+    const auto lit = lit_model(model, options);
+    auto truth = make_model_truth(model, white_light(), {1.0, SampleType::half16}, 256);
+    ASSERT_TRUE(truth.ok());
+    const auto seen = (*truth)->see({0.1, 0.2, 9}, {0, 0, -1}, 1);
+    ASSERT_TRUE(seen);
+    EXPECT_FALSE((*truth)->see({5, 0.2, 9}, {0, 0, -1}, 1));
+    double sum = 0;
+    int count = 0;
+    for (std::uint32_t v = 0; v < lit->places().size()[1]; v += 5)
+        for (std::uint32_t u = 0; u < lit->places().size()[0]; u += 5)
+            if (lit->matters(u, v)) {
+                sum += lit->light(u, v, AngularMap::octahedral_hemisphere, 0.5, 0.5).x;
+                ++count;
+            }
+    EXPECT_GT(count, 20);
+    EXPECT_NEAR(sum / count, seen->x, 0.02);
+}
+
+TEST(ModelSurface, InnersAndBacksAreNotSeen) {
+    // A cube inside of a cube is hidden.
+    Model model = cube_model();
+    const auto count = static_cast<std::uint32_t>(model.vertices.size());
+    const std::size_t triangles = model.triangles.size();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        model.vertices.push_back(model.vertices[i]);
+        model.vertices.back().position *= 0.5f;
+    }
+    for (std::size_t i = 0; i < triangles; ++i) {
+        ModelTriangle t = model.triangles[i];
+        for (std::uint32_t& v : t.vertices)
+            v += count;
+        model.triangles.push_back(t);
+    }
+    LitModelOptions options;
+    options.samples = 1;
+    options.diffuse_samples = 1;
+    const auto lit = lit_model(model, options);
+    std::size_t all = 0, seen = 0;
+    for (std::uint32_t v = 0; v < lit->places().size()[1]; ++v)
+        for (std::uint32_t u = 0; u < lit->places().size()[0]; ++u) {
+            all += lit->places().matters(u, v);
+            seen += lit->matters(u, v);
+        }
+    EXPECT_LT(seen, all);
+    EXPECT_GT(seen, all / 2);
+    // A closed one has no backs to bake, whatever its material says; an open one has.
+    Model closed = cube_model();
+    closed.materials[0].double_sided = true;
+    EXPECT_EQ(with_both_sides(closed)->triangles.size(), 12u);
+    closed.triangles.resize(10);
+    EXPECT_EQ(with_both_sides(closed)->triangles.size(), 20u);
+}
+
+TEST(ModelSurface, NoiseFallsWithSamples) {
+    Model model = ball_model(8);
+    model.materials[0].roughness = 0.5;
+    const auto noise = [&](unsigned samples) {
+        LitModelOptions options;
+        options.samples = samples;
+        options.diffuse_samples = samples;
+        auto lit = LitModel::make(atlas_of(model, 300),
+                                  {std::make_shared<const Environment>(Environment::studio()), {}},
+                                  options);
+        EXPECT_TRUE(lit.ok());
+        return estimate_noise(**lit, AngularMap::octahedral_hemisphere, {4, 4}, {}, samples, 100);
+    };
+    const NoiseEstimate few = noise(4), many = noise(64);
+    EXPECT_GT(many.decibels, few.decibels + 8.0);
+    EXPECT_GE(few.samples_for(few.decibels + 10.0), 39.0);
+}
+
+} // namespace
+} // namespace tessera::corpus
