@@ -9,7 +9,6 @@ namespace tessera::corpus {
 namespace {
 
 using namespace support;
-using namespace tessera::support;
 
 ModelAtlas atlas_of(const Model& model, double texels) {
     ModelAtlasOptions options;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::support {
+namespace tessera::corpus::support {
 
 inline std::string write_text(const std::string& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
@@ -114,4 +114,4 @@ inline corpus::ModelLight white_light() {
     return {std::make_shared<const corpus::Environment>(corpus::Environment::uniform(1.0)), {}};
 }
 
-} // namespace tessera::support
+} // namespace tessera::corpus::support
