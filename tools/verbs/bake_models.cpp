@@ -101,11 +101,11 @@ void add_model_options(CLI::App& app, ModelArguments& a) {
 }
 
 Status check_no_model_options(const ModelArguments& a) {
-    for (const auto& [option, given] : {std::pair("--env", !a.environment.empty()),
-                                        std::pair("--light", !a.light.empty()),
-                                        std::pair("--exposure", a.exposure.has_value()),
-                                        std::pair("--roughness", a.roughness.has_value()),
-                                        std::pair("--metal", a.metal.has_value())})
+    for (const auto& [option, given] :
+         {std::pair("--env", !a.environment.empty()), std::pair("--light", !a.light.empty()),
+          std::pair("--exposure", a.exposure.has_value()),
+          std::pair("--roughness", a.roughness.has_value()),
+          std::pair("--metal", a.metal.has_value())})
         if (given)
             return {ErrorCode::bad_argument,
                     std::string(option) + ": needs a model; built-in scenes have their own"};
@@ -115,8 +115,9 @@ Status check_no_model_options(const ModelArguments& a) {
 Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     TESSERA_TRY(check_model(a));
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
-    TESSERA_TRY_ASSIGN(const auto wished_map, parse_octahedral_map(map.empty() ? "auto" : map)
-                                                  .with_context("--angular-map"));
+    TESSERA_TRY_ASSIGN(
+        const auto wished_map,
+        parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
     const AngularMap chosen = wished_map.value_or(AngularMap::octahedral_mirrored);
     TESSERA_TRY_ASSIGN(corpus::Model model, corpus::load_model(a.scene));
     change_materials(a.model, model);
@@ -137,8 +138,8 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     paths.samples = a.samples;
     paths.diffuse_samples = std::min(65536u, a.samples * diffuse_share);
     paths.seed = a.seed.value_or(1);
-    paths.threads =
-        a.texture.threads != 0 ? a.texture.threads : std::max(1u, std::thread::hardware_concurrency());
+    paths.threads = a.texture.threads != 0 ? a.texture.threads
+                                           : std::max(1u, std::thread::hardware_concurrency());
     TESSERA_TRY_ASSIGN(const auto lit, corpus::LitModel::make(std::move(atlas), light, paths));
     const corpus::Display display{a.model.exposure.value_or(usual_exposure(light)),
                                   SampleType::unorm8};
