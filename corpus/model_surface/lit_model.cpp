@@ -8,6 +8,7 @@ namespace tessera::corpus {
 namespace {
 
 constexpr std::uint64_t diffuse_paths = 0x64696666; // sequences of diffuse light are others
+constexpr std::uint64_t shared_paths = 0x73686172;
 constexpr unsigned hidden_rays = 24;
 
 // The nearest place of the triangle.
@@ -36,7 +37,7 @@ LitModel::LitModel(ModelAtlas atlas, std::shared_ptr<const RayModel> model, Mode
 Result<std::shared_ptr<const LitModel>> LitModel::make(ModelAtlas atlas, ModelLight light,
                                                        const LitModelOptions& options) {
     if (options.samples == 0 || options.diffuse_samples == 0 || options.samples > 65536 ||
-        options.diffuse_samples > 65536)
+        options.shared_samples > 65536 || options.diffuse_samples > 65536)
         return Status(ErrorCode::bad_argument, "samples must be 1..65536");
     TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(atlas.mesh, atlas.charts, atlas.size));
     TESSERA_TRY_ASSIGN(auto model, RayModel::make(std::move(atlas.model)));
@@ -104,32 +105,76 @@ glm::dvec3 LitModel::diffuse(std::uint32_t u, std::uint32_t v, std::uint64_t see
     return sum / static_cast<double>(options_.diffuse_samples);
 }
 
+struct LitModel::Arriving {
+    struct At {
+        Place place;
+        Tracer::Incoming incoming;
+    };
+    std::vector<At> all;
+};
+
+std::shared_ptr<const LitModel::Arriving> LitModel::arriving_with(std::uint32_t u, std::uint32_t v,
+                                                                  std::uint64_t seed) const {
+    auto found = std::make_shared<Arriving>();
+    const std::uint64_t paths = sequence(u, v, seed + shared_paths);
+    for (unsigned i = 0; i < options_.shared_samples; ++i) {
+        PathRandom random(paths, i);
+        const Place at = place(u, v, random.next2() - 0.5);
+        found->all.push_back({at, tracer_.incoming(at.point, random)});
+    }
+    return found;
+}
+
+namespace {
+
+// Towards the observer; into the surface becomes its mirror image above.
+glm::dvec3 view_from(const SurfaceFrame& frame, AngularMap map, double s, double t) {
+    const glm::dvec3 view = octahedral_direction(map, frame, s, t);
+    return view - 2.0 * std::min(glm::dot(view, frame.ez), 0.0) * frame.ez;
+}
+
+} // namespace
+
 glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
-                                double t, const glm::dvec3& diffuse, std::uint64_t seed) const {
-    glm::dvec3 sum(0.0);
+                                double t, const glm::dvec3& diffuse, const Arriving& arriving,
+                                std::uint64_t seed) const {
+    glm::dvec3 emitted(0.0), specular(0.0);
     double bent = 0.0;
     const std::uint64_t paths = sequence(u, v, seed);
+    const double own = options_.samples, shared = static_cast<double>(arriving.all.size());
     for (unsigned i = 0; i < options_.samples; ++i) {
         PathRandom random(paths, i);
         const Place at = place(u, v, random.next2() - 0.5);
-        glm::dvec3 view = octahedral_direction(map, at.frame, s, t);
-        if (const double below = glm::dot(view, at.frame.ez); below < 0.0)
-            view -= 2.0 * below * at.frame.ez;
-        const LitPoint point = Tracer::facing(at.point, view);
-        sum += point.emission + tracer_.specular(point, view, random);
-        bent += bend(glm::dot(point.normal, view));
+        const glm::dvec3 view = view_from(at.frame, map, s, t);
+        emitted += at.point.emission;
+        specular += tracer_.specular_own(at.point, view, shared, own, random);
+        bent += bend(glm::dot(Tracer::facing(at.point, view).normal, view));
     }
-    return (sum + diffuse * bent) / static_cast<double>(options_.samples);
+    for (const Arriving::At& at : arriving.all) {
+        const glm::dvec3 view = view_from(at.place.frame, map, s, t);
+        specular += tracer_.specular_of(at.incoming, at.place.point, view, shared, own);
+    }
+    return specular + (emitted + diffuse * bent) / own;
+}
+
+std::shared_ptr<const LitModel::Arriving> LitModel::arriving(std::uint32_t u,
+                                                             std::uint32_t v) const {
+    return arriving_with(u, v, options_.seed);
+}
+
+glm::dvec3 LitModel::light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
+                           const Arriving& arriving) const {
+    return light_with(u, v, map, s, t, glm::dvec3(diffuse_[index(u, v)]), arriving, options_.seed);
 }
 
 glm::dvec3 LitModel::light(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
                            double t) const {
-    return light_with(u, v, map, s, t, glm::dvec3(diffuse_[index(u, v)]), options_.seed);
+    return light(u, v, map, s, t, *arriving(u, v));
 }
 
 glm::dvec3 LitModel::other_light(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
                                  double t, std::uint64_t seed) const {
-    return light_with(u, v, map, s, t, diffuse(u, v, seed), seed);
+    return light_with(u, v, map, s, t, diffuse(u, v, seed), *arriving_with(u, v, seed), seed);
 }
 
 // Whether all around, from the texel's middle and its corners, there are backs.

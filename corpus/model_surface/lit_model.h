@@ -10,6 +10,8 @@ namespace tessera::corpus {
 struct LitModelOptions {
     unsigned samples = 16;          // paths a texel, for what depends on the direction
     unsigned diffuse_samples = 256; // paths a place, for what does not
+    unsigned shared_samples =
+        128; // paths a place whose light all directions share, beside their own
     std::uint64_t seed = 1;
     unsigned threads = 1; // for diffuse light; never changes it
     // Whether each texel has paths of its own. Else all have the same: what is left of their noise
@@ -34,6 +36,11 @@ public:
     // Linear light that leaves the texel along (s, t) of the map, mean over the texel. Where that
     // points into the surface, what leaves along the mirror image above it.
     glm::dvec3 light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t) const;
+    // Light that arrives at a texel's places: what all its directions share.
+    struct Arriving;
+    std::shared_ptr<const Arriving> arriving(std::uint32_t u, std::uint32_t v) const;
+    glm::dvec3 light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
+                     const Arriving& arriving) const;
     // The same from other paths, diffuse light included: what differs is noise.
     glm::dvec3 other_light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
                            std::uint64_t seed) const;
@@ -54,7 +61,10 @@ private:
     Place place(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const;
     glm::dvec3 diffuse(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const;
     glm::dvec3 light_with(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
-                          const glm::dvec3& diffuse, std::uint64_t seed) const;
+                          const glm::dvec3& diffuse, const Arriving& arriving,
+                          std::uint64_t seed) const;
+    std::shared_ptr<const Arriving> arriving_with(std::uint32_t u, std::uint32_t v,
+                                                  std::uint64_t seed) const;
     bool is_hidden(std::uint32_t u, std::uint32_t v) const;
     void bake_rows(std::uint32_t begin, std::uint32_t step);
 

@@ -32,10 +32,10 @@ public:
         const std::size_t bytes = desc_.texel_bytes();
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {
-                const bool matters = model_->matters(u, v);
+                const auto arriving = model_->matters(u, v) ? model_->arriving(u, v) : nullptr;
                 for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
                     for (std::uint32_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s) {
-                        const TexelBytes texel = bake(u, v, s, t, matters);
+                        const TexelBytes texel = bake(u, v, s, t, arriving.get());
                         std::memcpy(next, texel.data(), bytes);
                         next += bytes;
                     }
@@ -45,11 +45,11 @@ public:
 
 private:
     TexelBytes bake(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t,
-                    bool matters) const {
-        if (!matters)
+                    const LitModel::Arriving* arriving) const {
+        if (arriving == nullptr)
             return to_bytes(glm::dvec3(0.0), desc_.type);
         const glm::dvec3 light = model_->light(u, v, map_, (s + 0.5) / desc_.size[axis_s],
-                                               (t + 0.5) / desc_.size[axis_t]);
+                                               (t + 0.5) / desc_.size[axis_t], *arriving);
         return to_bytes(display_.value(light), desc_.type);
     }
 

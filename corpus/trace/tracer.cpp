@@ -1,6 +1,7 @@
 #include "corpus/trace/tracer.h"
 
 #include <cmath>
+#include <limits>
 
 namespace tessera::corpus {
 namespace {
@@ -125,6 +126,54 @@ glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
     return sum;
 }
 
+// Half of the directions are the environment's, half are even about the normal.
+double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction) const {
+    return 0.5 * light_.environment->density(direction) +
+           0.5 * cosine_density(glm::dot(point.normal, direction));
+}
+
+glm::dvec3 Tracer::seen_along(const glm::dvec3& origin, const glm::dvec3& direction,
+                              PathRandom& random) const {
+    return arriving(origin, direction, std::numeric_limits<double>::infinity(), random);
+}
+
+Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) const {
+    const bool far = random.next() < 0.5;
+    const glm::dvec2 x = random.next2();
+    const glm::dvec3 l =
+        far ? light_.environment->sample(x).direction : sample_cosine(point.normal, x);
+    Incoming found{l, glm::dvec3(0.0), shared_density(point, l)};
+    if (glm::dot(l, point.normal) > 0.0 && glm::dot(l, point.face) > 0.0)
+        found.light = seen_along(start_of(point), l, random);
+    return found;
+}
+
+// Veach's balance heuristic over both kinds of samples.
+glm::dvec3 Tracer::specular_of(const Incoming& incoming, const LitPoint& point,
+                               const glm::dvec3& view, double shared, double own) const {
+    const LitPoint faced = facing(point, view);
+    const Thrown thrown = SpecularLobe{faced, view}(incoming.direction);
+    return thrown.share * incoming.light / (shared * incoming.density + own * thrown.density);
+}
+
+glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
+                                double own, PathRandom& random) const {
+    const LitPoint faced =
+        facing(point, view); // `point` itself is what has been found for all views
+    const SpecularLobe lobe{faced, view};
+    glm::dvec3 sum(0.0);
+    if (light_.sun) {
+        const glm::dvec3 share = lobe(light_.sun->direction).share;
+        if (largest(share) > 0.0 && !model_->is_blocked(start_of(point), light_.sun->direction))
+            sum += share * light_.sun->irradiance / own;
+    }
+    const glm::dvec3 l = sample_ggx(faced.lobes.alpha, faced.normal, view, random.next2());
+    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
+        sum += thrown.share * seen_along(start_of(point), l, random) /
+               (shared * shared_density(point, l) + own * thrown.density);
+    return sum;
+}
+
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
                            PathRandom& random) const {
     return point.emission + diffuse(point, random) * bend(glm::dot(point.normal, view)) +
@@ -137,9 +186,10 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double dens
     for (int bounce = 0; bounce < most_bounces; ++bounce) {
         const auto hit = model_->first_hit(origin, direction);
         if (!hit) {
-            const double other = light_.environment->density(direction);
-            return sum +
-                   share * light_.environment->light(direction) * (density / (density + other));
+            // What choosing a light would have found, too; nobody did where the density is infinite.
+            const double other =
+                std::isinf(density) ? 0.0 : light_.environment->density(direction) / density;
+            return sum + share * light_.environment->light(direction) / (1.0 + other);
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);

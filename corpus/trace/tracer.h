@@ -28,11 +28,22 @@ public:
 
     const RayModel& model() const { return *model_; }
 
-    // Diffuse light and emission that leave the point. `glossless`: times bend() of the direction's cosine
-    // it is the diffuse part.
+    // Diffuse light that leaves the point, divided by bend() of the direction's cosine.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
     // Specular light that leaves along the unit vector `view`, above the point's normal.
     glm::dvec3 specular(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
+    // The same by parts, which share what was found for the point among all its directions: light from a
+    // direction that does not depend on `view`, and what a given number of such, and of paths of its own,
+    // make of the specular light along `view` together.
+    struct Incoming {
+        glm::dvec3 direction{0.0}, light{0.0};
+        double density = 0; // per steradian
+    };
+    Incoming incoming(const LitPoint& point, PathRandom& random) const;
+    glm::dvec3 specular_of(const Incoming& incoming, const LitPoint& point, const glm::dvec3& view,
+                           double shared, double own) const;
+    glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
+                            double own, PathRandom& random) const;
     // All light that leaves the point along `view`.
     glm::dvec3 leaving(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
 
@@ -40,6 +51,10 @@ public:
     static LitPoint facing(LitPoint point, const glm::dvec3& view);
 
 private:
+    // All light along a ray: the environment's counts in full.
+    glm::dvec3 seen_along(const glm::dvec3& origin, const glm::dvec3& direction,
+                          PathRandom& random) const;
+    double shared_density(const LitPoint& point, const glm::dvec3& direction) const;
     // Along a ray whose direction was found with this density.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, double density,
                         PathRandom& random) const;

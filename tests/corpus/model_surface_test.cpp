@@ -77,7 +77,7 @@ TEST(ModelSurface, SameBytesForAnyBoxAndThreadCount) {
     const Model model = ball_model(6);
     LitModelOptions options;
     options.samples = 2;
-    options.diffuse_samples = 4;
+    options.diffuse_samples = options.shared_samples = 4;
     const auto one = lit_model(model, options);
     options.threads = 3;
     const auto three = lit_model(model, options);
@@ -146,8 +146,7 @@ TEST(ModelSurface, InnersAndBacksAreNotSeen) {
         model.triangles.push_back(t);
     }
     LitModelOptions options;
-    options.samples = 1;
-    options.diffuse_samples = 1;
+    options.samples = options.diffuse_samples = options.shared_samples = 1;
     const auto lit = lit_model(model, options);
     std::size_t all = 0, seen = 0;
     for (std::uint32_t v = 0; v < lit->places().size()[1]; ++v)
@@ -170,8 +169,7 @@ TEST(ModelSurface, NoiseFallsWithSamples) {
     model.materials[0].roughness = 0.5;
     const auto noise = [&](unsigned samples) {
         LitModelOptions options;
-        options.samples = samples;
-        options.diffuse_samples = samples;
+        options.samples = options.diffuse_samples = options.shared_samples = samples;
         auto lit = LitModel::make(atlas_of(model, 300),
                                   {std::make_shared<const Environment>(Environment::studio()), {}},
                                   options);

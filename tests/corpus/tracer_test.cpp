@@ -69,6 +69,28 @@ TEST(Tracer, WhiteFurnaceFindsWhatTheLobesIntegrateTo) {
             }
 }
 
+TEST(Tracer, SharedAndOwnPathsTogetherFindTheSame) {
+    const Tracer tracer = white_tracer();
+    const double shared = 64, own = 16;
+    for (const double roughness : {0.2, 0.6, 1.0})
+        for (const double cosine : {0.3, 0.9}) {
+            const LitPoint p = lone_point(roughness, 1.0);
+            const glm::dvec3 view = view_at(cosine);
+            double sum = 0;
+            constexpr unsigned times = 64;
+            for (unsigned i = 0; i < 64 * times; ++i) {
+                PathRandom random(8, i);
+                sum += tracer.specular_of(tracer.incoming(p, random), p, view, shared, own).x;
+            }
+            for (unsigned i = 0; i < 16 * times; ++i) {
+                PathRandom random(9, i);
+                sum += tracer.specular_own(p, view, shared, own, random).x;
+            }
+            EXPECT_NEAR(sum / times, mean_leaving(tracer, p, view), 0.015)
+                << roughness << " " << cosine;
+        }
+}
+
 TEST(Tracer, SmoothMetalLosesNothing) {
     const Tracer tracer = white_tracer();
     for (const double cosine : {0.2, 0.6, 1.0})

@@ -178,8 +178,8 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     baking.remark = std::to_string(triangles) + " triangles in " + human_bytes(baking.mesh.size()) +
                     ", " + std::to_string(charts) + " charts, " + format_number(density, 3) +
                     " texels a unit, " + name_of(chosen) + "; exposure " + exposure +
-                    "; noise of chance " + format_number(noise.decibels, 3) +
-                    " dB, 50 dB would take --spp " + format_number(noise.samples_for(50.0), 6);
+                    "; noise of chance " + format_number(noise.decibels, 1) +
+                    " dB, 50 dB take --spp " + format_number(noise.samples_for(50.0), 0);
     return baking;
 }
 
