@@ -24,7 +24,7 @@ struct ModelAtlas {
     Model model;
 };
 
-// `model` as with_both_sides() gives it. Triangles that the alpha masks cut out wholly are left out.
+// `model` as with_both_sides() gives it.
 // Errors: bad_argument (density), unsupported (too large for an atlas), those of encode_mesh().
 Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions& options);
 

@@ -25,20 +25,41 @@ bool is_open(const RayModel& rays, std::uint32_t triangle) {
     return false;
 }
 
+// Whether the alpha mask leaves something of it, at random places.
+bool is_there(const RayModel& rays, std::uint32_t triangle) {
+    for (unsigned i = 0; i < ways; ++i) {
+        PathRandom random(1, i);
+        glm::dvec2 b = random.next2();
+        if (b.x + b.y > 1.0)
+            b = 1.0 - b;
+        if (!rays.is_cut_out({triangle, b}))
+            return true;
+    }
+    return false;
+}
+
+bool needs_a_look(const Model& model) {
+    for (const ModelMaterial& m : model.materials)
+        if (m.double_sided || m.cutoff > 0.0)
+            return true;
+    return false;
+}
+
 } // namespace
 
 Result<Model> with_both_sides(Model model) {
-    std::vector<std::uint32_t> candidates;
-    for (std::uint32_t i = 0; i < model.triangles.size(); ++i)
-        if (model.materials[model.triangles[i].material].double_sided)
-            candidates.push_back(i);
-    if (candidates.empty())
+    if (!needs_a_look(model))
         return model;
     TESSERA_TRY_ASSIGN(const auto rays, RayModel::make(model));
-    for (const std::uint32_t i : candidates) {
-        if (!is_open(*rays, i))
+    const std::vector<ModelTriangle> before = std::move(model.triangles);
+    model.triangles.clear();
+    for (std::uint32_t i = 0; i < before.size(); ++i) {
+        if (!is_there(*rays, i))
             continue;
-        ModelTriangle back = turned(model.triangles[i]);
+        model.triangles.push_back(before[i]);
+        if (!model.materials[before[i].material].double_sided || !is_open(*rays, i))
+            continue;
+        ModelTriangle back = turned(before[i]);
         for (std::uint32_t& vertex : back.vertices) {
             ModelVertex v = model.vertices[vertex];
             v.normal = -v.normal;
@@ -48,6 +69,8 @@ Result<Model> with_both_sides(Model model) {
         }
         model.triangles.push_back(back);
     }
+    if (model.triangles.empty())
+        return Status(ErrorCode::invalid_file, "the alpha masks of the model leave nothing of it");
     return model;
 }
 

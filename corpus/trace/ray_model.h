@@ -24,8 +24,9 @@ struct LitPoint {
 };
 
 // A model with triangles of double-sided materials twice, once for each side: nothing else has a back.
-// Backs from which no way leads out are left out: closed models are often called double-sided. Errors:
-// those of RayModel.
+// Backs from which no way leads out are left out: closed models are often called double-sided. So are
+// triangles that their alpha mask cuts out wholly. Errors: invalid_file, nothing is left; those of
+// RayModel.
 Result<Model> with_both_sides(Model model);
 
 // Immutable, hence thread-safe.

@@ -162,6 +162,9 @@ TEST(ModelSurface, InnersAndBacksAreNotSeen) {
     EXPECT_EQ(with_both_sides(closed)->triangles.size(), 12u);
     closed.triangles.resize(10);
     EXPECT_EQ(with_both_sides(closed)->triangles.size(), 20u);
+    closed.materials[0].cutoff = 0.5; // of an alpha mask that leaves nothing
+    closed.materials[0].base.a = 0.25;
+    EXPECT_EQ(with_both_sides(closed).status().code(), ErrorCode::invalid_file);
 }
 
 TEST(ModelSurface, NoiseFallsWithSamples) {

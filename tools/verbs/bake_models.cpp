@@ -122,7 +122,7 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     TESSERA_TRY_ASSIGN(corpus::Model model, corpus::load_model(a.scene));
     change_materials(a.model, model);
     TESSERA_TRY_ASSIGN(const corpus::ModelLight light, make_light(a.model));
-    TESSERA_TRY_ASSIGN(model, corpus::with_both_sides(std::move(model)));
+    TESSERA_TRY_ASSIGN(model, corpus::with_both_sides(std::move(model)).with_context(a.scene));
     const Extent4 tile = wish.tile.value_or(usual_tile);
     const corpus::Texels2 directions = wish.directions.value_or(usual_directions);
     corpus::ModelAtlasOptions options;
