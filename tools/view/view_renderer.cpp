@@ -3,12 +3,10 @@
 #include "corpus/shade.h"
 #include "corpus/surface/scene_surface.h"
 #include "tools/support/parse.h"
-#include "tools/view/texel_cache.h"
-#include "tools/view/view_drawing.h"
+#include "tools/view/footprint_renderer.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <set>
 
 namespace tessera {
 namespace {
@@ -28,56 +26,18 @@ bool enter(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec
     return true;
 }
 
-class TextureRenderer final : public ViewRenderer {
-public:
-    TextureRenderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
-                    const glm::dvec3& background, const RenderOptions& options)
-        : cache_(source, block_extent, options.cache_bytes), window_(window),
-          background_(background), options_(options) {}
+// The sphere, seen from outside.
+struct SphereSurface {
+    SphereWindow window;
 
-    Result<View> render(const Camera& camera) override {
-        TESSERA_TRY(check_outside(window_, camera));
-        if (options_.foretell)
-            TESSERA_TRY(options_.foretell(blocks_of(camera)));
-        std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
-        return draw_rays(camera, workers, options_,
-                         [&](CachedTexels& texels, const glm::dvec3& direction) {
-                             return seen(texels, camera.eye, direction);
-                         });
-    }
-
-private:
-    // Of every fourth pixel both ways: a block that they miss is small in the picture.
-    std::vector<std::uint64_t> blocks_of(const Camera& camera) const {
-        constexpr std::uint32_t step = 4;
-        std::set<std::uint64_t> blocks;
-        for (std::uint32_t j = 0; j < camera.height; j += step)
-            for (std::uint32_t i = 0; i < camera.width; i += step) {
-                const glm::dvec3 direction = camera.direction(i + 0.5, j + 0.5);
-                glm::dvec3 from_centre;
-                if (!enter(window_, camera.eye, direction, from_centre))
-                    continue;
-                for (const WeightedTexel& t :
-                     sample_footprint(cache_.desc().size, from_centre, -direction))
-                    if (t.weight > 0)
-                        blocks.insert(cache_.block_of(t.u, t.v, t.s, t.t));
-            }
-        return {blocks.begin(), blocks.end()};
-    }
-
-    Result<glm::dvec3> seen(CachedTexels& texels, const glm::dvec3& eye,
-                            const glm::dvec3& direction) const {
+    Status check(const Camera& camera) const { return check_outside(window, camera); }
+    std::optional<Footprint> footprint(const Extent4& size, const glm::dvec3& eye,
+                                       const glm::dvec3& direction) const {
         glm::dvec3 from_centre;
-        if (!enter(window_, eye, direction, from_centre))
-            return background_;
-        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, from_centre, -direction));
-        return texels.desc().channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
+        if (!enter(window, eye, direction, from_centre))
+            return std::nullopt;
+        return sample_footprint(size, from_centre, -direction);
     }
-
-    TexelCache cache_;
-    SphereWindow window_;
-    glm::dvec3 background_;
-    RenderOptions options_;
 };
 
 class TruthRenderer final : public ViewRenderer {
@@ -144,7 +104,8 @@ Status check_outside(const SphereWindow& window, const Camera& camera) {
 std::unique_ptr<ViewRenderer>
 make_texture_renderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
                       const glm::dvec3& background, const RenderOptions& options) {
-    return std::make_unique<TextureRenderer>(source, block_extent, window, background, options);
+    return std::make_unique<FootprintRenderer<SphereSurface>>(
+        source, block_extent, SphereSurface{window}, background, options);
 }
 
 std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
