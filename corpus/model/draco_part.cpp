@@ -6,8 +6,6 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr std::uint32_t most_vertices = 1u << 23;
-
 template <int n, class Vector>
 Status take(const draco::Mesh& mesh, const DracoUse& use, const char* name,
             std::vector<Vector>& values, float otherwise = 0.0f) {

@@ -1,6 +1,5 @@
 #include "corpus/model/gltf_json.h"
 
-#include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -11,10 +10,6 @@ using Json = nlohmann::json;
 
 constexpr int deepest_json = 64;
 constexpr const char* draco_name = "KHR_draco_mesh_compression";
-
-Status invalid(const std::string& text) {
-    return {ErrorCode::invalid_file, text};
-}
 
 std::uint32_t number_at(const std::vector<unsigned char>& bytes, std::size_t at) {
     std::uint32_t x = 0;
@@ -35,7 +30,7 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
         return chunks;
     }
     if (bytes.size() < 20)
-        return invalid("the .glb is cut short");
+        return invalid_gltf("the .glb is cut short");
     if (number_at(bytes, 4) != 2)
         return Status(ErrorCode::unsupported, "the .glb is not of version 2");
     std::size_t at = 12;
@@ -44,9 +39,9 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
         const std::uint32_t kind = number_at(bytes, at + 4);
         at += 8;
         if (length > bytes.size() - at)
-            return invalid("chunk " + std::to_string(i) + " of the .glb claims " +
-                           std::to_string(length) + " bytes, " + std::to_string(bytes.size() - at) +
-                           " are there");
+            return invalid_gltf("chunk " + std::to_string(i) + " of the .glb claims " +
+                                std::to_string(length) + " bytes, " +
+                                std::to_string(bytes.size() - at) + " are there");
         const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
         const auto end = begin + static_cast<std::ptrdiff_t>(length);
         if (i == 0 && kind == 0x4E4F534A)
@@ -65,11 +60,11 @@ Result<std::vector<Json*>> objects_of(Json& parent, const char* name) {
     if (it == parent.end())
         return all;
     if (!it->is_array())
-        return invalid(std::string(name) + " is not an array");
+        return invalid_gltf(std::string(name) + " is not an array");
     for (Json& element : *it) {
         if (!element.is_object())
-            return invalid(std::string(name) + " " + std::to_string(all.size()) +
-                           " is not an object");
+            return invalid_gltf(std::string(name) + " " + std::to_string(all.size()) +
+                                " is not an object");
         all.push_back(&element);
     }
     return all;
@@ -95,18 +90,18 @@ Status check_views(Json& root) {
         const std::int64_t length = count_of(*views[i], "byteLength", -1);
         const std::string name = "bufferView " + std::to_string(i);
         if (buffer < 0 || static_cast<std::size_t>(buffer) >= buffers.size())
-            return invalid(name + " has no buffer");
+            return invalid_gltf(name + " has no buffer");
         const std::int64_t size =
             count_of(*buffers[static_cast<std::size_t>(buffer)], "byteLength", -1);
         if (offset < 0 || length < 0 || size < 0 || offset + length > size)
-            return invalid(name + " lies outside of its buffer");
+            return invalid_gltf(name + " lies outside of its buffer");
     }
     TESSERA_TRY_ASSIGN(const auto images, objects_of(root, "images"));
     for (std::size_t i = 0; i < images.size(); ++i) {
         const std::int64_t view = count_of(*images[i], "bufferView", 0);
         if (view < 0 ||
             (images[i]->contains("bufferView") && static_cast<std::size_t>(view) >= views.size()))
-            return invalid("image " + std::to_string(i) + " has no bufferView");
+            return invalid_gltf("image " + std::to_string(i) + " has no bufferView");
     }
     return {};
 }
@@ -117,14 +112,14 @@ Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
     primitive["extensions"].erase(draco_name);
     primitive.erase("indices"); // the stream has them, the accessor has no bytes
     if (!extension.is_object())
-        return invalid(name + ": " + draco_name + " is not an object");
+        return invalid_gltf(name + ": " + draco_name + " is not an object");
     use.view = static_cast<int>(count_of(extension, "bufferView", -1));
     const auto attributes = extension.find("attributes");
     if (use.view < 0 || attributes == extension.end() || !attributes->is_object())
-        return invalid(name + ": " + draco_name + " lacks a bufferView or attributes");
+        return invalid_gltf(name + ": " + draco_name + " lacks a bufferView or attributes");
     for (const auto& [key, value] : attributes->items()) {
         if (!value.is_number_integer())
-            return invalid(name + ": Draco attribute " + key + " is not a number");
+            return invalid_gltf(name + ": Draco attribute " + key + " is not a number");
         use.attributes[key] = static_cast<int>(count_of(*attributes, key.c_str(), -1));
     }
     return use;
@@ -154,9 +149,10 @@ Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
     };
     Json root = Json::parse(chunks.json, watch, false);
     if (too_deep)
-        return invalid("the JSON is nested more than " + std::to_string(deepest_json) + " deep");
+        return invalid_gltf("the JSON is nested more than " + std::to_string(deepest_json) +
+                            " deep");
     if (!root.is_object())
-        return invalid("is not JSON");
+        return invalid_gltf("is not JSON");
     TESSERA_TRY(check_extensions(root));
     TESSERA_TRY(check_views(root));
     TESSERA_TRY_ASSIGN(const auto meshes, objects_of(root, "meshes"));

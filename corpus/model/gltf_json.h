@@ -3,12 +3,19 @@
 
 #include "format/status.h"
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace tessera::corpus {
+
+constexpr std::uint32_t most_vertices = 1u << 23; // of a primitive
+
+inline Status invalid_gltf(const std::string& text) {
+    return {ErrorCode::invalid_file, text};
+}
 
 // A primitive's Draco stream.
 struct DracoUse {

@@ -1,4 +1,4 @@
-// glTF 2.0 by tinygltf, whose implementation is compiled here.
+// glTF 2.0 by tinygltf.
 #include "corpus/model/draco_part.h"
 #include "corpus/model/gltf_json.h"
 #include "corpus/model/image_file.h"
@@ -8,18 +8,7 @@
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
-
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wunused-variable"
-#pragma GCC diagnostic ignored "-Wshadow"
 #include <tiny_gltf.h>
-#pragma GCC diagnostic pop
 
 namespace tessera::corpus {
 namespace {
@@ -27,13 +16,8 @@ namespace {
 using tinygltf::Accessor;
 
 constexpr std::size_t most_bytes = std::size_t{1} << 31;
-constexpr int deepest = 64;                       // nodes below each other
-constexpr std::size_t most_nodes = 100'000;       // drawn
-constexpr std::uint64_t most_vertices = 1u << 23; // of an accessor
-
-Status invalid(const std::string& text) {
-    return {ErrorCode::invalid_file, text};
-}
+constexpr int deepest = 64;                 // nodes below each other
+constexpr std::size_t most_nodes = 100'000; // drawn
 
 template <class Array> bool has(const Array& array, int index) {
     return index >= 0 && static_cast<std::size_t>(index) < array.size();
@@ -46,13 +30,13 @@ template <class Array> auto& at(const Array& array, int index) {
 Result<std::span<const unsigned char>> view_bytes(const tinygltf::Model& file, int index,
                                                   const std::string& who) {
     if (!has(file.bufferViews, index))
-        return invalid(who + " has no bufferView");
+        return invalid_gltf(who + " has no bufferView");
     const tinygltf::BufferView& view = at(file.bufferViews, index);
     if (!has(file.buffers, view.buffer))
-        return invalid("bufferView " + std::to_string(index) + " has no buffer");
+        return invalid_gltf("bufferView " + std::to_string(index) + " has no buffer");
     const auto& data = at(file.buffers, view.buffer).data;
     if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-        return invalid("bufferView " + std::to_string(index) + " lies outside of its buffer");
+        return invalid_gltf("bufferView " + std::to_string(index) + " lies outside of its buffer");
     return std::span(data).subspan(view.byteOffset, view.byteLength);
 }
 
@@ -88,13 +72,13 @@ Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int le
                                   const Put& put) {
     const std::string who = "accessor " + std::to_string(index);
     if (!has(file.accessors, index))
-        return invalid(who + " does not exist");
+        return invalid_gltf(who + " does not exist");
     const Accessor& a = at(file.accessors, index);
     const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
     const int bytes =
         tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
     if (n < least || n > most || bytes <= 0 || bytes > 4)
-        return invalid(who + " has the wrong type");
+        return invalid_gltf(who + " has the wrong type");
     if (a.sparse.isSparse)
         return Status(ErrorCode::unsupported, who + " is sparse");
     if (a.count > most_vertices)
@@ -106,7 +90,7 @@ Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int le
     stride = stride == 0 ? element : stride;
     if (a.count != 0 && (a.byteOffset > data.size() || stride < element || stride > 4096 ||
                          (a.count - 1) * stride + element > data.size() - a.byteOffset))
-        return invalid(who + " reaches beyond its bufferView");
+        return invalid_gltf(who + " reaches beyond its bufferView");
     for (std::size_t i = 0; i < a.count; ++i)
         for (int c = 0; c < n; ++c)
             put(i, c,
@@ -163,8 +147,8 @@ Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& sa
     part.name = "mesh " + std::to_string(mesh) + ", primitive " + std::to_string(number);
     // Material 0 is glTF's default.
     if (primitive.material >= 0 && !has(file.materials, primitive.material))
-        return invalid(part.name + " has material " + std::to_string(primitive.material) + " of " +
-                       std::to_string(file.materials.size()));
+        return invalid_gltf(part.name + " has material " + std::to_string(primitive.material) +
+                            " of " + std::to_string(file.materials.size()));
     part.material = static_cast<std::uint32_t>(std::max(primitive.material, -1) + 1);
     if (const auto draco = safe.draco.find({mesh, number}); draco != safe.draco.end()) {
         TESSERA_TRY_ASSIGN(const auto stream, view_bytes(file, draco->second.view, part.name));
@@ -191,11 +175,11 @@ Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
     if (texture < 0)
         return use;
     if (!has(file.textures, texture))
-        return invalid(who + " has texture " + std::to_string(texture) + " of " +
-                       std::to_string(file.textures.size()));
+        return invalid_gltf(who + " has texture " + std::to_string(texture) + " of " +
+                            std::to_string(file.textures.size()));
     const tinygltf::Texture& t = at(file.textures, texture);
     if (!has(file.images, t.source))
-        return invalid("texture " + std::to_string(texture) + " has no image");
+        return invalid_gltf("texture " + std::to_string(texture) + " has no image");
     if (uv < 0 || uv > 1)
         return Status(ErrorCode::unsupported, who + " uses TEXCOORD_" + std::to_string(uv));
     use.image = t.source;
@@ -268,10 +252,10 @@ public:
             return {};
         }
         if (file_.scenes.empty())
-            return invalid("has nodes but no scene");
+            return invalid_gltf("has nodes but no scene");
         const int scene = std::max(file_.defaultScene, 0);
         if (!has(file_.scenes, scene))
-            return invalid("scene " + std::to_string(scene) + " does not exist");
+            return invalid_gltf("scene " + std::to_string(scene) + " does not exist");
         for (const int node : at(file_.scenes, scene).nodes)
             TESSERA_TRY(add_node(node, glm::dmat4(1.0), 0));
         return {};
@@ -281,18 +265,18 @@ private:
     Status add_node(int number, const glm::dmat4& parent, int depth) {
         const std::string who = "node " + std::to_string(number);
         if (!has(file_.nodes, number))
-            return invalid(who + " does not exist");
+            return invalid_gltf(who + " does not exist");
         if (depth >= deepest)
-            return invalid(who + " lies more than " + std::to_string(deepest) +
-                           " nodes deep, or below itself");
+            return invalid_gltf(who + " lies more than " + std::to_string(deepest) +
+                                " nodes deep, or below itself");
         if (++nodes_ > most_nodes)
-            return invalid("more than " + std::to_string(most_nodes) + " nodes");
+            return invalid_gltf("more than " + std::to_string(most_nodes) + " nodes");
         const tinygltf::Node& node = at(file_.nodes, number);
         const glm::dmat4 place = parent * transform_of(node);
         if (node.mesh >= 0) {
             if (!has(file_.meshes, node.mesh))
-                return invalid(who + " has mesh " + std::to_string(node.mesh) + " of " +
-                               std::to_string(file_.meshes.size()));
+                return invalid_gltf(who + " has mesh " + std::to_string(node.mesh) + " of " +
+                                    std::to_string(file_.meshes.size()));
             TESSERA_TRY(add_mesh(static_cast<std::size_t>(node.mesh), place).with_context(who));
         }
         for (const int child : node.children)
@@ -365,7 +349,7 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
         return {};
     std::string text = error.empty() ? warning : error;
     std::replace(text.begin(), text.end(), '\n', ' ');
-    return invalid("cannot be read: " + (text.empty() ? "tinygltf gives no reason" : text));
+    return invalid_gltf("cannot be read: " + (text.empty() ? "tinygltf gives no reason" : text));
 }
 
 Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder) {

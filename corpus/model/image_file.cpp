@@ -5,17 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wshadow"
 #include <stb/stb_image.h>
-#pragma GCC diagnostic pop
 
 namespace tessera::corpus {
 namespace {

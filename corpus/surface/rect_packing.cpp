@@ -2,15 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#define STB_RECT_PACK_IMPLEMENTATION
-#define STBRP_STATIC
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_rect_pack.h>
-#pragma GCC diagnostic pop
 
 namespace tessera::corpus {
 namespace {
