@@ -1,6 +1,7 @@
 #include "format/tile/scan_order.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace tessera {
 namespace {
@@ -13,6 +14,9 @@ std::uint32_t scan_cost(const ScanEntry& e, const BlockShape& shape, const ScanW
         cost += std::uint32_t{weights[axis]} * e.k[axis] * 8u / shape.n[axis];
     return cost;
 }
+
+// Each axis adds less than 8 of its weights.
+constexpr std::uint32_t most_scan_cost = 4 * 8 * 255;
 
 std::uint8_t position_class_of(std::uint32_t cost) {
     return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
@@ -56,39 +60,41 @@ static_assert((position_classes - 1 + 3) / 4 == zero_positions - 1);
 } // namespace
 
 ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
-    struct Keyed {
-        std::uint32_t cost, raster;
-        ScanEntry entry;
+    std::array<int, 4> coded;
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        coded[axis] = std::min<int>(shape.n[axis], max_frequencies);
+    const auto for_each_frequency = [&](auto&& visit) {
+        for (int t = 0; t < coded[3]; ++t)
+            for (int s = 0; s < coded[2]; ++s)
+                for (int v = 0; v < coded[1]; ++v)
+                    for (int u = 0; u < coded[0]; ++u) {
+                        const ScanEntry entry{
+                            {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
+                             static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
+                        visit(entry, scan_cost(entry, shape, weights));
+                    }
     };
-    std::vector<Keyed> all;
-    all.reserve(static_cast<std::size_t>(shape.texels()));
-    const auto coded = [&shape](int axis) {
-        return std::min<int>(shape.n[static_cast<std::size_t>(axis)], max_frequencies);
-    };
-    for (int t = 0; t < coded(3); ++t)
-        for (int s = 0; s < coded(2); ++s)
-            for (int v = 0; v < coded(1); ++v)
-                for (int u = 0; u < coded(0); ++u) {
-                    const ScanEntry entry{
-                        {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
-                         static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
-                    all.push_back({scan_cost(entry, shape, weights),
-                                   static_cast<std::uint32_t>(all.size()), entry});
-                }
-    std::sort(all.begin(), all.end(), [](const Keyed& a, const Keyed& b) {
-        return a.cost != b.cost ? a.cost < b.cost : a.raster < b.raster;
+    // Costs are small: sorted by counting, which keeps the raster order among equals.
+    std::vector<std::uint32_t> place(most_scan_cost + 2);
+    for_each_frequency([&](const ScanEntry&, std::uint32_t cost) { ++place[cost + 1]; });
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    std::vector<ScanEntry> sorted(place.back());
+    std::vector<std::uint16_t> costs(place.back());
+    for_each_frequency([&](const ScanEntry& entry, std::uint32_t cost) {
+        sorted[place[cost]] = entry;
+        costs[place[cost]++] = static_cast<std::uint16_t>(cost);
     });
-    all.resize(std::min<std::size_t>(all.size(), max_coded_length));
+    const std::size_t length = std::min<std::size_t>(sorted.size(), max_coded_length);
 
     ScanOrder order;
     order.shape = shape;
     std::array<std::uint8_t, 4> support{1, 1, 1, 1};
-    for (const Keyed& keyed : all) {
-        order.position_class.push_back(order.entry.empty() ? 0 : position_class_of(keyed.cost));
-        order.entry.push_back(keyed.entry);
-        for (int axis = 0; axis < 4; ++axis)
+    for (std::size_t i = 0; i < length; ++i) {
+        order.position_class.push_back(i == 0 ? 0 : position_class_of(costs[i]));
+        order.entry.push_back(sorted[i]);
+        for (std::size_t axis = 0; axis < 4; ++axis)
             support[axis] =
-                std::max(support[axis], static_cast<std::uint8_t>(keyed.entry.k[axis] + 1));
+                std::max(support[axis], static_cast<std::uint8_t>(sorted[i].k[axis] + 1));
         order.support.push_back(support);
     }
     find_neighbours(order);
