@@ -112,6 +112,9 @@ struct Kernels {
     // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
+    // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row.
+    // Up to 3 rows behind the last are changed alike.
+    void (*follow_paths)(std::uint8_t* rows, int count, const std::uint8_t* before);
 };
 
 // The path in use: the best this CPU has, or the one that the environment variable TESSERA_SIMD

@@ -316,6 +316,33 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
     }
 }
 
+// Any side, as sums in the order of x: the lowest `kept` frequencies of a row in natural order.
+inline void plain_row(const float* in, int n, int kept, const float* basis_t, float* out) {
+    for (int k = 0; k < kept; ++k)
+        out[k] = 0;
+    for (int x = 0; x < n; ++x) {
+        const float value = in[x];
+        for (int k = 0; k < kept; ++k)
+            out[k] += value * basis_t[x * n + k];
+    }
+}
+
+// The same of columns begin .. end - 1, whose values lie `stride` apart; of frequency k to out[k * out_stride].
+inline void plain_columns(const float* in, int stride, int n, int kept, int begin, int end,
+                          const float* basis_t, float* out, int out_stride) {
+    for (int k = 0; k < kept; ++k) {
+        float* to = out + k * out_stride;
+        for (int u = begin; u < end; ++u)
+            to[u] = 0;
+        for (int x = 0; x < n; ++x) {
+            const float* row = in + x * stride;
+            const float b = basis_t[x * n + k];
+            for (int u = begin; u < end; ++u)
+                to[u] += row[u] * b;
+        }
+    }
+}
+
 // All frequencies of a row in natural order, by even and odd halves.
 template <int n, class Vector>
 void forward_rows_split(const float* in, float* out, int rows, int stride) {
@@ -350,25 +377,8 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
         return forward_rows_split<64, Float8>(in, out, rows, stride);
     default:
         for (int r = 0; r < rows; ++r)
-            for (int k = 0; k < n; ++k) {
-                float sum = 0;
-                for (int x = 0; x < n; ++x)
-                    sum += in[r * stride + x] * basis_t[x * n + k];
-                out[r * stride + k] = sum;
-            }
+            plain_row(in + r * stride, n, n, basis_t, out + r * stride);
     }
-}
-
-// Any side, any width: the plain sum.
-void forward_planes_plain(const float* in, float* out, int n, int inner, int begin,
-                          const float* basis_t) {
-    for (int k = 0; k < n; ++k)
-        for (int i = begin; i < inner; ++i) {
-            float sum = 0;
-            for (int x = 0; x < n; ++x)
-                sum += in[x * inner + i] * basis_t[x * n + k];
-            out[k * inner + i] = sum;
-        }
 }
 
 template <int n> int forward_planes_split(const float* in, float* out, int inner) {
@@ -394,7 +404,7 @@ void forward_planes(const float* in, float* out, int n, int inner, const float* 
             out[inner + i] = (in[i] - in[inner + i]) * half;
         }
     } else if (done < inner) {
-        forward_planes_plain(in, out, n, inner, done, basis_t);
+        plain_columns(in, inner, n, n, done, inner, basis_t, out, inner);
     }
 }
 
@@ -412,13 +422,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     else if (columns_split && nv == 4)
         image_columns<4>(in, stride, nu, tmp);
     else
-        for (int k = 0; k < forward_kept(nv); ++k)
-            for (int u = 0; u < nu; ++u) {
-                float sum = 0;
-                for (int v = 0; v < nv; ++v)
-                    sum += in[v * stride + u] * forward_basis(nv)[v * nv + k];
-                tmp[k * nu + u] = sum;
-            }
+        plain_columns(in, stride, nv, forward_kept(nv), 0, nu, forward_basis(nv), tmp, nu);
     const int rows = forward_kept(nv);
     if (nu == 64 && rows % 2 == 0)
         image_rows<64, Float16>(tmp, rows, out);
@@ -430,15 +434,15 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
         image_rows<8, Float4>(tmp, rows, out);
     else if (nu == 4 && rows % 2 == 0)
         image_rows<4, Float2>(tmp, rows, out);
-    else
-        for (int r = 0; r < rows; ++r)
-            for (int i = 0; i < forward_kept(nu); ++i) {
-                const int k = forward_order(nu, i);
-                float sum = 0;
-                for (int u = 0; u < nu; ++u)
-                    sum += tmp[r * nu + u] * forward_basis(nu)[u * nu + k];
-                *out++ = sum;
-            }
+    else {
+        const int kept = forward_kept(nu);
+        float row[max_tile_side];
+        for (int r = 0; r < rows; ++r) {
+            plain_row(tmp + r * nu, nu, kept, forward_basis(nu), row);
+            for (int i = 0; i < kept; ++i)
+                *out++ = row[forward_order(nu, i)];
+        }
+    }
 }
 
 template <class Value>
@@ -473,6 +477,19 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
         out[u] = centre[u] + ((sums[u] + 128) >> 8);
 }
 
+void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
+    for (int row = 0; row < count; ++row, rows += 8) {
+        std::uint64_t old;
+        __builtin_memcpy(&old, rows, sizeof old);
+        if (old == 0)
+            continue;
+        std::uint8_t from[8];
+        __builtin_memcpy(from, &old, sizeof from);
+        for (int i = 0; i < 8; ++i)
+            rows[i] = from[before[i]];
+    }
+}
+
 constexpr Kernels make_kernels(const char* name) {
     return {name,
             inverse_rows,
@@ -489,7 +506,8 @@ constexpr Kernels make_kernels(const char* name) {
             forward_planes,
             forward_image,
             add_squared_differences,
-            coding_cost};
+            coding_cost,
+            follow_paths};
 }
 
 } // namespace

@@ -41,7 +41,7 @@ struct PlaneTask {
 struct TrellisPaths {
     std::vector<std::uint8_t> before;
     std::vector<std::int32_t> level;
-    std::vector<std::uint16_t> seen;
+    std::vector<std::uint8_t> seen;
 };
 
 // Appends the cheapest levels to `out`, last one first. Returns their cost, relative to zeros only.
