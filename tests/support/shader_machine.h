@@ -37,10 +37,9 @@ template <class Word> class Buffer {
 public:
     void assign(std::size_t size, const Word& value) { words_.assign(size, value); }
     void set(std::vector<Word> words) { words_ = std::move(words); }
-    Word& operator[](std::size_t at) {
+    [[gnu::always_inline]] Word& operator[](std::size_t at) {
         if (at >= words_.size())
-            throw std::out_of_range("word " + std::to_string(at) + " of " +
-                                    std::to_string(words_.size()));
+            refuse(at);
         return words_[at];
     }
     int length() const { return static_cast<int>(words_.size()); }
@@ -52,6 +51,10 @@ public:
     }
 
 private:
+    [[noreturn, gnu::noinline]] void refuse(std::size_t at) const {
+        throw std::out_of_range("word " + std::to_string(at) + " of " +
+                                std::to_string(words_.size()));
+    }
     std::vector<Word> words_;
 };
 

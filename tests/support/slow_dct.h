@@ -33,13 +33,18 @@ inline void slow_dct_axis(std::vector<double>& x, const BlockShape& shape, int a
     std::vector<double> line(n);
     for (std::size_t block = 0; block < x.size(); block += inner * n)
         for (std::size_t i = 0; i < inner; ++i) {
+            double* const first = x.data() + block + i;
+            for (std::size_t b = 0; b < n; ++b)
+                line[b] = first[b * inner];
             for (std::size_t a = 0; a < n; ++a) {
-                line[a] = 0;
-                for (std::size_t b = 0; b < n; ++b)
-                    line[a] += matrix[a * row + b * column] * x[block + b * inner + i];
+                const double* weight = matrix.data() + a * row;
+                double sum = 0;
+                for (const double value : line) {
+                    sum += *weight * value;
+                    weight += column;
+                }
+                first[a * inner] = sum;
             }
-            for (std::size_t a = 0; a < n; ++a)
-                x[block + a * inner + i] = line[a];
         }
 }
 

@@ -236,7 +236,7 @@ TEST_F(Cli, ReportsFullStandardOutput) {
 TEST_F(Cli, CleansUpWhenInterrupted) {
     for (const char* output : {"x.tess", "x.rgb", "x.exr", "views/"}) {
         const Outcome o =
-            run(std::string("bake gallery --spp 64 --size 256x128x16x16 -o ") + output,
+            run(std::string("bake gallery --spp 16 --size 256x128x16x16 -o ") + output,
                 "timeout --signal=INT --preserve-status 0.3");
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
