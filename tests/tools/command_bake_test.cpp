@@ -48,6 +48,40 @@ TEST_F(BakeVerb, MeshesAreSeenSharp) {
     fail(1, "rd --views nowhere -o r", {"nowhere", "composed"});
 }
 
+// A roof over a floor, in the light of a studio and a sun.
+const std::string roof = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 1 0\n"
+                         "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n";
+
+TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
+    spit(at("roof.obj"), roof);
+    const std::string lit = "bake roof.obj --light 1,2,1 --exposure 0.3 --roughness 0.6 --metal 0 ";
+    succeed(lit + "--density 6 --directions 4x4 --tile 8x8x4x4 --spp 16 --effort 0 -q -o a.tess");
+    const std::string view = " -o v.png --eye 9,6,5 --size 80x60 ";
+    const auto psnr = [&](const std::string& file, const std::string& more) {
+        return json("render " + file + view + "--truth roof.obj --truth-spp 64 --json " +
+                    more)["views"][0]["compressed_truth"]["psnr"]
+            .get<double>();
+    };
+    const double right = psnr("a.tess", "");
+    EXPECT_GT(right, 30);
+    EXPECT_EQ(psnr("a.tess", "--threads 1"), right);
+    // The light is the file's own: in another one the same model is another picture.
+    succeed("bake roof.obj --light -1,2,-1 --exposure 0.5 --roughness 0.6 --metal 0 --density 6 "
+            "--directions 4x4 --tile 8x8x4x4 --spp 4 --effort 0 -q -o b.tess");
+    succeed("render a.tess" + view + "-q");
+    const std::string one = slurp(at("v.png"));
+    succeed("render b.tess" + view + "-q");
+    EXPECT_FALSE(slurp(at("v.png")) == one);
+    EXPECT_GT(psnr("b.tess", ""), 30);
+
+    fail(1, "render a.tess" + view + "--truth composed", {"a.tess", "roof.obj", "composed"});
+    fail(2, "render a.tess" + view + "--truth nowhere.obj", {"nowhere.obj"});
+    fail(1, "render a.tess" + view + "--truth composed --env a.exr", {"--env"});
+    fail(2, "render a.tess" + view + "--truth roof.obj --env nowhere.exr", {"nowhere.exr"});
+    succeed(mesh_scene + "-q -o scene.tess");
+    fail(1, "render scene.tess" + view + "--truth roof.obj", {"scene.tess", "roof.obj"});
+}
+
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {
     const std::string sphere = "bake composed -o x.tess ", mesh = sphere + "--proxy mesh ";
     fail(1, sphere + "--density 8", {"--density", "--proxy mesh"});

@@ -4,10 +4,9 @@
 #include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/baked_surface.h"
+#include "tools/texture_io/lit_model_file.h"
 
-#include <cmath>
-#include <cstdio>
-#include <numbers>
+#include <algorithm>
 #include <thread>
 
 namespace tessera {
@@ -18,59 +17,6 @@ constexpr unsigned diffuse_share = 16;
 constexpr unsigned noise_trials = 200;
 constexpr corpus::Texels2 usual_directions{16, 16};
 constexpr Extent4 usual_tile{32, 32, 8, 8};
-// Of white in the mean light of all directions, as light on the display.
-constexpr double usual_brightness = 0.6;
-
-Result<corpus::Sun> parse_sun(const std::string& text) {
-    glm::dvec3 d(0.0);
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &d.x, &d.y, &d.z, &rest) != 3 ||
-        !(glm::length(d) > 1e-9) || !(glm::length(d) < 1e9))
-        return Status(ErrorCode::bad_argument,
-                      "--light: '" + text + "' is not x,y,z, the way to a sun");
-    return corpus::Sun{glm::normalize(d), glm::dvec3(3.0)};
-}
-
-Result<corpus::ModelLight> make_light(const ModelArguments& a) {
-    corpus::ModelLight light;
-    if (!a.environment.empty()) {
-        TESSERA_TRY_ASSIGN(corpus::Environment environment,
-                           corpus::Environment::load(a.environment));
-        light.environment = std::make_shared<const corpus::Environment>(std::move(environment));
-    } else {
-        light.environment =
-            std::make_shared<const corpus::Environment>(corpus::Environment::studio());
-    }
-    if (!a.light.empty()) {
-        TESSERA_TRY_ASSIGN(light.sun, parse_sun(a.light));
-    }
-    return light;
-}
-
-double usual_exposure(const corpus::ModelLight& light) {
-    constexpr unsigned trials = 4096;
-    double mean = 0;
-    for (unsigned i = 0; i < trials; ++i) {
-        corpus::PathRandom random(0, i);
-        const corpus::LightSample s = light.environment->sample(random.next2());
-        mean += glm::dot(s.light, {0.2126, 0.7152, 0.0722}) / s.density /
-                (4.0 * std::numbers::pi * trials);
-    }
-    if (light.sun)
-        mean += light.sun->irradiance.y / (4.0 * std::numbers::pi);
-    return mean > 0.0 ? usual_brightness / mean : 1.0;
-}
-
-void change_materials(const ModelArguments& a, corpus::Model& model) {
-    for (corpus::ModelMaterial& m : model.materials) {
-        if (a.roughness)
-            m.roughness = *a.roughness;
-        if (a.metal)
-            m.metal = *a.metal;
-        if (a.roughness || a.metal)
-            m.metal_roughness_texture.image = -1;
-    }
-}
 
 Status check_model(const BakeCommand& a) {
     if (!a.texture.size.empty())
@@ -119,10 +65,9 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
     const AngularMap chosen = wished_map.value_or(AngularMap::octahedral_mirrored);
-    TESSERA_TRY_ASSIGN(corpus::Model model, corpus::load_model(a.scene));
-    change_materials(a.model, model);
-    TESSERA_TRY_ASSIGN(const corpus::ModelLight light, make_light(a.model));
-    TESSERA_TRY_ASSIGN(model, corpus::with_both_sides(std::move(model)).with_context(a.scene));
+    TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
+    TESSERA_TRY_ASSIGN(const corpus::Model model,
+                       corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     const Extent4 tile = wish.tile.value_or(usual_tile);
     const corpus::Texels2 directions = wish.directions.value_or(usual_directions);
     corpus::ModelAtlasOptions options;
@@ -140,9 +85,8 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     paths.seed = a.seed.value_or(1);
     paths.threads = a.texture.threads != 0 ? a.texture.threads
                                            : std::max(1u, std::thread::hardware_concurrency());
-    TESSERA_TRY_ASSIGN(const auto lit, corpus::LitModel::make(std::move(atlas), light, paths));
-    const corpus::Display display{a.model.exposure.value_or(usual_exposure(light)),
-                                  SampleType::unorm8};
+    TESSERA_TRY_ASSIGN(const auto lit, corpus::LitModel::make(std::move(atlas), file.light, paths));
+    const corpus::Display& display = file.display;
     TESSERA_TRY_ASSIGN(baking.texels, corpus::make_model_source(lit, chosen, directions, display));
     baking.mask = corpus::make_model_mask(lit, chosen, directions);
     const corpus::NoiseEstimate noise =
@@ -153,19 +97,12 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     baking.description.transfer = Transfer::srgb;
     baking.description.primaries = Primaries::bt709;
     baking.tile = tile;
-    const std::string exposure = format_number(display.exposure, 4);
     baking.facts = {{"model", a.scene},
                     {"samples per texel", std::to_string(a.samples)},
                     {"seed", std::to_string(paths.seed)},
-                    {"texels per unit", format_number(density, 3)},
-                    {"environment", a.model.environment.empty() ? "studio" : a.model.environment},
-                    {"exposure", exposure}};
-    if (!a.model.light.empty())
-        baking.facts.emplace_back("sun", a.model.light);
-    if (a.model.roughness)
-        baking.facts.emplace_back("roughness", format_number(*a.model.roughness, 4));
-    if (a.model.metal)
-        baking.facts.emplace_back("metal", format_number(*a.model.metal, 4));
+                    {"texels per unit", format_number(density, 3)}};
+    for (auto& fact : facts_of(a.model, file))
+        baking.facts.push_back(std::move(fact));
     baking.json = {{"model", a.scene},
                    {"samples_per_texel", a.samples},
                    {"texels_per_unit", density},
@@ -177,9 +114,10 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
                    {"noise_db", noise.decibels}};
     baking.remark = std::to_string(triangles) + " triangles in " + human_bytes(baking.mesh.size()) +
                     ", " + std::to_string(charts) + " charts, " + format_number(density, 3) +
-                    " texels a unit, " + name_of(chosen) + "; exposure " + exposure +
-                    "; noise of chance " + format_number(noise.decibels, 1) +
-                    " dB, 50 dB take --spp " + format_number(noise.samples_for(50.0), 0);
+                    " texels a unit, " + name_of(chosen) + "; exposure " +
+                    format_number(display.exposure, 4) + "; noise of chance " +
+                    format_number(noise.decibels, 1) + " dB, 50 dB take --spp " +
+                    format_number(noise.samples_for(50.0), 0);
     return baking;
 }
 

@@ -6,6 +6,7 @@
 #include "tools/support/encode_arguments.h"
 #include "tools/support/json_text.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/texture_io/lit_model_file.h"
 
 #include <memory>
 #include <optional>
@@ -14,12 +15,6 @@
 #include <vector>
 
 namespace tessera {
-
-// Of models only.
-struct ModelArguments {
-    std::string environment, light; // a file; x,y,z
-    std::optional<double> exposure, roughness, metal;
-};
 
 struct BakeCommand {
     std::string scene, output; // a built-in scene's name, or a model's file

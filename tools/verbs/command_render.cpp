@@ -350,11 +350,15 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
                      "mesh, whose edges they smooth)")
             ->check(CLI::Range(1u, 65536u));
         auto* truth = c.add_option("--truth", r.truth,
-                                   "A built-in scene to ray trace and measure against, together "
-                                   "with the uncompressed texture");
-        c.add_option("--truth-spp", r.truth_samples, "Rays per pixel of the truth")
+                                   "A built-in scene, or a model's file, to ray trace and measure "
+                                   "against; of a sphere, together with the uncompressed texture");
+        c.add_option("--truth-spp", r.truth_samples,
+                     "Rays per pixel of the truth (default: 16; paths of a model: 512)")
             ->check(CLI::Range(1u, 65536u))
-            ->capture_default_str()
+            ->needs(truth);
+        c.add_option("--env", r.truth_environment,
+                     "With --truth MODEL: the .exr or .hdr of its light, where the file names "
+                     "another place")
             ->needs(truth);
         c.add_option("--original", r.original,
                      "The uncompressed texture (raw or .tess); without it, it is baked where it is "
@@ -391,6 +395,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
+        "  tessera render bunny.tess -o v.png --views paper --truth bunny.glb\n"
         "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720 --via feedback\n"
         "  tessera render http://host/scene.tess -o v.png --via feedback --orbit 16\n"
         "  tessera render http://host/scene.tess -o v.png --via feedback --frames "

@@ -7,6 +7,7 @@
 #include "tools/support/fill_text.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/baked_original.h"
+#include "tools/texture_io/lit_model_file.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_renderer.h"
 #include "tools/view/mesh_renderer.h"
@@ -19,6 +20,9 @@ constexpr Extent4 lazy_block{8, 8, 4, 4};
 
 // Evenly spread, about as smooth as the multisampling of a GPU.
 constexpr unsigned mesh_rays = 4;
+
+constexpr unsigned usual_truth_rays = 16;
+constexpr unsigned usual_model_paths = 512;
 
 // What an observer of a mesh sees beside it, as the file says; black where it does not.
 Result<glm::dvec3> around_mesh(const ContainerReader& container) {
@@ -56,6 +60,28 @@ Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const 
     return std::move(opened.source);
 }
 
+// The model that a texture was made of, in the light that the file says.
+Status add_model_truth(const StageRequest& r, const Metadata& metadata,
+                       const glm::dvec3& background, const RenderOptions& asked, Stage& stage) {
+    if (!metadata.contains("Model"))
+        return {ErrorCode::bad_argument,
+                r.file + ": is not of a model, but --truth " + r.truth + " is one"};
+    TESSERA_TRY_ASSIGN(ModelArguments arguments, arguments_in(metadata).with_context(r.file));
+    if (!r.truth_environment.empty())
+        arguments.environment = r.truth_environment;
+    TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(r.truth, arguments));
+    RenderOptions options = asked;
+    const unsigned paths = r.truth_samples.value_or(usual_model_paths);
+    options.rays = std::min(mesh_rays, paths);
+    TESSERA_TRY_ASSIGN(const auto truth,
+                       corpus::make_model_truth(std::move(file.model), std::move(file.light),
+                                                file.display,
+                                                (paths + options.rays - 1) / options.rays)
+                           .with_context(r.truth));
+    stage.truth = make_model_truth_renderer(truth, background, options);
+    return {};
+}
+
 Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
                  const RenderOptions& options, Stage& stage) {
     TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(r.truth).with_context("--truth"));
@@ -66,7 +92,8 @@ Status add_truth(const StageRequest& r, const std::string& subject, const std::s
         return {ErrorCode::bad_argument, subject + ": is " + name_of(stage.desc.type) +
                                              ", and the scene " + r.truth + " is " +
                                              name_of(scene.type)};
-    stage.truth = make_truth_renderer(std::move(scene), stage.window, r.truth_samples, options);
+    stage.truth = make_truth_renderer(std::move(scene), stage.window,
+                                      r.truth_samples.value_or(usual_truth_rays), options);
     return {};
 }
 
@@ -103,8 +130,14 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
             return make_mesh_renderer(texels, block, *mesh, background, use);
         return make_texture_renderer(texels, block, *stage.window, background, use);
     };
-    if (!r.truth.empty()) {
+    if (corpus::is_model_path(r.truth)) {
+        TESSERA_TRY(add_model_truth(r, container.metadata(), background, options, stage));
+    } else if (!r.truth.empty()) {
         const auto said = container.metadata().find("Scene");
+        if (container.metadata().contains("Model"))
+            return {ErrorCode::bad_argument, r.file + ": is of the model " +
+                                                 container.metadata().find("Model")->second +
+                                                 ", not of the scene " + r.truth};
         TESSERA_TRY(add_truth(r, r.file, said == container.metadata().end() ? "" : said->second,
                               options, stage));
     }
@@ -179,6 +212,10 @@ Status check_request(const StageRequest& r) {
         return {ErrorCode::bad_argument, "--allow-damaged needs --via cpu"};
     if (r.decode.allow_partial && r.via != "cpu" && r.via != "feedback")
         return {ErrorCode::bad_argument, "--allow-partial needs --via cpu or feedback"};
+    if (!r.truth_environment.empty() && !corpus::is_model_path(r.truth))
+        return {ErrorCode::bad_argument, "--env belongs to --truth MODEL"};
+    if (r.file.empty() && corpus::is_model_path(r.truth))
+        return {ErrorCode::bad_argument, "--truth " + r.truth + ": a model needs a .tess of it"};
     if (!r.file.empty() && !r.texture_size.empty())
         return {ErrorCode::bad_argument, "--texture-size belongs to --scene"};
     if (r.samples && !r.original.empty())

@@ -18,10 +18,12 @@ struct StageRequest {
     DecodeOptions decode;     // of the file
     std::string via = "cpu";  // cpu, gpu, load or feedback
     unsigned budget_mib = 512;
-    std::optional<unsigned> rays;    // per pixel, on the CPU; else 1 for a sphere and 4 for a mesh
-    unsigned tiles_per_frame = 0;    // with feedback, see gpu_renderer.h
-    std::string truth;               // a scene to ray trace directly, or empty
-    unsigned truth_samples = 16;     // rays per pixel
+    std::optional<unsigned> rays;  // per pixel, on the CPU; else 1 for a sphere and 4 for a mesh
+    unsigned tiles_per_frame = 0;  // with feedback, see gpu_renderer.h
+    std::string truth;             // a scene, or a model's file, to ray trace directly; or empty
+    std::string truth_environment; // of a model: where its light is now; empty: where it was
+    std::optional<unsigned>
+        truth_samples;               // per pixel; else 16 rays of a scene, 512 paths of a model
     std::string original;            // the uncompressed texture as a file, or empty
     std::optional<unsigned> samples; // per texel, of what is baked
 };

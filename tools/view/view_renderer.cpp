@@ -5,6 +5,7 @@
 #include "tools/support/parse.h"
 #include "tools/view/footprint_renderer.h"
 
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -70,6 +71,35 @@ private:
     RenderOptions options_;
 };
 
+class ModelTruthRenderer final : public ViewRenderer {
+public:
+    ModelTruthRenderer(std::shared_ptr<const corpus::ModelTruth> truth,
+                       const glm::dvec3& background, const RenderOptions& options)
+        : truth_(std::move(truth)), background_(background), options_(options) {}
+
+    Result<View> render(const Camera& camera) override {
+        std::vector<int> workers(thread_count(options_.threads));
+        return draw_rays(camera, workers, options_,
+                         [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
+                             return truth_->see(camera.eye, direction, name_of_ray(direction))
+                                 .value_or(background_);
+                         });
+    }
+
+private:
+    // Its own for each ray, on whatever thread.
+    static std::uint64_t name_of_ray(const glm::dvec3& direction) {
+        std::uint64_t name = 0;
+        for (glm::length_t axis = 0; axis < 3; ++axis)
+            name = corpus::mix_bits(name + std::bit_cast<std::uint64_t>(direction[axis]));
+        return name;
+    }
+
+    std::shared_ptr<const corpus::ModelTruth> truth_;
+    glm::dvec3 background_;
+    RenderOptions options_;
+};
+
 } // namespace
 
 Result<SphereWindow> sphere_window(const Description& d) {
@@ -112,6 +142,12 @@ std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
                                                   const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options) {
     return std::make_unique<TruthRenderer>(std::move(scene), window, samples, options);
+}
+
+std::unique_ptr<ViewRenderer>
+make_model_truth_renderer(std::shared_ptr<const corpus::ModelTruth> truth,
+                          const glm::dvec3& background, const RenderOptions& options) {
+    return std::make_unique<ModelTruthRenderer>(std::move(truth), background, options);
 }
 
 } // namespace tessera

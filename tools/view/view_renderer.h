@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/decoder.h"
+#include "corpus/model_surface/model_truth.h"
 #include "corpus/scene.h"
 #include "format/metadata.h"
 #include "tools/support/traffic.h"
@@ -90,5 +91,11 @@ make_texture_renderer(TexelSource& source, const Extent4& block_extent, const Sp
 std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
                                                   const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options);
+
+// A model, path traced, options.rays through each pixel; each is a mean of light, as paths on their own
+// would be a mean of what a display makes of them. `background`: where a ray misses it.
+std::unique_ptr<ViewRenderer>
+make_model_truth_renderer(std::shared_ptr<const corpus::ModelTruth> truth,
+                          const glm::dvec3& background, const RenderOptions& options);
 
 } // namespace tessera

@@ -1,0 +1,119 @@
+#include "tools/texture_io/lit_model_file.h"
+
+#include "tools/support/parse.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+namespace tessera {
+namespace {
+
+// Of white in the mean light of all directions, as light on the display.
+constexpr double usual_brightness = 0.6;
+constexpr const char* studio = "studio"; // the light that no file is needed for
+
+Result<corpus::Sun> parse_sun(const std::string& text) {
+    glm::dvec3 d(0.0);
+    TESSERA_TRY(parse_point(text, d).with_context("--light"));
+    if (!(glm::length(d) > 1e-9) || !(glm::length(d) < 1e9))
+        return Status(ErrorCode::bad_argument, "--light: '" + text + "' is not the way to a sun");
+    return corpus::Sun{glm::normalize(d), glm::dvec3(3.0)};
+}
+
+Result<corpus::ModelLight> make_light(const ModelArguments& a) {
+    corpus::ModelLight light;
+    if (!a.environment.empty()) {
+        TESSERA_TRY_ASSIGN(corpus::Environment environment,
+                           corpus::Environment::load(a.environment));
+        light.environment = std::make_shared<const corpus::Environment>(std::move(environment));
+    } else {
+        light.environment =
+            std::make_shared<const corpus::Environment>(corpus::Environment::studio());
+    }
+    if (!a.light.empty()) {
+        TESSERA_TRY_ASSIGN(light.sun, parse_sun(a.light));
+    }
+    return light;
+}
+
+// As files write it: to some digits, which the truth must find again.
+std::string digits(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+double usual_exposure(const corpus::ModelLight& light) {
+    constexpr unsigned trials = 4096;
+    double mean = 0;
+    for (unsigned i = 0; i < trials; ++i) {
+        corpus::PathRandom random(0, i);
+        const corpus::LightSample s = light.environment->sample(random.next2());
+        mean += glm::dot(s.light, {0.2126, 0.7152, 0.0722}) / s.density /
+                (4.0 * std::numbers::pi * trials);
+    }
+    if (light.sun)
+        mean += light.sun->irradiance.y / (4.0 * std::numbers::pi);
+    return mean > 0.0 ? std::strtod(digits(usual_brightness / mean).c_str(), nullptr) : 1.0;
+}
+
+void change_materials(const ModelArguments& a, corpus::Model& model) {
+    for (corpus::ModelMaterial& m : model.materials) {
+        if (a.roughness)
+            m.roughness = *a.roughness;
+        if (a.metal)
+            m.metal = *a.metal;
+        if (a.roughness || a.metal)
+            m.metal_roughness_texture.image = -1;
+    }
+}
+
+} // namespace
+
+Result<LitModelFile> load_lit_model(const std::string& path, const ModelArguments& a) {
+    LitModelFile file;
+    TESSERA_TRY_ASSIGN(file.model, corpus::load_model(path));
+    change_materials(a, file.model);
+    TESSERA_TRY_ASSIGN(file.light, make_light(a));
+    file.display = {a.exposure.value_or(usual_exposure(file.light)), SampleType::unorm8};
+    return file;
+}
+
+std::vector<std::pair<std::string, std::string>> facts_of(const ModelArguments& a,
+                                                          const LitModelFile& file) {
+    std::vector<std::pair<std::string, std::string>> facts = {
+        {"environment", a.environment.empty() ? studio : a.environment},
+        {"exposure", digits(file.display.exposure)}};
+    if (!a.light.empty())
+        facts.emplace_back("sun", a.light);
+    if (a.roughness)
+        facts.emplace_back("roughness", digits(*a.roughness));
+    if (a.metal)
+        facts.emplace_back("metal", digits(*a.metal));
+    return facts;
+}
+
+Result<ModelArguments> arguments_in(const Metadata& metadata) {
+    const auto text = [&](const char* key) {
+        const auto said = metadata.find(key);
+        return said == metadata.end() ? std::string() : said->second;
+    };
+    ModelArguments a{text("Environment"), text("Sun"), {}, {}, {}};
+    if (a.environment == studio)
+        a.environment.clear();
+    for (const auto& [key, value] :
+         {std::pair("Exposure", &a.exposure), std::pair("Roughness", &a.roughness),
+          std::pair("Metal", &a.metal)})
+        if (const std::string number = text(key); !number.empty()) {
+            double x = 0;
+            if (!parse_number(number, x) || !std::isfinite(x))
+                return Status(ErrorCode::invalid_file,
+                              std::string("its key ") + key + " is no number: '" + number + "'");
+            *value = x;
+        }
+    return a;
+}
+
+} // namespace tessera
