@@ -1,151 +1,18 @@
-// tessera VERB: parses the command line, runs one verb, turns its Status into an exit code.
-
-#include "format/metadata.h"
+// The tool `tessera`: what outlives a command, signals and exceptions.
+#include "format/status.h"
 #include "tools/support/interrupt.h"
-#include "tools/support/parse.h"
-#include "tools/support/suggestions.h"
-#include "tools/support/usage_error.h"
-#include "tools/verbs/command.h"
+#include "tools/verbs/run_tool.h"
 
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
 
-namespace tessera {
-namespace {
-
-const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
-                             "compare", "sheet",  "shaders", "render", "bench",
-                             "rd",      "serve",  "help",    "version"};
-
-const char* const main_help =
-    "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
-    "leaves it in; for one direction all places together are a view. Boxes are half-open ranges,\n"
-    "0:64,0:64,:,: (':' is all of an axis).\n\n"
-    "Textures are told by their first bytes, raw ones by their names:\n"
-    "  x.tess      compressed; also a URL (http, https)\n"
-    "  x.exr       one OpenEXR picture, the angular images side by side\n"
-    "  views/      a folder with one PNG per view; a single PNG is one view\n"
-    "  x.rgb       raw samples in the order v, u, t, s, channels adjacent; they need --size. Also\n"
-    "              .rgba .gray .ya, with 16f appended for half floats, and .raw, which needs "
-    "--type\n"
-    "              and --channels\n"
-    "  -           standard input, of any kind that is one file, or standard output: .tess of\n"
-    "              encode and bake, raw samples of decode\n"
-    "Sizes in bytes take K, M, G and T, powers of 1024. Folders on the way to an output are "
-    "made.\n\n"
-    "Examples:\n"
-    "  tessera bake composed -o scene.tess --size 256x128x16x16\n"
-    "  tessera encode views/ -o scene.tess --target-psnr 40\n"
-    "  tessera info scene.tess\n"
-    "  tessera decode scene.tess -o views/\n"
-    "tessera VERB --help explains a verb.\n\n";
-
-std::string version_text() {
-    return std::string("tessera ") + library_version + ", file format " +
-           std::to_string(format_version_major) + "." + std::to_string(format_version_minor);
-}
-
-bool is_verb(const std::string& word) {
-    for (const char* verb : verbs)
-        if (word == verb)
-            return true;
-    return false;
-}
-
-int report(const std::string& verb, const Status& status) {
-    if (status.ok())
-        return 0;
-    std::fprintf(stderr, "tessera%s%s: error: %s\n", verb.empty() ? "" : " ", verb.c_str(),
-                 status.message().c_str());
-    return static_cast<int>(status.code());
-}
-
-Status unknown_verb(const std::string& word) {
-    return {ErrorCode::bad_argument, "unknown verb " + word +
-                                         did_you_mean(word, {std::begin(verbs), std::end(verbs)}) +
-                                         " (tessera help lists all)"};
-}
-
-void add_verbs(CLI::App& app, Invocation& chosen) {
-    add_bake_command(app, chosen);
-    add_encode_command(app, chosen);
-    add_decode_command(app, chosen);
-    add_compare_command(app, chosen);
-    add_info_command(app, chosen);
-    add_validate_command(app, chosen);
-    add_sheet_command(app, chosen);
-    add_shaders_command(app, chosen);
-    add_render_command(app, chosen);
-    add_bench_command(app, chosen);
-    add_rd_command(app, chosen);
-    add_serve_command(app, chosen);
-    CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
-    auto topic = std::make_shared<std::string>();
-    help->add_option("verb", *topic, "The verb to explain");
-    help->callback([&app, &chosen, topic] {
-        chosen.verb = "help";
-        chosen.run = [&app, topic]() -> Status {
-            if (!topic->empty() && !is_verb(*topic))
-                return unknown_verb(*topic);
-            // Not app.help(): that explains the verb that was called, which is this one.
-            const CLI::App* about = topic->empty() ? &app : app.get_subcommand(*topic);
-            const std::string name = topic->empty() ? "tessera" : "tessera " + *topic;
-            const auto mode = CLI::AppFormatMode::Normal;
-            std::fputs(about->get_formatter()->make_help(about, name, mode).c_str(), stdout);
-            return {};
-        };
-    });
-    app.add_subcommand("version", "Show the versions of tool and file format")->callback([&chosen] {
-        chosen.verb = "version";
-        chosen.run = []() -> Status {
-            std::printf("%s\n", version_text().c_str());
-            return {};
-        };
-    });
-}
-
-int run(int argc, char** argv) {
-    CLI::App app("Tessera: a codec for 4D textures (surface light fields), size UxVxSxT",
-                 "tessera");
-    app.set_version_flag("--version", version_text());
-    app.require_subcommand(1);
-    app.get_formatter()->column_width(34);
-    app.footer(std::string(main_help) + exit_codes_help);
-    Invocation chosen;
-    add_verbs(app, chosen);
-    const std::string first = argc > 1 ? argv[1] : "";
-    if (!first.empty() && first[0] != '-' && !is_verb(first))
-        return report("", unknown_verb(first));
-    if (first.empty())
-        return report("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
-    const std::string verb = is_verb(first) ? first : "";
-    const CLI::App* app_of_verb = verb.empty() ? nullptr : app.get_subcommand(verb);
-    if (app_of_verb != nullptr)
-        if (const Status status = check_words(*app_of_verb, {argv + 2, argv + argc}); !status.ok())
-            return report(verb, status);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0)
-            return app.exit(e); // --help, --version
-        return report(verb, usage_error(app, app_of_verb, e));
-    }
-    const int code = report(chosen.verb, chosen.run());
-    if (std::fflush(stdout) == 0 || code != 0)
-        return code;
-    return report(chosen.verb, {ErrorCode::io, "standard output: cannot be written"});
-}
-
-} // namespace
-} // namespace tessera
-
 int main(int argc, char** argv) {
     int code = static_cast<int>(tessera::ErrorCode::runtime);
     tessera::install_signal_handlers();
     try {
-        code = tessera::run(argc, argv);
+        code = tessera::run_tool(argc, argv);
     } catch (const std::bad_alloc&) {
         std::fputs("tessera: error: out of memory\n", stderr);
     } catch (const std::exception& e) {

@@ -37,7 +37,7 @@ bool in_disk(int, int, int s, int t) {
     return (2 * s - 7) * (2 * s - 7) + (2 * t - 7) * (2 * t - 7) <= 64;
 }
 
-EncodeOptions options_for(RateTarget rate, TexelSource* mask, int effort = copies_effort) {
+EncodeOptions masked_options(RateTarget rate, TexelSource* mask, int effort = copies_effort) {
     EncodeOptions options;
     options.rate = rate;
     options.effort = effort;
@@ -47,7 +47,7 @@ EncodeOptions options_for(RateTarget rate, TexelSource* mask, int effort = copie
     return options;
 }
 
-Bytes decode_all(const Bytes& file) {
+Bytes decode_whole(const Bytes& file) {
     const auto source = wrap_memory(file);
     const auto decoder = Decoder::open(*source);
     EXPECT_TRUE(decoder) << decoder.status().message();
@@ -87,19 +87,20 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture all = make_mask(masked_size, [](int, int, int, int) { return true; });
     for (const int effort : {0, copies_effort})
-        EXPECT_EQ(encode_file_of(texture, options_for({Kind::quality, 60}, &all, effort)).file,
-                  encode_file_of(texture, options_for({Kind::quality, 60}, nullptr, effort)).file);
+        EXPECT_EQ(
+            encode_file_of(texture, masked_options({Kind::quality, 60}, &all, effort)).file,
+            encode_file_of(texture, masked_options({Kind::quality, 60}, nullptr, effort)).file);
 }
 
 TEST(Mask, SavesBytesAndReportsWhatMatters) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture mask = make_mask(masked_size, in_chart);
     const EncodedFile plain =
-        encode_file_of(noise, options_for({Kind::quality, 70}, nullptr, quick_effort));
+        encode_file_of(noise, masked_options({Kind::quality, 70}, nullptr, quick_effort));
     const EncodedFile masked =
-        encode_file_of(noise, options_for({Kind::quality, 70}, &mask, quick_effort));
+        encode_file_of(noise, masked_options({Kind::quality, 70}, &mask, quick_effort));
     EXPECT_LT(masked.file.size(), plain.file.size() * 7 / 10);
-    const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
+    const Figures figures = measure(noise.texels, decode_whole(masked.file), mask);
     EXPECT_NEAR(masked.report.psnr, figures.psnr, 1e-9);
     EXPECT_EQ(masked.report.max_error, figures.max_error);
     EXPECT_EQ(masked.report.texels_that_matter, figures.texels);
@@ -107,7 +108,7 @@ TEST(Mask, SavesBytesAndReportsWhatMatters) {
     const double all = static_cast<double>(texel_count(masked_size));
     EXPECT_DOUBLE_EQ(masked.report.bits_per_texel,
                      8.0 * static_cast<double>(masked.file.size()) / all);
-    const Figures before = measure(noise.texels, decode_all(plain.file), mask);
+    const Figures before = measure(noise.texels, decode_whole(plain.file), mask);
     EXPECT_NEAR(figures.psnr, before.psnr, 1.0); // nothing was gained by doing worse
 }
 
@@ -133,17 +134,17 @@ TEST(Mask, TargetsBindWhatMatters) {
     MemoryTexture mask = make_mask(masked_size, in_disk);
     MemoryTexture texture = with_noise_behind(named_texture(colour, "smooth"), mask);
     const EncodedFile coded =
-        encode_file_of(texture, options_for({Kind::psnr, 42}, &mask, quick_effort));
+        encode_file_of(texture, masked_options({Kind::psnr, 42}, &mask, quick_effort));
     EXPECT_GE(coded.report.psnr, 42);
     EXPECT_LT(coded.report.psnr, 42.5);
-    EXPECT_NEAR(measure(texture.texels, decode_all(coded.file), mask).psnr, coded.report.psnr,
+    EXPECT_NEAR(measure(texture.texels, decode_whole(coded.file), mask).psnr, coded.report.psnr,
                 1e-9);
 }
 
 TEST(Mask, NothingBehindItCosts) {
     const MemoryTexture smooth = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(masked_size, in_chart);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask);
+    const EncodeOptions options = masked_options({Kind::quality, 60}, &mask);
     MemoryTexture gaps = with_gaps(smooth, mask), noisy = with_noise_behind(smooth, mask);
     EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
 }
@@ -154,7 +155,7 @@ TEST(Mask, WhatGoesOnBehindItHelps) {
         return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
     });
     MemoryTexture mask = make_mask(masked_size, in_chart), gaps = with_gaps(waves, mask);
-    const EncodeOptions options = options_for({Kind::quality, 60}, &mask, quick_effort);
+    const EncodeOptions options = masked_options({Kind::quality, 60}, &mask, quick_effort);
     EXPECT_LT(encode_file_of(waves, options).file.size(),
               encode_file_of(gaps, options).file.size() * 8 / 10);
 }
@@ -165,9 +166,9 @@ TEST(Mask, GuaranteesHoldForWhatMatters) {
     MemoryTexture mask = make_mask(small.size, in_chart);
     for (const int bound : {0, 2}) {
         const RateTarget rate{Kind::max_error, static_cast<double>(bound)};
-        const EncodedFile masked = encode_file_of(noise, options_for(rate, &mask, 0));
-        const EncodedFile plain = encode_file_of(noise, options_for(rate, nullptr, 0));
-        const Figures figures = measure(noise.texels, decode_all(masked.file), mask);
+        const EncodedFile masked = encode_file_of(noise, masked_options(rate, &mask, 0));
+        const EncodedFile plain = encode_file_of(noise, masked_options(rate, nullptr, 0));
+        const Figures figures = measure(noise.texels, decode_whole(masked.file), mask);
         EXPECT_LE(figures.max_error, bound);
         EXPECT_EQ(masked.report.max_error, figures.max_error);
         EXPECT_LT(masked.file.size(), plain.file.size() * 8 / 10) << bound;
@@ -183,9 +184,9 @@ TEST(Mask, SidesOfOneStandForAllAlongThem) {
         MemoryTexture narrow = make_mask(mask_size, matters),
                       whole = make_mask(masked_size, matters);
         const EncodedFile a =
-            encode_file_of(texture, options_for({Kind::quality, 60}, &narrow, quick_effort));
+            encode_file_of(texture, masked_options({Kind::quality, 60}, &narrow, quick_effort));
         const EncodedFile b =
-            encode_file_of(texture, options_for({Kind::quality, 60}, &whole, quick_effort));
+            encode_file_of(texture, masked_options({Kind::quality, 60}, &whole, quick_effort));
         EXPECT_EQ(a.file, b.file) << to_string(mask_size);
         EXPECT_EQ(a.report.texels_that_matter, b.report.texels_that_matter);
         EXPECT_LT(*a.report.texels_that_matter, texel_count(masked_size));
@@ -196,13 +197,13 @@ TEST(Mask, ThreadsChangeNoByte) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(masked_size, in_chart);
     for (const bool layers : {false, true}) {
-        EncodeOptions options = options_for({Kind::quality, 60}, &mask);
+        EncodeOptions options = masked_options({Kind::quality, 60}, &mask);
         options.layers = layers;
         options.threads = 1;
         const Bytes one = encode_file_of(texture, options).file;
         options.threads = 3;
         EXPECT_EQ(encode_file_of(texture, options).file, one);
-        EXPECT_GT(measure(texture.texels, decode_all(one), mask).psnr, 35);
+        EXPECT_GT(measure(texture.texels, decode_whole(one), mask).psnr, 35);
     }
 }
 
@@ -211,7 +212,7 @@ TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
     MemoryTexture mask = make_mask(large.size, in_disk);
     MemoryTexture texture = with_gaps(named_texture(large, "smooth"), mask);
     MemoryTexture other = with_noise_behind(texture, mask);
-    EncodeOptions options = options_for({Kind::quality, 50}, &mask, quick_effort);
+    EncodeOptions options = masked_options({Kind::quality, 50}, &mask, quick_effort);
     options.tile_extent = tile_by_trial;
     EXPECT_EQ(encode_file_of(texture, options).file, encode_file_of(other, options).file);
 }
@@ -224,7 +225,7 @@ TEST(Mask, StrictnessIgnoresWhatDoesNotMatter) {
         });
     };
     MemoryTexture mask = make_mask({16, 1, 1, 1}, [](int u, int, int, int) { return u != 5; });
-    EncodeOptions options = options_for({Kind::quality, 60}, &mask, 2);
+    EncodeOptions options = masked_options({Kind::quality, 60}, &mask, 2);
     options.strict = true;
     MemoryTexture harmless = with_nan(5), harmful = with_nan(6);
     EXPECT_EQ(encode_file_of(harmless, options).report.nan_count, 0u);
@@ -237,7 +238,7 @@ TEST(Mask, MayLeaveNothing) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture none = make_mask({1, 1, 1, 1}, [](int, int, int, int) { return false; });
     for (const RateTarget rate : {RateTarget{Kind::quality, 80}, RateTarget{Kind::psnr, 40}}) {
-        const EncodedFile coded = encode_file_of(noise, options_for(rate, &none, quick_effort));
+        const EncodedFile coded = encode_file_of(noise, masked_options(rate, &none, quick_effort));
         EXPECT_EQ(coded.report.texels_that_matter, 0u);
         EXPECT_EQ(coded.report.psnr, 999);
         EXPECT_LT(coded.file.size(), 1000u);
@@ -274,7 +275,7 @@ TEST(Mask, IsCheckedFirst) {
     const auto refused = [&](TexelSource&& mask, const char* word) {
         Bytes file;
         const auto report =
-            encode_memory(texture, file, options_for({Kind::quality, 60}, &mask, 1));
+            encode_memory(texture, file, masked_options({Kind::quality, 60}, &mask, 1));
         EXPECT_EQ(report.status().code(), ErrorCode::bad_argument);
         EXPECT_NE(report.status().message().find(word), std::string::npos)
             << report.status().message();

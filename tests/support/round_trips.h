@@ -7,6 +7,7 @@
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
+#include "tests/support/random_codes.h"
 
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -51,13 +52,7 @@ inline Bytes decode_all(const Bytes& file, const TextureDesc& desc) {
     return decode(file, Box4::whole(desc.size));
 }
 
-inline std::int32_t code_at(const Bytes& texels, std::size_t i, SampleType type) {
-    if (type == SampleType::unorm8)
-        return std::to_integer<std::int32_t>(texels[i]);
-    const unsigned bits = std::to_integer<unsigned>(texels[2 * i]) |
-                          std::to_integer<unsigned>(texels[2 * i + 1]) << 8;
-    return bits < 0x8000 ? static_cast<int>(bits) : -static_cast<int>(bits & 0x7FFF);
-}
+using random_codes::code_at;
 
 struct Difference {
     double psnr = 999;
