@@ -100,10 +100,7 @@ public:
     bool cheap_to_reread() const override { return false; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
-            return {ErrorCode::bad_argument, "box " + to_string(box) +
-                                                 " does not fit a texture of " +
-                                                 to_string(desc_.size) + " or its buffer"};
+        TESSERA_TRY(check_box(desc_, box, out.size()));
         try {
             scene_.painted ? paint(box, out.data()) : bake(box, out.data());
         } catch (const std::bad_alloc&) {

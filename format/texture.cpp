@@ -36,6 +36,13 @@ bool is_inside(const Box4& box, const Extent4& extent) {
     return true;
 }
 
+Status check_box(const TextureDesc& desc, const Box4& box, std::size_t bytes) {
+    if (!is_inside(box, desc.size) || bytes != desc.box_bytes(box))
+        return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit a texture of " +
+                                             to_string(desc.size) + " or its buffer"};
+    return {};
+}
+
 Status check_desc(const TextureDesc& desc) {
     std::uint64_t texels = 1;
     for (int axis = 0; axis < 4; ++axis) {
@@ -92,9 +99,8 @@ void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte>
 
 Status MemorySource::read(const Box4& box, std::span<std::byte> out) {
     const Box4 whole = Box4::whole(desc_.size);
-    if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box) ||
-        texels_.size() != desc_.box_bytes(whole))
-        return {ErrorCode::bad_argument, "box or buffer does not fit the texture"};
+    TESSERA_TRY(check_box(desc_, box, out.size()));
+    TESSERA_TRY(check_box(desc_, whole, texels_.size()));
     copy_box(box, whole, texels_, box, out, desc_.texel_bytes());
     return {};
 }

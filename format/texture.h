@@ -74,6 +74,8 @@ struct TextureDesc {
 
 // Refuses zero extents, extents above max_extent, products above max_texels, channels outside 1..4.
 Status check_desc(const TextureDesc& desc);
+// Of a read or write of `box` through a buffer of so many bytes. Errors: bad_argument.
+Status check_box(const TextureDesc& desc, const Box4& box, std::size_t bytes);
 
 // How a source or sink likes to be walked, so that it holds a bounded part of the texture.
 enum class Locality {

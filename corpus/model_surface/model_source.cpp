@@ -11,11 +11,6 @@ namespace {
 // tap the texel is lean away from it.
 constexpr double margin = 0.15;
 
-Status misfit(const Box4& box, const Extent4& size) {
-    return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit a texture of " +
-                                         to_string(size) + " or its buffer"};
-}
-
 class ModelTexels final : public TexelSource {
 public:
     ModelTexels(std::shared_ptr<const LitModel> model, AngularMap map, const TextureDesc& desc,
@@ -26,8 +21,7 @@ public:
     bool cheap_to_reread() const override { return false; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
-            return misfit(box, desc_.size);
+        TESSERA_TRY(check_box(desc_, box, out.size()));
         std::byte* next = out.data();
         const std::size_t bytes = desc_.texel_bytes();
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
@@ -93,8 +87,7 @@ public:
     const TextureDesc& desc() const override { return desc_; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
-            return misfit(box, desc_.size);
+        TESSERA_TRY(check_box(desc_, box, out.size()));
         std::byte* next = out.data();
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {

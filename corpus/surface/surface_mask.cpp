@@ -80,9 +80,7 @@ public:
     const TextureDesc& desc() const override { return desc_; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
-            return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit a mask of " +
-                                                 to_string(desc_.size) + " or its buffer"};
+        TESSERA_TRY(check_box(desc_, box, out.size()));
         std::byte* next = out.data();
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)

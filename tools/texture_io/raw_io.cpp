@@ -28,8 +28,7 @@ public:
     const TextureDesc& desc() const override { return desc_; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (!is_inside(box, desc_.size) || out.size() != desc_.box_bytes(box))
-            return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit"};
+        TESSERA_TRY(check_box(desc_, box, out.size()));
         const Extent4 e = box.extent();
         const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
         const std::uint32_t step = angular_whole ? e[axis_u] : 1; // places per read
@@ -88,8 +87,7 @@ public:
     Status write(const Box4& box, std::span<const std::byte> texels) override {
         if (gathering_)
             return slab_.copy_in(box, texels);
-        if (!is_inside(box, desc_.size) || texels.size() != desc_.box_bytes(box))
-            return {ErrorCode::bad_argument, "box " + to_string(box) + " does not fit"};
+        TESSERA_TRY(check_box(desc_, box, texels.size()));
         return write_runs(box, texels.data());
     }
 
