@@ -2,10 +2,6 @@
 
 #include "corpus/trace/model_texture.h"
 
-#include <cstring>
-#include <embree3/rtcore.h>
-#include <limits>
-
 namespace tessera::corpus {
 namespace {
 
@@ -82,130 +78,45 @@ bool cut_out(const Model& model, const ModelPlace& place) {
     return m.base.a * at.colour.a * texture_value(model, m.base_texture, at.uv, true).a < m.cutoff;
 }
 
-// Embree's normal is that of counter-clockwise corners: a back's points along with the ray.
-void pass(const RTCFilterFunctionNArguments* arguments) {
-    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(arguments->ray);
-    const RTCHit& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
-    const bool back = hit.Ng_x * ray.dir_x + hit.Ng_y * ray.dir_y + hit.Ng_z * ray.dir_z >= 0;
-    if (back || cut_out(*static_cast<const Model*>(arguments->geometryUserPtr),
-                        {hit.primID, {static_cast<double>(hit.u), static_cast<double>(hit.v)}}))
-        arguments->valid[0] = 0;
-}
-
-RTCRay make_ray(const glm::dvec3& origin, const glm::dvec3& direction) {
-    RTCRay ray{};
-    ray.org_x = static_cast<float>(origin.x);
-    ray.org_y = static_cast<float>(origin.y);
-    ray.org_z = static_cast<float>(origin.z);
-    ray.dir_x = static_cast<float>(direction.x);
-    ray.dir_y = static_cast<float>(direction.y);
-    ray.dir_z = static_cast<float>(direction.z);
-    ray.tfar = std::numeric_limits<float>::infinity();
-    ray.mask = ~0u;
-    return ray;
-}
-
 } // namespace
 
-struct RayModel::Scenes {
-    RTCDevice device = nullptr;
-    RTCScene fronts = nullptr, all = nullptr;
-    ~Scenes() {
-        for (RTCScene scene : {fronts, all})
-            if (scene)
-                rtcReleaseScene(scene);
-        if (device)
-            rtcReleaseDevice(device);
-    }
-
-    RTCScene add(const Model& model, bool filtered) const {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        auto* positions = static_cast<glm::vec3*>(
-            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                    sizeof(glm::vec3), model.vertices.size()));
-        auto* triangles = static_cast<std::uint32_t*>(
-            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                    3 * sizeof(std::uint32_t), model.triangles.size()));
-        if (!positions || !triangles) {
-            rtcReleaseGeometry(geometry);
-            return nullptr;
-        }
-        for (const ModelVertex& v : model.vertices)
-            *positions++ = v.position;
-        for (const ModelTriangle& t : model.triangles)
-            for (const std::uint32_t v : t.vertices)
-                *triangles++ = v;
-        if (filtered) {
-            rtcSetGeometryUserData(geometry, const_cast<Model*>(&model));
-            rtcSetGeometryIntersectFilterFunction(geometry, pass);
-            rtcSetGeometryOccludedFilterFunction(geometry, pass);
-        }
-        rtcCommitGeometry(geometry);
-        RTCScene scene = rtcNewScene(device);
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // none slips between two triangles
-        rtcAttachGeometry(scene, geometry);
-        rtcReleaseGeometry(geometry);
-        rtcCommitScene(scene);
-        return scene;
-    }
-};
-
-RayModel::RayModel(Model model) : model_(std::move(model)), scenes_(std::make_unique<Scenes>()) {}
-RayModel::~RayModel() = default;
+RayModel::RayModel(Model model) : model_(std::move(model)) {}
 
 Result<std::shared_ptr<const RayModel>> RayModel::make(Model model) {
     std::shared_ptr<RayModel> made(new RayModel(std::move(model)));
-    Scenes& scenes = *made->scenes_;
-    scenes.device = rtcNewDevice("threads=1"); // whoever asks has threads
-    if (scenes.device) {
-        scenes.fronts = scenes.add(made->model_, true);
-        scenes.all = scenes.add(made->model_, false);
-    }
-    const RTCError error = rtcGetDeviceError(scenes.device);
-    if (error != RTC_ERROR_NONE || !scenes.fronts || !scenes.all)
-        return Status(ErrorCode::runtime,
-                      "Embree: error " + std::to_string(static_cast<int>(error)));
+    std::vector<glm::vec3> positions;
+    for (const ModelVertex& v : made->model_.vertices)
+        positions.push_back(v.position);
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (const ModelTriangle& t : made->model_.triangles)
+        triangles.push_back(t.vertices);
+    const auto passes = [&m = made->model_](std::uint32_t triangle, const glm::dvec2& barycentric) {
+        return cut_out(m, {triangle, barycentric});
+    };
+    TESSERA_TRY_ASSIGN(made->fronts_, RayScene::make(positions, triangles, true, passes));
+    TESSERA_TRY_ASSIGN(made->all_, RayScene::make(positions, triangles, false));
     return std::shared_ptr<const RayModel>(std::move(made));
 }
 
 std::optional<ModelPlace> RayModel::first_hit(const glm::dvec3& origin,
                                               const glm::dvec3& direction) const {
-    RTCRayHit query{make_ray(origin, direction), {}};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scenes_->fronts, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    const auto hit = fronts_->first_hit(origin, direction);
+    if (!hit)
         return std::nullopt;
-    return ModelPlace{query.hit.primID,
-                      {static_cast<double>(query.hit.u), static_cast<double>(query.hit.v)}};
+    return ModelPlace{hit->triangle, hit->barycentric};
 }
 
 bool RayModel::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    RTCRay ray = make_ray(origin, direction);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scenes_->fronts, &context, &ray);
-    return ray.tfar < 0;
+    return fronts_->is_blocked(origin, direction);
 }
 
 bool RayModel::meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    RTCRayHit query{make_ray(origin, direction), {}};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scenes_->all, &context, &query);
-    const RTCHit& hit = query.hit;
-    return hit.geomID != RTC_INVALID_GEOMETRY_ID &&
-           glm::dot(glm::vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z), glm::vec3(direction)) > 0;
+    const auto hit = all_->first_hit(origin, direction);
+    return hit && hit->back;
 }
 
 bool RayModel::is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    RTCRay ray = make_ray(origin, direction);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scenes_->all, &context, &ray);
-    return ray.tfar < 0;
+    return all_->is_blocked(origin, direction);
 }
 
 bool RayModel::is_cut_out(const ModelPlace& place) const {

@@ -1,8 +1,9 @@
-// Rays against a model, by Embree, and what it looks like where they meet it.
+// Rays against a model, and what it looks like where they meet it.
 #pragma once
 
 #include "corpus/model/model.h"
 #include "corpus/trace/lobes.h"
+#include "corpus/trace/ray_scene.h"
 
 #include <memory>
 #include <optional>
@@ -34,7 +35,6 @@ class RayModel {
 public:
     // `model` as with_both_sides() gives it. Errors: runtime, what Embree says.
     static Result<std::shared_ptr<const RayModel>> make(Model model);
-    ~RayModel();
 
     const Model& model() const { return model_; }
     // Rays pass backs and what the alpha masks cut out. `direction` is of unit length.
@@ -50,11 +50,10 @@ public:
     bool is_cut_out(const ModelPlace& place) const;
 
 private:
-    struct Scenes;
     explicit RayModel(Model model);
 
     Model model_;
-    std::unique_ptr<Scenes> scenes_;
+    std::optional<RayScene> fronts_, all_; // set once made
 };
 
 } // namespace tessera::corpus

@@ -1,12 +1,12 @@
 // Meshes drawn on the device, against meshes drawn on the CPU.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "corpus/trace/ray_scene.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/meshes.h"
 #include "tools/view/gpu_camera.h"
 #include "tools/view/gpu_renderer.h"
-#include "tools/view/mesh_intersector.h"
 #include "tools/view/mesh_renderer.h"
 
 #include <gtest/gtest.h>
@@ -82,10 +82,10 @@ View view_of(GlViewRenderer& renderer, const Camera& camera) {
 // What each pixel shows: the number of a triangle, or
 constexpr int several = -1, nothing = -2;
 std::vector<int> triangles_seen(const SurfaceMesh& mesh, const Camera& camera) {
-    const auto intersector = MeshIntersector::create(mesh);
-    EXPECT_TRUE(intersector.ok());
+    const auto fronts = corpus::RayScene::make(mesh.positions, mesh.triangles, true);
+    EXPECT_TRUE(fronts.ok());
     const auto seen = [&](double x, double y) {
-        const auto hit = intersector->first_hit(camera.eye, camera.direction(x, y));
+        const auto hit = fronts->first_hit(camera.eye, camera.direction(x, y));
         return hit ? static_cast<int>(hit->triangle) : nothing;
     };
     std::vector<int> all;

@@ -1,8 +1,8 @@
 #include "tools/view/mesh_renderer.h"
 
+#include "corpus/trace/ray_scene.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/rendering.h"
-#include "tools/view/mesh_intersector.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -24,9 +24,9 @@ SurfaceMesh square() {
     return mesh;
 }
 
-TEST(MeshIntersector, FindsFrontsAndLetsBacksPass) {
+TEST(MeshRays, FindFrontsAndLetBacksPass) {
     const SurfaceMesh mesh = square();
-    const auto made = MeshIntersector::create(mesh);
+    const auto made = corpus::RayScene::make(mesh.positions, mesh.triangles, true);
     ASSERT_TRUE(made.ok()) << made.status().message();
     const auto tangents = mesh_tangents(mesh);
     for (const glm::dvec2& at : {glm::dvec2(0, 0), glm::dvec2(-0.9, 0.3), glm::dvec2(0.5, -0.7)}) {

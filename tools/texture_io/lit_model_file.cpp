@@ -77,7 +77,7 @@ Result<LitModelFile> load_lit_model(const std::string& path, const ModelArgument
     TESSERA_TRY_ASSIGN(file.model, corpus::load_model(path));
     change_materials(a, file.model);
     TESSERA_TRY_ASSIGN(file.light, make_light(a));
-    file.display = {a.exposure.value_or(usual_exposure(file.light)), SampleType::unorm8};
+    file.display = {a.exposure ? *a.exposure : usual_exposure(file.light), SampleType::unorm8};
     return file;
 }
 

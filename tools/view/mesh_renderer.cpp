@@ -1,29 +1,28 @@
 #include "tools/view/mesh_renderer.h"
 
+#include "corpus/trace/ray_scene.h"
 #include "tools/view/footprint_renderer.h"
-#include "tools/view/mesh_intersector.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
 
-// Stays where it is: the intersector looks at the mesh.
 struct MeshPlaces {
-    std::unique_ptr<const MeshSurface> surface;
+    MeshSurface surface;
     std::vector<glm::vec3> tangents;
-    MeshIntersector intersector;
+    corpus::RayScene fronts; // backs let rays pass, as they do on the GPU
 
     Status check(const Camera&) const { return {}; }
     std::optional<Footprint> footprint(const Extent4& size, const glm::dvec3& eye,
                                        const glm::dvec3& direction) const {
-        const auto hit = intersector.first_hit(eye, direction);
+        const auto hit = fronts.first_hit(eye, direction);
         if (!hit)
             return std::nullopt;
         const SurfacePoint point =
-            surface_point(surface->mesh, tangents, hit->triangle, hit->barycentric);
-        return mesh_footprint(size, surface->map, point.uv,
-                              octahedral_place(surface->map, point.frame, -direction));
+            surface_point(surface.mesh, tangents, hit->triangle, hit->barycentric);
+        return mesh_footprint(size, surface.map, point.uv,
+                              octahedral_place(surface.map, point.frame, -direction));
     }
 };
 
@@ -48,12 +47,12 @@ Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,
                    const glm::dvec3& background, const RenderOptions& options) {
-    auto kept = std::make_unique<const MeshSurface>(std::move(surface));
-    TESSERA_TRY_ASSIGN(auto intersector, MeshIntersector::create(kept->mesh));
-    auto tangents = mesh_tangents(kept->mesh);
+    const SurfaceMesh& mesh = surface.mesh;
+    TESSERA_TRY_ASSIGN(auto fronts, corpus::RayScene::make(mesh.positions, mesh.triangles, true));
+    auto tangents = mesh_tangents(mesh);
     return std::unique_ptr<ViewRenderer>(std::make_unique<FootprintRenderer<MeshPlaces>>(
         source, block_extent,
-        MeshPlaces{std::move(kept), std::move(tangents), std::move(intersector)}, background,
+        MeshPlaces{std::move(surface), std::move(tangents), std::move(fronts)}, background,
         options));
 }
 
