@@ -32,8 +32,7 @@ struct CoarseTexels {
 struct SampledTextureOptions {
     Residency residency = Residency::on_feedback;
     std::uint64_t budget = 256ull << 20; // bytes on the device, all buffers; never exceeded
-    // Let the texture unit mix angular neighbours. Not done on feedback for tiles of about 64 x 32
-    // texels along u and s, or v and t: no texture of 2,048 pixels has room for their borders.
+    // Let the texture unit mix angular neighbours; on feedback, those of one tile.
     bool hardware_filter = true;
     bool coarse = true; // on_feedback: draw coarse texels where tiles are missing
     // on_feedback: what the coarse texels are made from. Without texels here every tile is decoded

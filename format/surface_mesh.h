@@ -3,12 +3,14 @@
 // on this file.
 #pragma once
 
+#include "format/levels.h"
 #include "format/metadata.h"
 #include "format/sampler.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
@@ -73,5 +75,58 @@ glm::dvec3 octahedral_direction(AngularMap map, const SurfaceFrame& frame, doubl
 // four axes; (u, v) end at the atlas' edges, (s, t) go on as the map folds. No extent of `size` is 0.
 Footprint mesh_footprint(const Extent4& size, AngularMap map, const glm::dvec2& uv,
                          const glm::dvec2& st);
+
+// Calls visit(u, v) for the texels of `size` whose squares have a place in common with a triangle of the
+// atlas, its corners in texels; none where it has no area.
+void visit_covered_texels(const std::array<glm::dvec2, 3>& corners,
+                          const std::array<std::uint32_t, 2>& size,
+                          const std::function<void(std::uint32_t u, std::uint32_t v)>& visit);
+
+// Mip levels of an atlas, which readers make of its texels (FORMAT.md 5.2): which there are, which chart
+// each of their texels shows, and where they are kept beside the atlas, mip 0. Immutable.
+class AtlasMips {
+public:
+    static constexpr unsigned most = 4; // besides the atlas
+
+    AtlasMips() = default; // the atlas alone, of no texels
+    // Of a texture that `grid` cuts into tiles. None where tiles cannot be halved, of atlases of more
+    // than 2^26 texels, and where triangles cover them many times. Memory: 6 bytes a texel of U x V.
+    AtlasMips(const SurfaceMesh& mesh, const TileGrid& grid);
+
+    unsigned count() const { return static_cast<unsigned>(levels_.size()) - 1; }
+    std::array<std::uint32_t, 2> size(unsigned mip) const { return levels_[mip].size; }
+    // Of each texel, u fastest: 1 + the number of its chart's first triangle; 0: it shows none. Empty where
+    // there are no mips.
+    std::span<const std::uint32_t> charts(unsigned mip) const { return levels_[mip].charts; }
+
+    // A texture that has the mips, too: as wide as three halves of the atlas, in whole tiles. Mip 1 and
+    // above lie beside the atlas at begin(). Of any mesh on such a texture the same.
+    static Extent4 kept_size(const TileGrid& grid);
+    Extent4 kept_size() const { return kept_; }
+    std::array<std::uint32_t, 2> begin(unsigned mip) const { return levels_[mip].begin; }
+
+    // Which mip suits a ray that stands for this many texels of the atlas along u and v: between two,
+    // the samples of both are mixed linearly.
+    double mip_for(const glm::dvec2& texels) const;
+    // mesh_footprint() in one mip of the texture of kept_size(). Of the texels around the place those
+    // count that show its chart; where none does, the atlas' own.
+    Footprint footprint(AngularMap map, const glm::dvec2& uv, const glm::dvec2& st,
+                        unsigned mip) const;
+
+private:
+    struct Level {
+        std::array<std::uint32_t, 2> size{0, 0}, begin{0, 0};
+        std::vector<std::uint32_t> charts;
+    };
+    std::uint32_t chart(unsigned mip, std::uint32_t x, std::uint32_t y) const {
+        const Level& level = levels_[mip];
+        return level.charts[std::size_t{y} * level.size[0] + x];
+    }
+    void find_charts(const SurfaceMesh& mesh);
+    void halve(unsigned mip);
+
+    Extent4 size_{0, 0, 0, 0}, kept_{0, 0, 0, 0};
+    std::vector<Level> levels_{1};
+};
 
 } // namespace tessera

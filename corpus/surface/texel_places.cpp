@@ -6,11 +6,6 @@
 namespace tessera::corpus {
 namespace {
 
-// Taps lie less than a texel from the place that they are for, along each axis. Texels whose centre
-// is covered and two rings around them have all taps, also at a corner so sharp that no centre near
-// its tip is covered.
-constexpr int rings = 2;
-
 glm::dvec2 in_texels(const glm::vec2& uv, const Texels2& size) {
     return {static_cast<double>(uv.x) * size[0], static_cast<double>(uv.y) * size[1]};
 }
@@ -55,40 +50,30 @@ Result<TexelPlaces> TexelPlaces::make(const SurfaceMesh& mesh, std::span<const C
         const double inverse = area != 0.0 ? 1.0 / area : 0.0; // one without area covers nothing
         places.slopes_.push_back(
             {a, glm::dvec2{q.y, -p.y} * inverse, glm::dvec2{-q.x, p.x} * inverse});
-        if (area != 0.0)
-            places.cover(mesh, i);
     }
+    places.cover(mesh);
     for (const Chart& chart : charts)
-        for (int ring = 0; ring < rings; ++ring)
-            places.grow(chart);
+        places.grow(chart);
     return places;
 }
 
-// The texels whose centres lie in the triangle; on the border of two, the earlier one's.
-void TexelPlaces::cover(const SurfaceMesh& mesh, std::uint32_t triangle) {
-    glm::dvec2 low{1e300}, high{-1e300};
-    for (const std::uint32_t corner : mesh.triangles[triangle])
-        for (glm::length_t a = 0; a < 2; ++a) {
-            const double x = in_texels(mesh.uv[corner], size_)[a] - 0.5;
-            low[a] = std::min(low[a], x);
-            high[a] = std::max(high[a], x);
+// The texels that have a place of some triangle: first those whose centres lie in one, then what is left.
+// Of two triangles it is the earlier one's.
+void TexelPlaces::cover(const SurfaceMesh& mesh) {
+    for (const bool centres : {true, false})
+        for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+            std::array<glm::dvec2, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k)
+                corners[k] = in_texels(mesh.uv[mesh.triangles[i][k]], size_);
+            visit_covered_texels(corners, size_, [&](std::uint32_t u, std::uint32_t v) {
+                if (!matters(u, v) && (!centres || outside(i, {u + 0.5, v + 0.5}) <= 1e-9))
+                    triangles_[index(u, v)] = i;
+            });
         }
-    Texels2 begin{}, end{};
-    for (std::size_t a = 0; a < 2; ++a) {
-        const auto axis = static_cast<glm::length_t>(a);
-        begin[a] =
-            static_cast<std::uint32_t>(std::clamp(std::ceil(low[axis]), 0.0, size_[a] * 1.0));
-        end[a] = static_cast<std::uint32_t>(
-            std::clamp(std::floor(high[axis]) + 1.0, 0.0, size_[a] * 1.0));
-    }
-    for (std::uint32_t v = begin[1]; v < end[1]; ++v)
-        for (std::uint32_t u = begin[0]; u < end[0]; ++u)
-            if (!matters(u, v) && outside(triangle, {u + 0.5, v + 0.5}) <= 1e-9)
-                triangles_[index(u, v)] = triangle;
 }
 
-// One more ring of texels around what the chart's triangles have: each goes to that of its
-// neighbours' triangles which it is least outside of.
+// A ring of texels around what the chart's triangles have, as taps lie less than a texel from the place
+// that they are for: each goes to that of its neighbours' triangles which it is least outside of.
 void TexelPlaces::grow(const Chart& chart) {
     struct Grown {
         std::size_t texel;

@@ -39,7 +39,7 @@ private:
     };
 
     TexelPlaces() = default;
-    void cover(const SurfaceMesh& mesh, std::uint32_t triangle);
+    void cover(const SurfaceMesh& mesh);
     void grow(const Chart& chart);
     std::size_t index(std::uint32_t u, std::uint32_t v) const {
         return std::size_t{v} * size_[0] + u;

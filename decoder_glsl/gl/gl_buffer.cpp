@@ -101,4 +101,8 @@ Status GlBuffer::bind_storage(GLuint binding, std::uint64_t offset, std::uint64_
     return {};
 }
 
+void GlBuffer::bind_uniforms(GLuint binding, std::uint64_t bytes) const {
+    glBindBufferRange(GL_UNIFORM_BUFFER, binding, id(), 0, static_cast<GLsizeiptr>(bytes));
+}
+
 } // namespace tessera

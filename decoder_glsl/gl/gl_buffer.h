@@ -42,6 +42,8 @@ public:
     // GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT.
     void bind_storage(GLuint binding) const;
     Status bind_storage(GLuint binding, std::uint64_t offset, std::uint64_t bytes) const;
+    // Its first bytes as a uniform block.
+    void bind_uniforms(GLuint binding, std::uint64_t bytes) const;
 
 private:
     struct Release {

@@ -3,15 +3,12 @@
 
 #include "decoder_glsl/gl_sampled_texture.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
+#include "format/surface_mesh.h"
 
 #include <array>
 #include <memory>
 
 namespace tessera {
-
-// The words of shaders/sampler_layout.glsl for a file: header and axes; what a residency does not use
-// stays 0. The page table goes behind them.
-std::vector<std::uint32_t> sampler_words(const ContainerReader& reader, const DecodeTables& tables);
 
 // What decoding batches may take of the device, so that it stays within `bytes` in all. In a file that
 // predicts, half of them are for the values of predicted tiles.
@@ -27,6 +24,7 @@ struct TextureFile {
     bool half;
     std::uint64_t budget; // bytes
     GlTileDecoder decoder;
+    AtlasMips mips; // none, but of a mesh's atlas
 
     TexelFormat format() const { return half ? TexelFormat::rgba16f : TexelFormat::rgba8; }
     std::vector<ShaderDefine> output_defines() const {
@@ -34,6 +32,10 @@ struct TextureFile {
                     : std::vector<ShaderDefine>{};
     }
 };
+
+// The words of shaders/sampler_layout.glsl for a file: header, axes and mips; what a residency does not use
+// stays 0. The page table goes behind them.
+std::vector<std::uint32_t> sampler_words(const TextureFile& file);
 
 // Feeds the payloads of tiles to a builder and hands each full batch to `flush`.
 class BatchFeed {
@@ -71,7 +73,8 @@ Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
                                                       const SampledTextureOptions& options);
 
-// Layout of an ordinary texture: angular images side by side, folded over layers.
+// Layout of an ordinary texture: angular images side by side, folded over layers. The images are those of
+// `size`, the texture's or, with mips beside it, that of AtlasMips::kept_size().
 struct PlainLayout {
     TexelPlan plan;
     TextureShape shape;

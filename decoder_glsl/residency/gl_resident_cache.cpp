@@ -1,8 +1,9 @@
 // On feedback: a tile cache with a page table, filled by what frames mark.
-#include "decoder_glsl/cache/cache_borders.h"
+#include "decoder_glsl/cache/cache_slot.h"
 #include "decoder_glsl/cache/coarse_cells.h"
 #include "decoder_glsl/cache/tile_cache.h"
 #include "decoder_glsl/gl/gl_error.h"
+#include "decoder_glsl/residency/gl_mips.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/shaders/shader_layout.h"
 #include "format/container/tiles_ahead.h"
@@ -14,8 +15,8 @@ namespace {
 
 using namespace layout;
 
-// A tile's share of the lists for small passes: 12 strips of 6 words.
-constexpr std::uint64_t job_bytes = 12 * 6 * 4;
+// A tile's share of the lists for small passes: 8 words.
+constexpr std::uint64_t job_bytes = 8 * 4;
 
 // Of a budget a sixth is for decoding, within these bounds; twice the least where tiles are predicted.
 constexpr std::uint64_t least_work_plain = 2ull << 20, most_work = 96ull << 20;
@@ -30,11 +31,11 @@ class CachedTexture final : public Resident {
 public:
     CachedTexture(TextureFile& file, const SampledTextureOptions& options)
         : file_(file), grid_(file.reader.grid()), jobs_per_update_(options.jobs_per_update),
-          borders_(options.hardware_filter), coarse_(options.coarse),
+          filter_(options.hardware_filter), coarse_(options.coarse),
           coarse_from_(options.coarse_from) {}
 
     Status load() {
-        words_ = sampler_words(file_.reader, file_.tables);
+        words_ = sampler_words(file_);
         TESSERA_TRY(find_background());
         TESSERA_TRY(plan_memory());
         TESSERA_TRY(create_objects());
@@ -47,12 +48,13 @@ public:
 
     void bind() const override {
         parameters_.bind_storage(4);
+        parameters_.bind_uniforms(2, tsr_sampler_words * 4);
         marks_.bind_storage(5);
         texels_.bind_texture(0);
     }
     std::uint64_t bytes() const override {
         std::uint64_t sum = texels_.bytes() + parameters_.bytes() + marks_.bytes() +
-                            strips_.bytes() + file_.decoder.bytes();
+                            coarse_jobs_.bytes() + mips_.bytes() + file_.decoder.bytes();
         for (const MarksInFlight& m : in_flight_)
             sum += m.copy.bytes();
         return sum;
@@ -102,8 +104,7 @@ public:
         report.trouble = unread.trouble;
         TESSERA_TRY(upload_pages());
         TESSERA_TRY(decoded);
-        if (borders_)
-            TESSERA_TRY(fill_borders(list));
+        TESSERA_TRY(make_mips(list));
         TESSERA_TRY(take_gl_errors("filling the tile cache"));
         TESSERA_TRY(unread.damaged);
         return report;
@@ -134,7 +135,7 @@ private:
 
     // How many slots the budget leaves after everything else.
     Status plan_memory() {
-        slot_ = cache_slot(grid_, borders_);
+        slot_ = cache_slot(grid_, file_.mips.count() > 0);
         slot_bytes_ =
             std::uint64_t{slot_.width} * slot_.height * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t tile_bytes = grid_.tiles() * 4;
@@ -175,9 +176,9 @@ private:
 
     Status create_objects() {
         TESSERA_TRY_ASSIGN(texels_, GlTexture::create(file_.format(), shape_, "tile cache"));
-        // What a filter may touch beside a tile's texels must be numbers.
+        // What a filter may touch beside a tile's texels, with weight 0, must be numbers.
         texels_.clear();
-        TESSERA_TRY(texels_.interpolate(borders_));
+        TESSERA_TRY(texels_.interpolate(filter_));
 
         words_[tsr_p_slot_width] = slot_.width;
         words_[tsr_p_slot_height] = slot_.height;
@@ -198,9 +199,8 @@ private:
         TESSERA_TRY(grow_buffer(marks_, grid_.tiles() * 4, BufferUse::device, "marks"));
         for (MarksInFlight& m : in_flight_)
             TESSERA_TRY(grow_buffer(m.copy, grid_.tiles() * 4, BufferUse::device, "marks copy"));
-        if (borders_) {
-            const auto defines = file_.output_defines();
-            TESSERA_TRY_ASSIGN(border_program_, compute_program("border.comp.glsl", defines));
+        if (file_.mips.count() > 0) {
+            TESSERA_TRY_ASSIGN(mips_, GlMips::create(file_, true));
         }
         return {};
     }
@@ -362,20 +362,14 @@ private:
                                      job.tile * static_cast<std::uint32_t>(tsr_coarse_texels * 2);
             words.insert(words.end(), {page_of(job.slot), at, n[0], n[1], n[2], n[3], 0, 0});
         }
-        TESSERA_TRY(upload_list(words));
+        TESSERA_TRY(grow_buffer(coarse_jobs_, words.size() * 4, BufferUse::upload, "coarse jobs"));
+        TESSERA_TRY(coarse_jobs_.upload(0, std::as_bytes(std::span(words))));
+        coarse_jobs_.bind_storage(1);
         parameters_.bind_storage(4);
         texels_.bind_texture(0);
         program.use();
         glDispatchCompute(static_cast<GLuint>(jobs.size()), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-        return {};
-    }
-
-    // Words at binding 1, for the small passes.
-    Status upload_list(const std::vector<std::uint32_t>& words) {
-        TESSERA_TRY(grow_buffer(strips_, words.size() * 4, BufferUse::upload, "cache jobs"));
-        TESSERA_TRY(strips_.upload(0, std::as_bytes(std::span(words))));
-        strips_.bind_storage(1);
         return {};
     }
 
@@ -438,34 +432,20 @@ private:
             first * 4, std::as_bytes(std::span(words_).subspan(first, last - first + 1)));
     }
 
-    Status fill_borders(const std::vector<DecodeJob>& jobs) {
-        std::vector<std::uint32_t> tiles;
-        for (const DecodeJob& job : jobs)
-            tiles.push_back(job.tile);
-        const BorderList list = border_strips(
-            grid_, tiles, [&](std::uint64_t tile) { return words_[pages_at_ + tile]; });
-        // Rows of 32,768 strips at most: any device's dispatch.
-        constexpr std::size_t most = 32768;
-        for (std::size_t first = 0; first < list.strips(); first += most) {
-            const std::size_t count = std::min(most, list.strips() - first);
-            TESSERA_TRY(upload_list(
-                {list.words.begin() + static_cast<std::ptrdiff_t>(first * 6),
-                 list.words.begin() + static_cast<std::ptrdiff_t>((first + count) * 6)}));
-            const TexelFormat words = file_.half ? TexelFormat::rgba16ui : TexelFormat::r32ui;
-            TESSERA_TRY(texels_.bind_image(0, GL_WRITE_ONLY, words));
-            TESSERA_TRY(texels_.bind_image(1, GL_READ_ONLY, words));
-            parameters_.bind_storage(4);
-            border_program_.use();
-            glDispatchCompute((list.most_pixels + 63) / 64, static_cast<GLuint>(count), 1);
-            glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    Status make_mips(const std::vector<DecodeJob>& jobs) {
+        if (file_.mips.count() == 0)
+            return {};
+        for (const DecodeJob& job : jobs) {
+            const Box4 box = grid_.box(job.tile);
+            mips_.add(page_of(job.slot), box, {0, 0}, {box.extent()[2], box.extent()[3]});
         }
-        return {};
+        return mips_.make(texels_, parameters_);
     }
 
     TextureFile& file_;
     const TileGrid grid_;
     const std::uint32_t jobs_per_update_;
-    const bool borders_, coarse_;
+    const bool filter_, coarse_;
     CoarseTexels coarse_from_;
 
     std::vector<std::uint32_t> empty_pages_; // background or missing
@@ -477,8 +457,8 @@ private:
     TextureShape shape_;
 
     GlTexture texels_;
-    GlBuffer parameters_, marks_, strips_;
-    GlProgram border_program_;
+    GlBuffer parameters_, marks_, coarse_jobs_;
+    GlMips mips_;
     std::array<MarksInFlight, 3> in_flight_;
     std::size_t send_ = 0;               // the next one to send, which is the oldest
     std::size_t pages_at_ = 0;           // word of the page table

@@ -1,6 +1,7 @@
 // On load: every tile decoded into an ordinary texture; or texels that the caller has.
 #include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/gl/gl_error.h"
+#include "decoder_glsl/residency/gl_mips.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/shaders/shader_layout.h"
 #include "format/container/tiles_ahead.h"
@@ -14,13 +15,14 @@ class PlainTexture final : public Resident {
 public:
     void bind() const override {
         parameters_.bind_storage(4);
+        parameters_.bind_uniforms(2, tsr_sampler_words * 4);
         texels_.bind_texture(0);
     }
     std::uint64_t bytes() const override { return texels_.bytes() + parameters_.bytes(); }
     std::uint64_t damaged_tiles() const override { return damaged_; }
 
     Status load(TextureFile& file, bool hardware_filter) {
-        const PlainLayout plain = plain_layout(file.reader.desc().size);
+        const PlainLayout plain = layout_of(file);
         const std::uint64_t needed = decoded_bytes(file.reader);
         constexpr std::uint64_t least_work = 4ull << 20;
         if (needed + least_work > file.budget)
@@ -48,27 +50,49 @@ public:
             TESSERA_TRY(
                 feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
         }
-        return feed.finish();
+        TESSERA_TRY(feed.finish());
+        return make_mips(file);
     }
 
     // Layer by layer, so that one layer's texels at a time are held besides the texture.
     Status upload(const TextureFile& file, TexelSource& source, bool hardware_filter) {
         const Extent4& size = file.reader.desc().size;
-        const PlainLayout plain = plain_layout(size);
+        const PlainLayout plain = layout_of(file);
         TESSERA_TRY(create_objects(file, plain, hardware_filter));
         std::vector<std::byte> texels, pixels(texels_.layer_bytes());
         for (std::uint32_t layer = 0; layer < plain.shape.layers; ++layer) {
             const Box4 box = box_of_layer(plain.plan, size, layer);
+            if (box.begin[0] >= box.end[0] || box.begin[1] >= box.end[1])
+                continue; // of nothing but mips
             texels.resize(source.desc().box_bytes(box));
             TESSERA_TRY(source.begin_slab(box));
             TESSERA_TRY(source.read(box, texels));
             put_pixels(source.desc(), box, texels, plain.shape.width, pixels);
             TESSERA_TRY(texels_.upload(layer, pixels));
         }
+        TESSERA_TRY(make_mips(file));
         return take_gl_errors("uploading texels");
     }
 
 private:
+    static PlainLayout layout_of(const TextureFile& file) {
+        return plain_layout(file.mips.count() > 0 ? file.mips.kept_size()
+                                                  : file.reader.desc().size);
+    }
+
+    Status make_mips(const TextureFile& file) {
+        if (file.mips.count() == 0)
+            return {};
+        TESSERA_TRY_ASSIGN(GlMips mips, GlMips::create(file, false));
+        const TileGrid& grid = file.reader.grid();
+        for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile) {
+            const Box4 box = grid.box(tile);
+            const Extent4 extent = box.extent();
+            mips.add(0, box, {box.begin[2], box.begin[3]}, {extent[2], extent[3]});
+        }
+        return mips.make(texels_, parameters_);
+    }
+
     Status create_objects(const TextureFile& file, const PlainLayout& plain, bool hardware_filter) {
         TESSERA_TRY_ASSIGN(texels_, GlTexture::create(file.format(), plain.shape, "texels"));
         TESSERA_TRY(texels_.interpolate(hardware_filter));
@@ -91,11 +115,17 @@ private:
     }
 
     Status put_parameters(const TextureFile& file, const PlainLayout& plain) {
-        auto words = sampler_words(file.reader, file.tables);
-        const auto fold_axis = [&words](std::size_t axis, std::uint32_t fold,
-                                        std::uint32_t stride) {
+        auto words = sampler_words(file);
+        const auto fold_axis = [&](std::size_t axis, std::uint32_t fold, std::uint32_t stride) {
+            std::uint32_t word = words[tsr_p_axis_at + axis];
+            const auto add = [&](std::uint32_t texel) {
+                words[word++] = texel % fold * stride | (texel / fold << 16);
+            };
             for (std::uint32_t i = 0; i < words[tsr_p_size + axis]; ++i)
-                words[words[tsr_p_axis_at + axis] + i] = i % fold * stride | (i / fold << 16);
+                add(i);
+            for (unsigned mip = 1; mip <= file.mips.count(); ++mip)
+                for (std::uint32_t i = 0; i < file.mips.size(mip)[axis]; ++i)
+                    add(file.mips.begin(mip)[axis] + i);
         };
         fold_axis(0, plain.plan.fold_u, plain.plan.stride_s);
         fold_axis(1, plain.plan.fold_v, plain.plan.stride_t);

@@ -1,6 +1,6 @@
 #include "decoder_glsl/gl_sampled_texture.h"
 
-#include "decoder_glsl/cache/cache_borders.h"
+#include "decoder_glsl/cache/cache_slot.h"
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
@@ -41,40 +41,107 @@ PlainLayout plain_layout(const Extent4& size) {
     return p;
 }
 
+namespace {
+
+bool has_atlas(const ContainerReader& reader) {
+    const Description& d = reader.description();
+    return d.proxy == Proxy::mesh && d.surface_map == SurfaceMap::mesh_uv;
+}
+
+// A mesh that does not decode can still be drawn by whoever has another: without mips.
+AtlasMips mips_of(const ContainerReader& reader) {
+    constexpr std::uint64_t most_bytes = 1ull << 30; // while it is decoded
+    if (!has_atlas(reader))
+        return {};
+    const auto mesh = decode_mesh(reader.proxy_mesh(), most_bytes);
+    return mesh.ok() ? AtlasMips(*mesh, reader.grid()) : AtlasMips();
+}
+
+TextureShape decoded_shape(const ContainerReader& reader) {
+    return plain_layout(has_atlas(reader) ? AtlasMips::kept_size(reader.grid())
+                                          : reader.desc().size)
+        .shape;
+}
+
+// The words of an axis go on from mip to mip.
+void add_axis(const TileGrid& grid, std::size_t axis, std::vector<std::uint32_t>& words) {
+    Extent4 tile{0, 0, 0, 0};
+    for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
+        const std::uint32_t extent = grid.box(tile).extent()[axis];
+        for (std::uint32_t place = 0; place < extent; ++place)
+            words.push_back(tile[axis] | (place << tsr_axis_place_at) |
+                            ((extent - 1) << tsr_axis_extent_at));
+    }
+}
+
+// Texels of a mip, which lie in the slots from `before` on. Tiles begin at whole texels.
+void add_axis_of_mip(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_t before,
+                     std::vector<std::uint32_t>& words) {
+    Extent4 tile{0, 0, 0, 0};
+    for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
+        const std::uint32_t extent = grid.box(tile).extent()[axis];
+        for (std::uint32_t x = 0; x << mip < extent; ++x)
+            words.push_back(tile[axis] | ((before + x) << tsr_axis_place_at) |
+                            ((extent - 1) << tsr_axis_extent_at) | (mip << tsr_axis_mip_at));
+    }
+}
+
+void add_mip_table(const AtlasMips& mips, std::vector<std::uint32_t>& words) {
+    const std::size_t table = words.size();
+    words.resize(table + (mips.count() + 1) * tsr_mip_words);
+    std::array<std::uint32_t, 2> begin{0, 0}; // on the axes
+    for (unsigned mip = 0; mip <= mips.count(); ++mip) {
+        const auto size = mips.size(mip);
+        const std::uint32_t line[] = {begin[0], begin[1], size[0] | (size[1] << 16),
+                                      static_cast<std::uint32_t>(words.size())};
+        std::ranges::copy(line,
+                          words.begin() + static_cast<std::ptrdiff_t>(table + mip * tsr_mip_words));
+        words.insert(words.end(), mips.charts(mip).begin(), mips.charts(mip).end());
+        for (std::size_t a = 0; a < 2; ++a)
+            begin[a] += size[a];
+    }
+}
+
+} // namespace
+
 std::uint64_t decoded_bytes(const ContainerReader& reader) {
-    const TextureShape shape = plain_layout(reader.desc().size).shape;
+    const TextureShape shape = decoded_shape(reader);
     return std::uint64_t{shape.width} * shape.height * shape.layers *
            (reader.desc().type == SampleType::half16 ? 8 : 4);
 }
 
 Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) {
-    const TextureShape shape = plain_layout(reader.desc().size).shape;
+    const TextureShape shape = decoded_shape(reader);
     const bool fits = shape.width <= 2048 && shape.height <= 2048 && shape.layers <= 2048;
     // A quarter stays for the work of decoding.
     return fits && decoded_bytes(reader) <= budget - budget / 4 ? Residency::on_load
                                                                 : Residency::on_feedback;
 }
 
-std::vector<std::uint32_t> sampler_words(const ContainerReader& reader,
-                                         const DecodeTables& tables) {
-    const TileGrid& grid = reader.grid();
+std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
+    const TileGrid& grid = file.reader.grid();
+    const AtlasMips& mips = file.mips;
+    const CacheSlot slot = cache_slot(grid, mips.count() > 0);
     std::vector<std::uint32_t> words(tsr_sampler_words, 0);
     for (std::size_t axis = 0; axis < 4; ++axis) {
         words[tsr_p_size + axis] = grid.size()[axis];
         words[tsr_p_tiles + axis] = grid.count()[axis];
         words[tsr_p_axis_at + axis] = static_cast<std::uint32_t>(words.size());
-        Extent4 tile{0, 0, 0, 0};
-        for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
-            const std::uint32_t extent = grid.box(tile).extent()[axis];
-            for (std::uint32_t place = 0; place < extent; ++place)
-                words.push_back(tile[axis] | (place << tsr_axis_place_at) |
-                                ((extent - 1) << tsr_axis_extent_at));
-        }
+        add_axis(grid, axis, words);
+        for (unsigned mip = 1; axis < 2 && mip <= mips.count(); ++mip)
+            add_axis_of_mip(grid, axis, mip,
+                            axis == axis_u ? slot.u : slot.v - (slot.v >> (mip - 1)), words);
     }
-    words[tsr_p_angular_map] = static_cast<std::uint32_t>(reader.description().angular_map);
-    words[tsr_p_half] = reader.desc().type == SampleType::half16;
-    words[tsr_p_background] = tables.words()[tsr_t_background_texel];
-    words[tsr_p_background + 1] = tables.words()[tsr_t_background_texel + 1];
+    words[tsr_p_slot_u] = slot.u;
+    words[tsr_p_slot_v] = slot.v;
+    words[tsr_p_angular_map] = static_cast<std::uint32_t>(file.reader.description().angular_map);
+    words[tsr_p_half] = file.half;
+    words[tsr_p_background] = file.tables.words()[tsr_t_background_texel];
+    words[tsr_p_background + 1] = file.tables.words()[tsr_t_background_texel + 1];
+    words[tsr_p_mips] = mips.count();
+    words[tsr_p_mip_at] = static_cast<std::uint32_t>(words.size());
+    if (mips.count() > 0)
+        add_mip_table(mips, words);
     return words;
 }
 
@@ -147,24 +214,31 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
     const TileGrid& grid = reader.grid();
     bool fits = grid.tiles() < (1ull << 24);
     for (std::size_t axis = 0; axis < 4; ++axis)
-        fits = fits && grid.size()[axis] <= 65536 &&
-               std::uint64_t{grid.size()[axis] + 1} * grid.count()[axis] < (1ull << 32);
+        fits = fits && grid.size()[axis] <= 65536;
+    // Shaders divide by floats, to within 2.5 units of the last place of 24 bits (tsr_angular_tiles).
+    constexpr std::uint64_t most = (1u << 23) / 5;
+    for (const std::size_t axis : {axis_s, axis_t})
+        fits = fits && std::uint64_t{grid.size()[axis]} * grid.count()[axis] < most;
     if (!fits)
-        return Status{ErrorCode::unsupported,
-                      reader.name() +
-                          ": larger than 65,536 along an axis, or more than 16 million tiles"};
+        return Status{
+            ErrorCode::unsupported,
+            reader.name() +
+                ": larger than 65,536 along an axis, more than 16 million tiles, or more than "
+                "1,200 directions along an axis in tiles of one"};
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     const bool half = reader.desc().type == SampleType::half16;
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
+    AtlasMips mips = mips_of(reader);
+    if (options.residency == Residency::on_feedback && !cache_slot(grid, mips.count() > 0).fits())
+        mips = {}; // no texture has room for them beside such long tiles
     return std::unique_ptr<State>(new State{
-        options, {reader, std::move(tables), half, options.budget, std::move(decoder)}, nullptr});
+        options,
+        {reader, std::move(tables), half, options.budget, std::move(decoder), std::move(mips)},
+        nullptr});
 }
 
 Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
-                                              const SampledTextureOptions& asked) {
-    SampledTextureOptions options = asked;
-    if (options.residency == Residency::on_feedback && !cache_slot(reader.grid(), true).fits())
-        options.hardware_filter = false; // it needs the borders
+                                              const SampledTextureOptions& options) {
     TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options));
     TESSERA_TRY_ASSIGN(state->resident,
                        options.residency == Residency::on_load

@@ -13,6 +13,8 @@ layout(location = 0) out vec4 tsr_colour;
 void main() {
     ivec4 size = tsr_four(tsr_p_size);
     vec2 texels = vec2(float(size.x), float(size.y));
+    vec2 across = dFdx(tsr_place) * texels;
+    vec2 up = dFdy(tsr_place) * texels;
     tsr_colour = tessera_sample_surface(tsr_place, tsr_surface_normal, tsr_surface_tangent,
-                                        normalize(tsr_to_eye), fwidth(tsr_place) * texels);
+                                        normalize(tsr_to_eye), sqrt(across * across + up * up));
 }

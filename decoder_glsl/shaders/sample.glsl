@@ -11,15 +11,16 @@
 //   normal        interpolated between the vertices, as is
 //   tangent       mesh_tangents() (format/surface_mesh.h); of any length
 //   direction     of unit length, from the surface to the observer
-//   footprint     texels of the atlas along u and v that a pixel covers; without effect as yet
+//   footprint     texels of the atlas along u and v that a pixel covers: chooses the mips
 //   result        linear mix of texels as they are stored (no transfer function undone); grey in all
 //                 three colours, alpha 1 where the texture has none
 //
 // Bindings (define others before the include where these are taken;
 // in Vulkan set 0, but textures set 2):
-//   TESSERA_BINDING_SAMPLER  4  storage buffer: sizes, page table, coarse texels
-//   TESSERA_BINDING_MARKS    5  storage buffer, written: CACHE only, one word a tile
-//   TESSERA_UNIT_TEXELS      0  sampler2DArray
+//   TESSERA_BINDING_SAMPLER     4  storage buffer: sizes, page table, coarse texels
+//   TESSERA_BINDING_MARKS       5  storage buffer, written: CACHE only, one word a tile
+//   TESSERA_BINDING_PARAMETERS  2  uniform block (in Vulkan set 3): the first 128 bytes of SAMPLER
+//   TESSERA_UNIT_TEXELS         0  sampler2DArray
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
 // CACHE: a tile that is not there yet gives its coarse texels, and is marked so that the host
@@ -31,6 +32,9 @@
 #endif
 #ifndef TESSERA_BINDING_MARKS
 #define TESSERA_BINDING_MARKS 5
+#endif
+#ifndef TESSERA_BINDING_PARAMETERS
+#define TESSERA_BINDING_PARAMETERS 2
 #endif
 #ifndef TESSERA_UNIT_TEXELS
 #define TESSERA_UNIT_TEXELS 0
@@ -44,13 +48,19 @@
 layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer TesseraSampler {
     uint tsr_sampler[];
 };
+uint tsr_word(int i) {
+    return tsr_sampler[i];
+}
 
+// The first words once more: a uniform is read once for all pixels, a word of a buffer for each.
+layout(std140, TSR_UNIFORMS(TESSERA_BINDING_PARAMETERS)) uniform TesseraParameters {
+    uvec4 tsr_parameters[tsr_sampler_words / 4];
+};
 uint tsr_parameter(int field) {
-    return tsr_sampler[field];
+    return tsr_parameters[field >> 2][field & 3];
 }
 ivec4 tsr_four(int field) {
-    return ivec4(int(tsr_sampler[field]), int(tsr_sampler[field + 1]), int(tsr_sampler[field + 2]),
-                 int(tsr_sampler[field + 3]));
+    return ivec4(tsr_parameters[field >> 2]);
 }
 
 // A texel of two packed words: 8-bit samples in the first, or four halves.
@@ -65,13 +75,16 @@ vec4 tsr_unpack(uint low, uint high) {
 
 // The word of an axis, see sampler_layout.glsl.
 uint tsr_axis(int axis, int texel) {
-    return tsr_sampler[tsr_sampler[tsr_p_axis_at + axis] + uint(texel)];
+    return tsr_word(int(tsr_parameter(tsr_p_axis_at + axis)) + texel);
 }
 int tsr_axis_tile(uint word) {
     return int(word & 0xFFFFu);
 }
 int tsr_axis_place(uint word) {
-    return int(word >> tsr_axis_place_at) & (tsr_max_spatial_side - 1);
+    return int(word >> tsr_axis_place_at) & (tsr_axis_places - 1);
+}
+int tsr_axis_mip(uint word) {
+    return int(word >> tsr_axis_mip_at);
 }
 int tsr_axis_extent(uint word) {
     return (int(word >> tsr_axis_extent_at) & (tsr_max_spatial_side - 1)) + 1;
@@ -80,36 +93,56 @@ int tsr_axis_extent(uint word) {
 vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
     return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
 }
+// The shares of four texels in that mix, and a sum by shares.
+vec4 tsr_shares(vec2 weight) {
+    vec2 rest = vec2(1.0) - weight;
+    return vec4(rest.x * rest.y, weight.x * rest.y, rest.x * weight.y, weight.x * weight.y);
+}
+vec4 tsr_sum4(vec4 a, vec4 b, vec4 c, vec4 d, vec4 shares) {
+    return a * shares.x + b * shares.y + c * shares.z + d * shares.w;
+}
 
 layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
-// The mix of the four texels of a footprint, neighbours in one layer.
-vec4 tsr_fetched(ivec3 pixel, TsrAngularFootprint f) {
-    ivec2 step = f.high - f.low;
-    return tsr_mix4(texelFetch(tsr_texels, pixel, 0),
-                    texelFetch(tsr_texels, pixel + ivec3(step.x, 0, 0), 0),
-                    texelFetch(tsr_texels, pixel + ivec3(0, step.y, 0), 0),
-                    texelFetch(tsr_texels, pixel + ivec3(step.x, step.y, 0), 0), f.weight);
+
+// Four texels of an angular image, and their shares. Neighbours: x and y, x and z lie side by side or,
+// at an end, are the same.
+struct TsrAngularTaps {
+    ivec4 s;
+    ivec4 t;
+    vec4 shares;
+    bool neighbours;
+};
+
+TsrAngularTaps tsr_taps(TsrAngularFootprint f) {
+    return TsrAngularTaps(ivec4(f.low.x, f.high.x, f.low.x, f.high.x),
+                          ivec4(f.low.y, f.low.y, f.high.y, f.high.y), tsr_shares(f.weight), true);
 }
-// How far the footprint lies beyond its low texels. Where it was clamped both are the same one, and the
-// weight must not reach for its neighbour.
-vec2 tsr_beyond(TsrAngularFootprint f) {
-    return vec2(f.low.x == f.high.x ? 0.0 : f.weight.x, f.low.y == f.high.y ? 0.0 : f.weight.y);
+
+// How far neighbours reach beyond the first of them. Where two are the same one, the mix must not reach
+// for what lies beside it.
+vec2 tsr_beyond(TsrAngularTaps taps) {
+    return vec2(taps.s.x == taps.s.y ? 0.0 : taps.shares.y + taps.shares.w,
+                taps.t.x == taps.t.z ? 0.0 : taps.shares.z + taps.shares.w);
 }
-// The same as tsr_fetched() by the texture unit.
-vec4 tsr_filtered(ivec3 pixel, TsrAngularFootprint f) {
-    vec2 offset = tsr_beyond(f);
+
+vec4 tsr_fetched(ivec3 image, ivec4 s, ivec4 t, vec4 shares) {
+    return tsr_sum4(texelFetch(tsr_texels, image + ivec3(s.x, t.x, 0), 0),
+                    texelFetch(tsr_texels, image + ivec3(s.y, t.y, 0), 0),
+                    texelFetch(tsr_texels, image + ivec3(s.z, t.z, 0), 0),
+                    texelFetch(tsr_texels, image + ivec3(s.w, t.w, 0), 0), shares);
+}
+
+#ifdef TESSERA_HARDWARE_FILTER
+// A mix by the texture unit.
+vec4 tsr_filtered(ivec3 pixel, vec2 beyond) {
     vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
-    vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + offset) / size;
+    vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + beyond) / size;
     return textureLod(tsr_texels, vec3(place.x, place.y, float(pixel.z)), 0.0);
 }
-// The mix of a footprint whose texels are neighbours, by whoever does it faster.
-vec4 tsr_mixed(ivec3 pixel, TsrAngularFootprint f) {
-#ifdef TESSERA_HARDWARE_FILTER
-    return tsr_filtered(pixel, f);
-#else
-    return tsr_fetched(pixel, f);
 #endif
-}
+
+// What few pixels need is done in loops that most leave before their first turn. Where an if costs the
+// time of both its sides, as on llvmpipe, a loop costs that of one turn: so turns are short.
 
 #ifdef TESSERA_RESIDENT_CACHE
 #include "sample_cache.glsl"
@@ -117,27 +150,88 @@ vec4 tsr_mixed(ivec3 pixel, TsrAngularFootprint f) {
 #include "sample_plain.glsl"
 #endif
 
-TsrAngularFootprint tsr_angles_of(int u, int v, ivec4 size, vec3 direction) {
-    return tsr_angular_footprint(ivec2(u, v), ivec2(size.x, size.y), ivec2(size.z, size.w),
-                                 direction);
+TsrAngularTaps tsr_taps_of(int u, int v, ivec4 size, vec3 direction) {
+    return tsr_taps(tsr_angular_footprint(ivec2(u, v), ivec2(size.x, size.y),
+                                          ivec2(size.z, size.w), direction));
 }
 
 vec4 tessera_sample(vec3 from_centre, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
     TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, ivec2(size.x, size.y));
     // Each of the four surface texels has its own frame, hence its own angles.
-    return tsr_four_images(f, tsr_angles_of(f.low.x, f.low.y, size, direction),
-                           tsr_angles_of(f.high.x, f.low.y, size, direction),
-                           tsr_angles_of(f.low.x, f.high.y, size, direction),
-                           tsr_angles_of(f.high.x, f.high.y, size, direction));
+    return tsr_four_images(f, tsr_shares(f.weight),
+                           tsr_taps_of(f.low.x, f.low.y, size, direction),
+                           tsr_taps_of(f.high.x, f.low.y, size, direction),
+                           tsr_taps_of(f.low.x, f.high.y, size, direction),
+                           tsr_taps_of(f.high.x, f.high.y, size, direction));
 }
 
-// The same angle of the four texels of the atlas.
-vec4 tsr_atlas_texels(TsrSurfaceFootprint f, ivec2 angle) {
-    return tsr_mix4(tsr_angular_texel(f.low, angle),
-                    tsr_angular_texel(ivec2(f.high.x, f.low.y), angle),
-                    tsr_angular_texel(ivec2(f.low.x, f.high.y), angle),
-                    tsr_angular_texel(f.high, angle), f.weight);
+uint tsr_mip_word(int mip, int field) {
+    return tsr_word(int(tsr_parameter(tsr_p_mip_at) + uint(mip * tsr_mip_words + field)));
+}
+uint tsr_chart(int mip, ivec2 texel) {
+    uint width = tsr_mip_word(mip, 2) & 0xFFFFu;
+    return tsr_word(int(tsr_mip_word(mip, 3) + uint(texel.y) * width + uint(texel.x)));
+}
+
+// The texels around a place in a mip, and their shares: those of the place's own chart only. Where none
+// shows it, those of the atlas.
+struct TsrMipFootprint {
+    TsrSurfaceFootprint f; // texels as the axes count them
+    vec4 shares;
+};
+
+TsrMipFootprint tsr_mip_footprint(vec2 uv, int mip) {
+    ivec2 size = ivec2(int(tsr_parameter(tsr_p_size)), int(tsr_parameter(tsr_p_size + 1)));
+    TsrMipFootprint m;
+    m.f = tsr_atlas_footprint(uv, size);
+    m.shares = tsr_shares(m.f.weight);
+    vec2 place = clamp(uv, vec2(0.0), vec2(1.0)) * vec2(float(size.x), float(size.y));
+    TsrSurfaceFootprint f = m.f; // in the mip
+    uint own = 0u;
+    vec4 shares = vec4(0.0);
+    // First the texel that the place lies in, then those around it in the mip.
+    for (int k = mip > 0 ? 0 : 5; k < 5; ++k) {
+        ivec2 texel = ivec2(clamp(int(place.x), 0, size.x - 1), clamp(int(place.y), 0, size.y - 1));
+        if (k > 0)
+            texel = ivec2((k & 1) != 0 ? f.low.x : f.high.x, k < 3 ? f.low.y : f.high.y);
+        uint chart = tsr_chart(k == 0 ? 0 : mip, texel);
+        if (k == 0) {
+            own = chart;
+            uint sides = tsr_mip_word(mip, 2);
+            ivec2 side = ivec2(int(sides & 0xFFFFu), int(sides >> 16));
+            f = tsr_atlas_footprint(place / float(1 << mip) / vec2(float(side.x), float(side.y)),
+                                    side);
+        } else if (chart == own) {
+            vec4 all = tsr_shares(f.weight);
+            shares += vec4(k == 1 ? all.x : 0.0, k == 2 ? all.y : 0.0, k == 3 ? all.z : 0.0,
+                           k == 4 ? all.w : 0.0);
+        }
+    }
+    float sum = shares.x + shares.y + shares.z + shares.w;
+    if (own != 0u && sum > 0.0) {
+        ivec2 begin = ivec2(int(tsr_mip_word(mip, 0)), int(tsr_mip_word(mip, 1)));
+        m.f.low = f.low + begin;
+        m.f.high = f.high + begin;
+        m.shares = shares / sum;
+    }
+    return m;
+}
+
+// Between two mips both are mixed. Half a level finer than the shorter side of what the pixel covers, but
+// at most four texels along the longer one (AtlasMips::mip_for).
+float tsr_mip_for(vec2 footprint) {
+    float covered = max(min(footprint.x, footprint.y) * 0.70710678, max(footprint.x, footprint.y) / 4.0);
+    return covered > 1.0 ? min(log2(covered), float(tsr_parameter(tsr_p_mips))) : 0.0;
+}
+
+TsrAngularTaps tsr_folded_taps(TsrOctahedralTaps taps, ivec2 angular) {
+    ivec2 a = tsr_folded(taps.first, angular);
+    ivec2 b = tsr_folded(taps.first + ivec2(1, 0), angular);
+    ivec2 c = tsr_folded(taps.first + ivec2(0, 1), angular);
+    ivec2 d = tsr_folded(taps.first + ivec2(1, 1), angular);
+    return TsrAngularTaps(ivec4(a.x, b.x, c.x, d.x), ivec4(a.y, b.y, c.y, d.y),
+                          tsr_shares(taps.weight), false);
 }
 
 vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, vec2 footprint) {
@@ -145,23 +239,21 @@ vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, 
     ivec2 angular = ivec2(size.z, size.w);
     int map = int(tsr_parameter(tsr_p_angular_map));
     TsrMeshFrame frame = tsr_mesh_frame(normal, tangent, direction);
-    TsrOctahedralTaps taps =
+    TsrOctahedralTaps octahedral =
         tsr_octahedral_taps(tsr_octahedral_place(map, frame, direction), angular);
-    TsrSurfaceFootprint f = tsr_atlas_footprint(uv, ivec2(size.x, size.y));
-    bool folds = map == tsr_map_mirrored && tsr_crosses_fold(taps, angular);
-    if (!folds) {
-        TsrAngularFootprint a = tsr_ended(taps, angular);
-        return tsr_four_images(f, a, a, a, a);
+    TsrAngularTaps taps = tsr_taps(tsr_ended(octahedral, angular));
+    if (map == tsr_map_mirrored && tsr_crosses_fold(octahedral, angular))
+        taps = tsr_folded_taps(octahedral, angular);
+    float mip = tsr_mip_for(footprint);
+    int first = int(mip);
+    float second = mip - float(first); // its share
+    vec4 colour = vec4(0.0);
+    for (int i = 0; i <= (second > 0.0 ? 1 : 0); ++i) {
+        TsrMipFootprint m = tsr_mip_footprint(uv, first + i);
+        colour += (i == 0 ? 1.0 - second : second) *
+                  tsr_four_images(m.f, m.shares, taps, taps, taps, taps);
     }
-    // Texels of an angular image that are no neighbours: one by one.
-    vec4 sum = vec4(0.0);
-    for (int k = 0; k < 4; ++k) {
-        ivec2 after = ivec2(k & 1, k >> 1);
-        vec2 weight = mix(vec2(1.0) - taps.weight, taps.weight, vec2(after));
-        sum += weight.x * weight.y *
-               tsr_atlas_texels(f, tsr_folded(taps.first + after, angular));
-    }
-    return sum;
+    return colour;
 }
 
 #endif

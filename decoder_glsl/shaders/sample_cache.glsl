@@ -7,11 +7,16 @@ void tsr_mark(uint tile) {
         tsr_marks[tile] = 1u;
 }
 
-void tsr_mark_all(uvec4 tiles) {
-    tsr_mark(tiles.x);
-    tsr_mark(tiles.y);
-    tsr_mark(tiles.z);
-    tsr_mark(tiles.w);
+// The tiles along s (axis 2) or t (3) that texels lie in, and the texels where tiles begin: what TileGrid
+// says, (x + 1) n - 1 over d and i d over n, rounded down. Halves keep floats away from whole numbers
+// where d n < 2^23 / 5. A table of words costs llvmpipe more: it loads them one by one.
+ivec4 tsr_angular_tiles(int axis, ivec4 texels) {
+    float n = float(tsr_parameter(tsr_p_tiles + axis));
+    return ivec4((vec4(texels + 1) * n - 0.5) / float(tsr_parameter(tsr_p_size + axis)));
+}
+ivec4 tsr_angular_begins(int axis, ivec4 tiles) {
+    float d = float(tsr_parameter(tsr_p_size + axis));
+    return ivec4((vec4(tiles) * d + 0.5) / float(tsr_parameter(tsr_p_tiles + axis)));
 }
 
 // A surface texel among the tiles: the part of a tile's number and of a pixel that u and v give.
@@ -32,21 +37,20 @@ TsrColumn tsr_column(ivec2 texel) {
     return c;
 }
 
-// Number of the tile, from the words of the axes of s and t.
-uint tsr_tile_of(TsrColumn c, uint s, uint t) {
-    uint angular = uint(tsr_axis_tile(t)) * tsr_parameter(tsr_p_tiles + 2) + uint(tsr_axis_tile(s));
+// Number of the tile; s and t: its place among the tiles along them.
+uint tsr_tile_of(TsrColumn c, int s, int t) {
+    uint angular = uint(t) * tsr_parameter(tsr_p_tiles + 2) + uint(s);
     return angular * tsr_parameter(tsr_p_tiles) * tsr_parameter(tsr_p_tiles + 1) + c.tile;
 }
 
 uint tsr_page(uint tile) {
-    return tsr_sampler[tsr_parameter(tsr_p_page_at) + tile];
+    return tsr_word(int(tsr_parameter(tsr_p_page_at) + tile));
 }
 
-ivec3 tsr_cache_pixel(uint page, TsrColumn c, uint s, uint t) {
-    return ivec3(int(page & 1023u) * int(tsr_parameter(tsr_p_slot_width)) + c.pixel.x +
-                     tsr_axis_place(s),
-                 int((page >> 10) & 1023u) * int(tsr_parameter(tsr_p_slot_height)) + c.pixel.y +
-                     tsr_axis_place(t),
+// The first pixel of a surface texel's angular image.
+ivec3 tsr_cache_image(uint page, TsrColumn c) {
+    return ivec3(int(page & 1023u) * int(tsr_parameter(tsr_p_slot_width)) + c.pixel.x,
+                 int((page >> 10) & 1023u) * int(tsr_parameter(tsr_p_slot_height)) + c.pixel.y,
                  int(page >> 20));
 }
 
@@ -55,18 +59,36 @@ vec4 tsr_background() {
 }
 
 // Where the place lies among the coarse texels of an axis, counted over all its tiles, of which each has
-// `parts`. `axis`: the word of a texel; the place is `beyond` texels after its centre.
-float tsr_coarse_place(uint axis, float beyond, int parts, uint tiles) {
-    float inside = (float(tsr_axis_place(axis)) + 0.5 + beyond) / float(tsr_axis_extent(axis));
-    float place = (float(tsr_axis_tile(axis)) + inside) * float(parts) - 0.5;
+// `parts`. The place is `texels` into a tile of `extent` texels.
+float tsr_coarse_place(int tile, float texels, int extent, int parts, uint tiles) {
+    float place = (float(tile) + texels / float(extent)) * float(parts) - 0.5;
     return clamp(place, 0.0, float(int(tiles) * parts - 1));
 }
 
-vec4 tsr_coarse_places(TsrColumn c, uint s, uint t, vec2 beyond) {
-    return vec4(tsr_coarse_place(c.u, 0.0, tsr_coarse_uv, tsr_parameter(tsr_p_tiles)),
-                tsr_coarse_place(c.v, 0.0, tsr_coarse_uv, tsr_parameter(tsr_p_tiles + 1)),
-                tsr_coarse_place(s, beyond.x, tsr_coarse_st, tsr_parameter(tsr_p_tiles + 2)),
-                tsr_coarse_place(t, beyond.y, tsr_coarse_st, tsr_parameter(tsr_p_tiles + 3)));
+// Of the word of a texel on the axes of u and v, with `before` others before its mip in the slot.
+float tsr_coarse_surface_place(uint axis, int before, uint tiles) {
+    float texels = (float(tsr_axis_place(axis) - before) + 0.5) * float(1 << tsr_axis_mip(axis));
+    return tsr_coarse_place(tsr_axis_tile(axis), texels, tsr_axis_extent(axis), tsr_coarse_uv, tiles);
+}
+
+// `beyond` texels after the centre of a texel along s or t.
+float tsr_coarse_angular_place(int axis, int texel, float beyond) {
+    int tile = tsr_angular_tiles(axis, ivec4(texel)).x;
+    ivec4 begin = tsr_angular_begins(axis, ivec4(tile, tile + 1, 0, 0));
+    return tsr_coarse_place(tile, float(texel - begin.x) + 0.5 + beyond, begin.y - begin.x,
+                            tsr_coarse_st, tsr_parameter(tsr_p_tiles + axis));
+}
+
+vec4 tsr_coarse_places(TsrColumn c, int s, int t, vec2 beyond) {
+    int mip = tsr_axis_mip(c.u);
+    ivec2 before = ivec2(0);
+    if (mip > 0) {
+        int v = int(tsr_parameter(tsr_p_slot_v));
+        before = ivec2(int(tsr_parameter(tsr_p_slot_u)), v - (v >> (mip - 1)));
+    }
+    return vec4(tsr_coarse_surface_place(c.u, before.x, tsr_parameter(tsr_p_tiles)),
+                tsr_coarse_surface_place(c.v, before.y, tsr_parameter(tsr_p_tiles + 1)),
+                tsr_coarse_angular_place(2, s, beyond.x), tsr_coarse_angular_place(3, t, beyond.y));
 }
 
 vec4 tsr_coarse_texel(ivec4 at) {
@@ -77,168 +99,140 @@ vec4 tsr_coarse_texel(ivec4 at) {
     int cell = (at.w % tsr_coarse_st * tsr_coarse_st + at.z % tsr_coarse_st) * tsr_coarse_uv;
     cell = (cell + at.y % tsr_coarse_uv) * tsr_coarse_uv + at.x % tsr_coarse_uv;
     uint word = tsr_parameter(tsr_p_coarse_at) + (tile * uint(tsr_coarse_texels) + uint(cell)) * 2u;
-    return tsr_unpack(tsr_sampler[word], tsr_sampler[word + 1u]);
+    return tsr_unpack(tsr_word(int(word)), tsr_word(int(word + 1u)));
 }
 
-// The coarse texel nearest to a texel, or the background where there are none.
-vec4 tsr_coarse_nearest(TsrColumn c, uint s, uint t) {
-    if (tsr_parameter(tsr_p_has_coarse) == 0u)
-        return tsr_background();
-    return tsr_coarse_texel(ivec4(tsr_coarse_places(c, s, t, vec2(0.0)) + vec4(0.5)));
-}
-
-// The linear mix of coarse texels `beyond` texels after s and t.
-vec4 tsr_coarse(TsrColumn c, uint s, uint t, vec2 beyond) {
-    if (tsr_parameter(tsr_p_has_coarse) == 0u)
-        return tsr_background();
+// One of the 16 coarse texels that are mixed linearly for a place `beyond` texels after s and t, with its
+// share.
+vec4 tsr_coarse_part(int part, TsrColumn c, int s, int t, vec2 beyond) {
     vec4 place = tsr_coarse_places(c, s, t, beyond);
     ivec4 low = ivec4(place);
     vec4 weight = place - vec4(low);
-    vec4 sum = vec4(0.0);
-    // A place at the last texel has weight 0 beyond it: texels are added only where they count.
-    for (int i = 0; i < 16; ++i) {
-        bvec4 high = bvec4((i & 1) != 0, (i & 2) != 0, (i & 4) != 0, (i & 8) != 0);
-        vec4 w = mix(vec4(1.0) - weight, weight, vec4(high));
-        float share = w.x * w.y * w.z * w.w;
-        if (share > 0.0)
-            sum += share * tsr_coarse_texel(low + ivec4(high));
-    }
-    return sum;
+    bvec4 high = bvec4((part & 1) != 0, (part & 2) != 0, (part & 4) != 0, (part & 8) != 0);
+    vec4 w = mix(vec4(1.0) - weight, weight, vec4(high));
+    float share = w.x * w.y * w.z * w.w;
+    // A place at the last texel has weight 0 beyond it.
+    return share > 0.0 ? share * tsr_coarse_texel(low + ivec4(high)) : vec4(0.0);
 }
 
-// One texel, its tile marked.
-vec4 tsr_cached(TsrColumn c, uint s, uint t) {
-    uint tile = tsr_tile_of(c, s, t);
-    tsr_mark(tile);
-    uint page = tsr_page(tile);
-    if (page == tsr_page_background)
-        return tsr_background();
-    if (page == tsr_page_missing)
-        return tsr_coarse_nearest(c, s, t);
-    return texelFetch(tsr_texels, tsr_cache_pixel(page, c, s, t), 0);
-}
-
-vec4 tsr_angular_texel(ivec2 texel, ivec2 angle) {
-    return tsr_cached(tsr_column(texel), tsr_axis(2, angle.x), tsr_axis(3, angle.y));
-}
-
-// Where an angular image is read: words of the axes of s and t, low and high.
+// Where the four texels of an angular image are: tiles along s and t, and texels of these.
 struct TsrAngle {
-    uint s0;
-    uint s1;
-    uint t0;
-    uint t1;
+    ivec4 s_tile;
+    ivec4 t_tile;
+    ivec4 s;
+    ivec4 t;
 };
 
-TsrAngle tsr_angle(TsrAngularFootprint f) {
-    TsrAngle a;
-    a.s0 = tsr_axis(2, f.low.x);
-    a.s1 = tsr_axis(2, f.high.x);
-    a.t0 = tsr_axis(3, f.low.y);
-    a.t1 = tsr_axis(3, f.high.y);
-    return a;
+TsrAngle tsr_angle(TsrAngularTaps taps) {
+    ivec4 s_tile = tsr_angular_tiles(2, taps.s);
+    ivec4 t_tile = tsr_angular_tiles(3, taps.t);
+    return TsrAngle(s_tile, t_tile, taps.s - tsr_angular_begins(2, s_tile),
+                    taps.t - tsr_angular_begins(3, t_tile));
 }
 
 // The tile of a surface texel's image where all of it lies in one tile, else tsr_no_tile.
 const uint tsr_no_tile = 0xFFFFFFFFu;
 uint tsr_only_tile(TsrColumn c, TsrAngle a) {
-    bool inside = ((a.s0 ^ a.s1) & 0xFFFFu) == 0u && ((a.t0 ^ a.t1) & 0xFFFFu) == 0u;
-    return inside ? tsr_tile_of(c, a.s0, a.t0) : tsr_no_tile;
+    bool together = a.s_tile == ivec4(a.s_tile.x) && a.t_tile == ivec4(a.t_tile.x);
+    return together ? tsr_tile_of(c, a.s_tile.x, a.t_tile.x) : tsr_no_tile;
 }
 
-// The image of a surface texel, of tiles that may not be there.
-vec4 tsr_image_in_parts(TsrColumn c, TsrAngle a, TsrAngularFootprint f) {
-    uint tile = tsr_tile_of(c, a.s0, a.t0);
-    uint page = tsr_page(tile);
-    bool missing = page == tsr_page_missing;
-    bool there = page < tsr_page_background;
+// The image of a surface texel, all of which lies in the tile of that page.
+vec4 tsr_cached_image(uint page, TsrColumn c, TsrAngle a, TsrAngularTaps taps) {
+    ivec3 image = tsr_cache_image(page, c);
 #ifdef TESSERA_HARDWARE_FILTER
-    // Across a border: the tile's own copy of its neighbours' first texels, once all are there.
-    for (int k = 1; k < 4; ++k) {
-        uint other = tsr_tile_of(c, (k & 1) != 0 ? a.s1 : a.s0, (k & 2) != 0 ? a.t1 : a.t0);
-        if (other == tile)
-            continue;
-        tsr_mark(other);
-        there = there && tsr_page(other) != tsr_page_missing;
-    }
+    return tsr_filtered(image + ivec3(a.s.x, a.t.x, 0), tsr_beyond(taps));
 #else
-    there = there && tsr_only_tile(c, a) != tsr_no_tile;
+    return tsr_fetched(image, a.s, a.t, taps.shares);
 #endif
-    if (there) {
-        tsr_mark(tile);
-        return tsr_mixed(tsr_cache_pixel(page, c, a.s0, a.t0), f);
-    }
-    vec4 sum = vec4(0.0);
-    for (int k = 0; k < 4; ++k) {
-        bool after_s = (k & 1) != 0;
-        bool after_t = (k & 2) != 0;
-        uint s = after_s ? a.s1 : a.s0;
-        uint t = after_t ? a.t1 : a.t0;
-        if (missing)
-            tsr_mark(tsr_tile_of(c, s, t));
-        else
-            sum += (after_s ? f.weight.x : 1.0 - f.weight.x) *
-                   (after_t ? f.weight.y : 1.0 - f.weight.y) * tsr_cached(c, s, t);
-    }
-    return missing ? tsr_coarse(c, a.s0, a.t0, tsr_beyond(f)) : sum;
 }
 
-// The four surface texels' images, mixed. Most pixels lie in one tile: one page is looked up for them and
-// one tile marked. The rest is done in a loop, which is left at once where nothing is to do: where an if
-// costs the time of both its sides, as on llvmpipe, this is three times as fast.
-vec4 tsr_four_images(TsrSurfaceFootprint f, TsrAngularFootprint low_low,
-                     TsrAngularFootprint high_low, TsrAngularFootprint low_high,
-                     TsrAngularFootprint high_high) {
-    TsrColumn c0 = tsr_column(f.low);
-    TsrColumn c1 = tsr_column(ivec2(f.high.x, f.low.y));
-    TsrColumn c2 = tsr_column(ivec2(f.low.x, f.high.y));
-    TsrColumn c3 = tsr_column(f.high);
-    TsrAngle a0 = tsr_angle(low_low);
-    TsrAngle a1 = tsr_angle(high_low);
-    TsrAngle a2 = tsr_angle(low_high);
-    TsrAngle a3 = tsr_angle(high_high);
-    uint tile = tsr_only_tile(c0, a0);
-    bool together = tile != tsr_no_tile && tile == tsr_only_tile(c1, a1) &&
-                    tile == tsr_only_tile(c2, a2) && tile == tsr_only_tile(c3, a3);
+// What is read of a surface texel's image.
+struct TsrImage {
+    TsrColumn c;
+    TsrAngle a;
+    TsrAngularTaps taps;
+    float share;
+};
+
+TsrImage tsr_choose(int k, TsrImage a, TsrImage b, TsrImage c, TsrImage d) {
+    if (k == 0)
+        return a;
+    if (k == 1)
+        return b;
+    if (k == 2)
+        return c;
+    return d;
+}
+
+// The four images, of tiles that differ and may not be there. An image that is not there as a whole is
+// coarse.
+vec4 tsr_images_in_parts(bool wanted, TsrImage i0, TsrImage i1, TsrImage i2, TsrImage i3) {
     vec4 sum = vec4(0.0);
-    int left = 0; // the first that is not in `sum`
-    if (together) {
-        uint page = tsr_page(tile);
-        if (page < tsr_page_background) {
-            sum = tsr_mix4(tsr_mixed(tsr_cache_pixel(page, c0, a0.s0, a0.t0), low_low),
-                           tsr_mixed(tsr_cache_pixel(page, c1, a1.s0, a1.t0), high_low),
-                           tsr_mixed(tsr_cache_pixel(page, c2, a2.s0, a2.t0), low_high),
-                           tsr_mixed(tsr_cache_pixel(page, c3, a3.s0, a3.t0), high_high),
-                           f.weight);
-        } else if (page == tsr_page_background) {
-            sum = tsr_background();
-        }
-        if (page != tsr_page_missing) {
+    vec4 image = vec4(0.0);
+    bool whole = true; // all texels of the image so far are there
+    int coarse = 0;    // a bit an image
+    uint tile = tsr_no_tile; // the one before
+    uint page = 0u;
+    for (int k = wanted ? 0 : 16; k < 16; ++k) {
+        TsrImage i = tsr_choose(k >> 2, i0, i1, i2, i3);
+        uint next = tsr_tile_of(i.c, i.a.s_tile[k & 3], i.a.t_tile[k & 3]);
+        if (next != tile) {
+            tile = next;
             tsr_mark(tile);
-            left = 4;
+            page = tsr_page(tile);
+        }
+        whole = whole && page != tsr_page_missing;
+        vec4 texel = tsr_background();
+        if (page < tsr_page_background)
+            texel = texelFetch(tsr_texels,
+                               tsr_cache_image(page, i.c) +
+                                   ivec3(i.a.s[k & 3], i.a.t[k & 3], 0), 0);
+        image += i.taps.shares[k & 3] * texel;
+        if ((k & 3) == 3) {
+            bool stands_in = !whole && tsr_parameter(tsr_p_has_coarse) != 0u;
+            coarse |= (stands_in ? 1 : 0) << (k >> 2);
+            if (!stands_in)
+                sum += i.share * (whole ? image : tsr_background());
+            image = vec4(0.0);
+            whole = true;
         }
     }
-    for (int k = left; k < 4; ++k) {
-        bool high_u = (k & 1) != 0;
-        bool high_v = (k & 2) != 0;
-        TsrColumn c = c0;
-        TsrAngle a = a0;
-        TsrAngularFootprint angles = low_low;
-        if (k == 1) {
-            c = c1;
-            a = a1;
-            angles = high_low;
-        } else if (k == 2) {
-            c = c2;
-            a = a2;
-            angles = low_high;
-        } else if (k == 3) {
-            c = c3;
-            a = a3;
-            angles = high_high;
-        }
-        sum += (high_u ? f.weight.x : 1.0 - f.weight.x) *
-               (high_v ? f.weight.y : 1.0 - f.weight.y) * tsr_image_in_parts(c, a, angles);
+    for (int k = coarse != 0 ? 0 : 64; k < 64; ++k) {
+        TsrImage i = tsr_choose(k >> 4, i0, i1, i2, i3);
+        vec2 beyond = i.taps.neighbours ? tsr_beyond(i.taps) : vec2(0.0);
+        if (((coarse >> (k >> 4)) & 1) != 0)
+            sum += i.share * tsr_coarse_part(k & 15, i.c, i.taps.s.x, i.taps.t.x, beyond);
     }
     return sum;
+}
+
+// Most pixels lie in one tile: one page is looked up for them and one tile marked.
+vec4 tsr_four_images(TsrSurfaceFootprint f, vec4 shares, TsrAngularTaps low_low,
+                     TsrAngularTaps high_low, TsrAngularTaps low_high, TsrAngularTaps high_high) {
+    TsrImage i0 = TsrImage(tsr_column(f.low), tsr_angle(low_low), low_low, shares.x);
+    TsrImage i1 = TsrImage(tsr_column(ivec2(f.high.x, f.low.y)), tsr_angle(high_low), high_low,
+                           shares.y);
+    TsrImage i2 = TsrImage(tsr_column(ivec2(f.low.x, f.high.y)), tsr_angle(low_high), low_high,
+                           shares.z);
+    TsrImage i3 = TsrImage(tsr_column(f.high), tsr_angle(high_high), high_high, shares.w);
+    uint tile = tsr_only_tile(i0.c, i0.a);
+    bool together = tile != tsr_no_tile && tile == tsr_only_tile(i1.c, i1.a) &&
+                    tile == tsr_only_tile(i2.c, i2.a) && tile == tsr_only_tile(i3.c, i3.a);
+#ifdef TESSERA_HARDWARE_FILTER
+    together = together && low_low.neighbours;
+#endif
+    uint page = tsr_page(together ? tile : 0u);
+    together = together && page != tsr_page_missing;
+    vec4 sum = tsr_background();
+    if (together) {
+        tsr_mark(tile);
+        if (page < tsr_page_background)
+            sum = tsr_sum4(tsr_cached_image(page, i0.c, i0.a, low_low),
+                           tsr_cached_image(page, i1.c, i1.a, high_low),
+                           tsr_cached_image(page, i2.c, i2.a, low_high),
+                           tsr_cached_image(page, i3.c, i3.a, high_high), shares);
+    }
+    vec4 parts = tsr_images_in_parts(!together, i0, i1, i2, i3);
+    return together ? sum : parts;
 }

@@ -1,24 +1,30 @@
 // A texture that is decoded as a whole: angular images side by side, folded over layers.
-ivec3 tsr_plain_pixel(ivec2 texel, ivec2 angle) {
+ivec3 tsr_plain_pixel(ivec2 texel) {
     uint u = tsr_axis(0, texel.x);
     uint v = tsr_axis(1, texel.y);
-    return ivec3(int(u & 0xFFFFu) + angle.x, int(v & 0xFFFFu) + angle.y,
+    return ivec3(int(u & 0xFFFFu), int(v & 0xFFFFu),
                  int((v >> 16) * tsr_parameter(tsr_p_folds_u) + (u >> 16)));
 }
 
-vec4 tsr_angular_texel(ivec2 texel, ivec2 angle) {
-    return texelFetch(tsr_texels, tsr_plain_pixel(texel, angle), 0);
+#ifdef TESSERA_HARDWARE_FILTER
+vec4 tsr_plain_mix(ivec2 texel, TsrAngularTaps taps) {
+    return tsr_filtered(tsr_plain_pixel(texel) + ivec3(taps.s.x, taps.t.x, 0), tsr_beyond(taps));
+}
+#endif
+
+vec4 tsr_plain_image(ivec2 texel, TsrAngularTaps taps) {
+    return tsr_fetched(tsr_plain_pixel(texel), taps.s, taps.t, taps.shares);
 }
 
-vec4 tsr_angular_image(ivec2 texel, TsrAngularFootprint f) {
-    return tsr_mixed(tsr_plain_pixel(texel, f.low), f);
-}
-
-vec4 tsr_four_images(TsrSurfaceFootprint f, TsrAngularFootprint low_low,
-                     TsrAngularFootprint high_low, TsrAngularFootprint low_high,
-                     TsrAngularFootprint high_high) {
-    return tsr_mix4(tsr_angular_image(f.low, low_low),
-                    tsr_angular_image(ivec2(f.high.x, f.low.y), high_low),
-                    tsr_angular_image(ivec2(f.low.x, f.high.y), low_high),
-                    tsr_angular_image(f.high, high_high), f.weight);
+vec4 tsr_four_images(TsrSurfaceFootprint f, vec4 shares, TsrAngularTaps low_low,
+                     TsrAngularTaps high_low, TsrAngularTaps low_high, TsrAngularTaps high_high) {
+    ivec2 high_u = ivec2(f.high.x, f.low.y);
+    ivec2 high_v = ivec2(f.low.x, f.high.y);
+#ifdef TESSERA_HARDWARE_FILTER
+    if (low_low.neighbours) // as the others are, then
+        return tsr_sum4(tsr_plain_mix(f.low, low_low), tsr_plain_mix(high_u, high_low),
+                        tsr_plain_mix(high_v, low_high), tsr_plain_mix(f.high, high_high), shares);
+#endif
+    return tsr_sum4(tsr_plain_image(f.low, low_low), tsr_plain_image(high_u, high_low),
+                    tsr_plain_image(high_v, low_high), tsr_plain_image(f.high, high_high), shares);
 }

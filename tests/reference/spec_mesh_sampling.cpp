@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace tessera_reference {
 
@@ -122,6 +123,119 @@ std::array<Tap, 16> mesh_taps(const std::uint32_t size[4], int angular_map, cons
         taps[number].weight = weight;
     }
     return taps;
+}
+
+namespace {
+
+using Points = std::vector<std::array<double, 2>>;
+
+// What is left of a polygon on one side of an upright or level line: sign * (x - at) >= 0.
+Points cut(const Points& polygon, int axis, double sign, double at) {
+    Points left;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const auto &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double a = sign * (p[axis] - at), b = sign * (q[axis] - at);
+        if (a >= 0)
+            left.push_back(p);
+        if (a * b < 0)
+            left.push_back(
+                {p[0] + (q[0] - p[0]) * a / (a - b), p[1] + (q[1] - p[1]) * a / (a - b)});
+    }
+    return left;
+}
+
+} // namespace
+
+Charts::Charts(const std::vector<AtlasTriangle>& triangles, std::uint32_t width,
+               std::uint32_t height)
+    : width_(width), height_(height), texels_(std::size_t{width} * height, -1) {
+    std::vector<long> chart(triangles.size());
+    for (std::size_t i = 0; i < chart.size(); ++i)
+        chart[i] = static_cast<long>(i);
+    for (bool changed = true; changed;) { // until all that touch have one number
+        changed = false;
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            for (std::size_t j = 0; j < triangles.size(); ++j)
+                for (const std::uint32_t a : triangles[i].vertices)
+                    for (const std::uint32_t b : triangles[j].vertices)
+                        if (a == b && chart[j] < chart[i]) {
+                            chart[i] = chart[j];
+                            changed = true;
+                        }
+    }
+    for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x)
+            for (std::size_t i = 0; i < triangles.size() && texels_[std::size_t{y} * width + x] < 0;
+                 ++i) {
+                Points corners;
+                for (const auto& uv : triangles[i].uv)
+                    corners.push_back({uv[0] * width, uv[1] * height});
+                const auto &a = corners[0], &b = corners[1], &c = corners[2];
+                if ((b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]))
+                    continue;
+                const Points in =
+                    cut(cut(cut(cut(corners, 0, 1, x), 0, -1, x + 1.0), 1, 1, y), 1, -1, y + 1.0);
+                if (!in.empty())
+                    texels_[std::size_t{y} * width + x] = chart[i];
+            }
+}
+
+std::array<std::uint32_t, 2> Charts::size(unsigned mip) const {
+    const std::uint32_t side = 1u << mip;
+    return {(width_ + side - 1) / side, (height_ + side - 1) / side};
+}
+
+long Charts::shown_by(unsigned mip, std::uint32_t x, std::uint32_t y) const {
+    std::map<long, int> votes;
+    for (std::uint32_t j = 0; j < height_; ++j)
+        for (std::uint32_t i = 0; i < width_; ++i)
+            if (i >> mip == x && j >> mip == y && texels_[std::size_t{j} * width_ + i] >= 0)
+                ++votes[texels_[std::size_t{j} * width_ + i]];
+    long best = -1;
+    for (const auto& [chart, count] : votes) // ascending
+        if (best < 0 || count > votes[best])
+            best = chart;
+    return best;
+}
+
+MipTaps mip_taps(const Charts& charts, const std::uint32_t size[4], int angular_map,
+                 const Frame& frame, double u, double v, const Vector& d, unsigned mip) {
+    const std::uint32_t x = std::min(static_cast<std::uint32_t>(u * size[0]), size[0] - 1);
+    const std::uint32_t y = std::min(static_cast<std::uint32_t>(v * size[1]), size[1] - 1);
+    const long own = charts.shown_by(0, x, y);
+    if (mip > 0 && own >= 0) {
+        const auto sides = charts.size(mip);
+        const std::uint32_t of_mip[4] = {sides[0], sides[1], size[2], size[3]};
+        const double scale = std::pow(2.0, mip);
+        auto taps = mesh_taps(of_mip, angular_map, frame, u * size[0] / scale / sides[0],
+                              v * size[1] / scale / sides[1], d);
+        double sum = 0;
+        for (Tap& tap : taps) {
+            if (charts.shown_by(mip, tap.texel[0], tap.texel[1]) != own)
+                tap.weight = 0;
+            sum += tap.weight;
+        }
+        for (Tap& tap : taps)
+            tap.weight /= sum;
+        if (sum > 0)
+            return {mip, taps};
+    }
+    return {0, mesh_taps(size, angular_map, frame, u, v, d)};
+}
+
+unsigned mips_of(const std::vector<std::uint32_t>& begins) {
+    for (unsigned mips = 4;; --mips) {
+        bool all = true;
+        for (const std::uint32_t begin : begins)
+            all = all && begin % (1u << mips) == 0;
+        if (all)
+            return mips;
+    }
+}
+
+double mip_of_pixel(double a, double b, unsigned mips) {
+    const double m = std::max(std::min(a, b) * std::sqrt(0.5), std::max(a, b) / 4);
+    return m <= 1 ? 0 : std::min(std::log2(m), static_cast<double>(mips));
 }
 
 } // namespace tessera_reference

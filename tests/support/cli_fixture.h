@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tests/support/test_folder.h"
+#include "tools/support/json_text.h"
 
 #include <algorithm>
 #include <csignal>
@@ -9,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <sys/wait.h>
 #include <vector>
@@ -17,7 +17,7 @@
 namespace tessera::test {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using tessera::Json;
 
 struct Outcome {
     int code = -1;

@@ -25,6 +25,17 @@ glm::dvec3 Camera::direction(double x, double y) const {
     return glm::normalize(forward + (2 * x / width - 1) * right + (1 - 2 * y / height) * up);
 }
 
+std::array<glm::dvec3, 2> Camera::steps(const glm::dvec3& d, const glm::dvec3& place,
+                                        const glm::dvec3& normal) const {
+    const double distance = glm::dot(place - eye, forward) / glm::dot(forward, forward);
+    const double slope = glm::dot(d, normal);
+    const double away = std::copysign(std::max(std::abs(slope), 1e-6), slope);
+    const auto step = [&](const glm::dvec3& turn) {
+        return distance * (turn - d * (glm::dot(turn, normal) / away));
+    };
+    return {step(right * (2.0 / width)), step(up * (-2.0 / height))};
+}
+
 Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
     if (!is_within(pose.eye) || !is_within(pose.look))
         return Status(ErrorCode::bad_argument, "eye and look must be numbers up to 1000000");

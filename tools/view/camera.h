@@ -4,6 +4,7 @@
 
 #include "format/status.h"
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
@@ -35,6 +36,10 @@ struct Camera {
     // Unit direction through a place of the picture in pixels, (0, 0) its top left corner; the
     // centre of pixel (i, j) is (i + 0.5, j + 0.5).
     glm::dvec3 direction(double x, double y) const;
+    // How the place changes where the ray along `direction` meets the plane through it with that normal,
+    // a pixel to the right and a pixel down. Large, but finite, along the plane.
+    std::array<glm::dvec3, 2> steps(const glm::dvec3& direction, const glm::dvec3& place,
+                                    const glm::dvec3& normal) const;
 };
 
 // Errors: bad_argument, for a point at the eye, numbers beyond 10^6 and a fov outside (0, 180) or a

@@ -4,19 +4,30 @@
 #include "tools/view/texel_cache.h"
 #include "tools/view/view_drawing.h"
 
+#include <cmath>
+#include <glm/common.hpp>
 #include <optional>
 #include <set>
 
 namespace tessera {
 
-// `Surface` has  Status check(const Camera&) const  and
-// std::optional<Footprint> footprint(const Extent4& size, eye, direction) const, both thread-safe.
+// The texels that a ray sees: of one level, or of two, which are mixed.
+struct SeenTexels {
+    Footprint first;
+    std::optional<Footprint> second{};
+    double share = 0; // of the second
+};
+
+// `Surface` has  Extent4 size,  that of its texture;  Status check(const Camera&) const;  and
+// std::optional<SeenTexels> seen(camera, direction, width) const,  all thread-safe: what a ray sees that
+// stands for `width` pixels along both sides. For width 0 that is in the texture itself; else it may be in
+// what `source` holds beside it.
 template <class Surface> class FootprintRenderer final : public ViewRenderer {
 public:
     FootprintRenderer(TexelSource& source, const Extent4& block_extent, Surface surface,
                       const glm::dvec3& background, const RenderOptions& options)
         : cache_(source, block_extent, options.cache_bytes), surface_(std::move(surface)),
-          background_(background), options_(options) {}
+          blocks_(surface_.size, block_extent), background_(background), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
         TESSERA_TRY(surface_.check(camera));
@@ -25,41 +36,44 @@ public:
         std::vector<CachedTexels> workers(thread_count(options_.threads), CachedTexels(cache_));
         return draw_rays(camera, workers, options_,
                          [&](CachedTexels& texels, const glm::dvec3& direction) {
-                             return seen(texels, camera.eye, direction);
+                             return colour(texels, camera, direction);
                          });
     }
 
 private:
-    std::optional<Footprint> footprint(const glm::dvec3& eye, const glm::dvec3& direction) const {
-        return surface_.footprint(cache_.desc().size, eye, direction);
-    }
-
     // Of every fourth pixel both ways: a block that they miss is small in the picture.
     std::vector<std::uint64_t> blocks_of(const Camera& camera) const {
         constexpr std::uint32_t step = 4;
         std::set<std::uint64_t> blocks;
         for (std::uint32_t j = 0; j < camera.height; j += step)
             for (std::uint32_t i = 0; i < camera.width; i += step)
-                if (const auto taps = footprint(camera.eye, camera.direction(i + 0.5, j + 0.5)))
-                    for (const WeightedTexel& t : *taps)
+                if (const auto found =
+                        surface_.seen(camera, camera.direction(i + 0.5, j + 0.5), 0.0))
+                    for (const WeightedTexel& t : found->first)
                         if (t.weight > 0)
-                            blocks.insert(cache_.block_of(t.u, t.v, t.s, t.t));
+                            blocks.insert(block_of(blocks_, {t.u, t.v, t.s, t.t}));
         return {blocks.begin(), blocks.end()};
     }
 
-    Result<glm::dvec3> seen(CachedTexels& texels, const glm::dvec3& eye,
-                            const glm::dvec3& direction) const {
-        const auto taps = footprint(eye, direction);
-        if (!taps)
+    Result<glm::dvec3> colour(CachedTexels& texels, const Camera& camera,
+                              const glm::dvec3& direction) const {
+        const auto found = surface_.seen(camera, direction, width_);
+        if (!found)
             return background_;
-        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, *taps));
+        TESSERA_TRY_ASSIGN(glm::dvec4 value, sample(texels, found->first));
+        if (found->second) {
+            TESSERA_TRY_ASSIGN(const glm::dvec4 second, sample(texels, *found->second));
+            value = glm::mix(value, second, found->share);
+        }
         return texels.desc().channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
     }
 
     TexelCache cache_;
     Surface surface_;
+    TileGrid blocks_; // of the texture itself
     glm::dvec3 background_;
     RenderOptions options_;
+    double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays));
 };
 
 } // namespace tessera

@@ -2,6 +2,10 @@
 
 #include "corpus/trace/ray_scene.h"
 #include "tools/view/footprint_renderer.h"
+#include "tools/view/mip_source.h"
+
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
 
 namespace tessera {
 namespace {
@@ -9,20 +13,53 @@ namespace {
 constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
 
 struct MeshPlaces {
+    Extent4 size; // of the texture
     MeshSurface surface;
     std::vector<glm::vec3> tangents;
     corpus::RayScene fronts; // backs let rays pass, as they do on the GPU
+    std::shared_ptr<const AtlasMips> mips;
+    std::unique_ptr<TexelSource> with_mips; // null where there are none
 
     Status check(const Camera&) const { return {}; }
-    std::optional<Footprint> footprint(const Extent4& size, const glm::dvec3& eye,
-                                       const glm::dvec3& direction) const {
-        const auto hit = fronts.first_hit(eye, direction);
+    std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
+                                   double width) const {
+        const auto hit = fronts.first_hit(camera.eye, direction);
         if (!hit)
             return std::nullopt;
         const SurfacePoint point =
             surface_point(surface.mesh, tangents, hit->triangle, hit->barycentric);
-        return mesh_footprint(size, surface.map, point.uv,
-                              octahedral_place(surface.map, point.frame, -direction));
+        const glm::dvec2 st = octahedral_place(surface.map, point.frame, -direction);
+        const double mip = mips->mip_for(
+            width * texels_of_pixel(camera, direction, hit->triangle, point.position));
+        const auto first = static_cast<unsigned>(mip);
+        SeenTexels seen{mips->footprint(surface.map, point.uv, st, first)};
+        if (mip > first) {
+            seen.second = mips->footprint(surface.map, point.uv, st, first + 1);
+            seen.share = mip - first;
+        }
+        return seen;
+    }
+
+    // How many of the atlas a pixel covers along u and v.
+    glm::dvec2 texels_of_pixel(const Camera& camera, const glm::dvec3& direction,
+                               std::uint32_t triangle, const glm::dvec3& place) const {
+        const SurfaceMesh& mesh = surface.mesh;
+        const auto& [a, b, c] = mesh.triangles[triangle];
+        const glm::dvec3 p(mesh.positions[b] - mesh.positions[a]),
+            q(mesh.positions[c] - mesh.positions[a]);
+        const glm::dvec3 normal = glm::cross(p, q);
+        const double square = glm::dot(normal, normal);
+        if (square == 0.0)
+            return glm::dvec2(0.0);
+        glm::dvec2 covered(0.0); // squared
+        for (const glm::dvec3& step : camera.steps(direction, place, normal / std::sqrt(square))) {
+            const double along_p = glm::dot(glm::cross(step, q), normal) / square;
+            const double along_q = glm::dot(glm::cross(p, step), normal) / square;
+            const glm::dvec2 uv = glm::dvec2(mesh.uv[b] - mesh.uv[a]) * along_p +
+                                  glm::dvec2(mesh.uv[c] - mesh.uv[a]) * along_q;
+            covered += uv * uv;
+        }
+        return glm::sqrt(covered) * glm::dvec2(size[axis_u], size[axis_v]);
     }
 };
 
@@ -47,13 +84,19 @@ Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,
                    const glm::dvec3& background, const RenderOptions& options) {
-    const SurfaceMesh& mesh = surface.mesh;
-    TESSERA_TRY_ASSIGN(auto fronts, corpus::RayScene::make(mesh.positions, mesh.triangles, true));
-    auto tangents = mesh_tangents(mesh);
+    const TileGrid tiles(source.desc().size, block_extent);
+    auto mips = std::make_shared<const AtlasMips>(surface.mesh, tiles);
+    std::unique_ptr<TexelSource> with_mips;
+    if (mips->count() > 0)
+        with_mips = make_mip_source(source, *mips, block_extent[axis_v]);
+    TexelSource& texels = with_mips ? *with_mips : source;
+    TESSERA_TRY_ASSIGN(
+        auto fronts, corpus::RayScene::make(surface.mesh.positions, surface.mesh.triangles, true));
+    auto tangents = mesh_tangents(surface.mesh);
+    MeshPlaces places{source.desc().size, std::move(surface), std::move(tangents),
+                      std::move(fronts),  std::move(mips),    std::move(with_mips)};
     return std::unique_ptr<ViewRenderer>(std::make_unique<FootprintRenderer<MeshPlaces>>(
-        source, block_extent,
-        MeshPlaces{std::move(surface), std::move(tangents), std::move(fronts)}, background,
-        options));
+        texels, block_extent, std::move(places), background, options));
 }
 
 } // namespace tessera

@@ -16,7 +16,7 @@ struct MeshSurface {
 // unsupported.
 Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container);
 
-// Samples the texture by mesh_footprint(), otherwise like make_texture_renderer(); the observer may
+// Samples the texture and its mips (AtlasMips of the blocks, which are the texture's tiles), otherwise like make_texture_renderer(); the observer may
 // stand anywhere. A mesh has silhouettes, which one ray a pixel draws as steps. Errors: runtime, what
 // Embree says.
 Result<std::unique_ptr<ViewRenderer>>

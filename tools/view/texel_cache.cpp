@@ -36,7 +36,7 @@ Result<glm::dvec4> CachedTexels::texel(std::uint32_t u, std::uint32_t v, std::ui
                                        std::uint32_t t) {
     const TileGrid& grid = cache_->grid();
     const Extent4 at{u, v, s, t};
-    const std::uint64_t number = cache_->block_of(u, v, s, t);
+    const std::uint64_t number = block_of(grid, at);
     Slot& slot = slots_[number % slots_.size()];
     if (!slot.texels || slot.number != number) {
         TESSERA_TRY_ASSIGN(TexelCache::Block block, cache_->load(number));

@@ -14,6 +14,12 @@
 
 namespace tessera {
 
+// The number of the block with that texel.
+inline std::uint64_t block_of(const TileGrid& grid, const Extent4& texel) {
+    const auto& [u, v, s, t] = texel;
+    return grid.number(grid.touched({texel, {u + 1, v + 1, s + 1, t + 1}}).begin);
+}
+
 // Shared by threads; a block that several want at once is read once.
 class TexelCache {
 public:
@@ -25,11 +31,6 @@ public:
 
     const TextureDesc& desc() const { return source_.desc(); }
     const TileGrid& grid() const { return grid_; }
-    // The number of the block with that texel.
-    std::uint64_t block_of(std::uint32_t u, std::uint32_t v, std::uint32_t s,
-                           std::uint32_t t) const {
-        return grid_.number(grid_.touched({{u, v, s, t}, {u + 1, v + 1, s + 1, t + 1}}).begin);
-    }
     // The texels of grid().box(number). Errors: those of the source.
     Result<Block> load(std::uint64_t number);
 

@@ -30,14 +30,15 @@ bool enter(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec
 // The sphere, seen from outside.
 struct SphereSurface {
     SphereWindow window;
+    Extent4 size; // of the texture
 
     Status check(const Camera& camera) const { return check_outside(window, camera); }
-    std::optional<Footprint> footprint(const Extent4& size, const glm::dvec3& eye,
-                                       const glm::dvec3& direction) const {
+    std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
+                                   double) const {
         glm::dvec3 from_centre;
-        if (!enter(window, eye, direction, from_centre))
+        if (!enter(window, camera.eye, direction, from_centre))
             return std::nullopt;
-        return sample_footprint(size, from_centre, -direction);
+        return SeenTexels{sample_footprint(size, from_centre, -direction)};
     }
 };
 
@@ -135,7 +136,7 @@ std::unique_ptr<ViewRenderer>
 make_texture_renderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
                       const glm::dvec3& background, const RenderOptions& options) {
     return std::make_unique<FootprintRenderer<SphereSurface>>(
-        source, block_extent, SphereSurface{window}, background, options);
+        source, block_extent, SphereSurface{window, source.desc().size}, background, options);
 }
 
 std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
