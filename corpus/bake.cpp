@@ -23,11 +23,11 @@ namespace {
 // known in the place's own frame, that is one multiplication and one comparison per texel.
 class Culling {
 public:
-    Culling(const Scene& scene, const Sampler& sampler)
-        : scene_(scene),
+    Culling(const Scene& scene, const SphereWindow& window, const Sampler& sampler)
+        : scene_(scene), window_(window),
           spread_(std::hypot(sampler.half_width(axis_s), sampler.half_width(axis_t)) +
                   std::hypot(sampler.half_width(axis_u), sampler.half_width(axis_v))),
-          reach_(window_radius *
+          reach_(window.radius *
                  std::hypot(sampler.half_width(axis_u), sampler.half_width(axis_v))) {}
 
     // `alphas`: the texels along s.
@@ -63,7 +63,9 @@ private:
              const std::vector<SinCos>& alphas) {
         const glm::dvec3 ez = place_normal(longitude, latitude);
         // From the object to the place: rays run along -d, so this compares with d.
-        const glm::dvec3 way = ez * window_radius - object.centre;
+        const glm::dvec3 way = window_.centre +
+                               ez * (window_.inside ? -window_.radius : window_.radius) -
+                               object.centre;
         const double distance = glm::length(way);
         const double radius = (object.bound + reach_) * (1.0 + 1e-9);
         const double angle =
@@ -83,6 +85,7 @@ private:
     }
 
     const Scene& scene_;
+    const SphereWindow& window_;
     double spread_;
     double reach_;
     ObjectMask always_ = 0;
@@ -92,9 +95,10 @@ private:
 
 class BakedTexture final : public TexelSource {
 public:
-    BakedTexture(Scene scene, const TextureDesc& desc, unsigned samples, std::uint64_t seed)
-        : scene_(std::move(scene)), desc_(desc), sampler_(desc.size, samples, seed),
-          empty_(to_bytes(scene_.background, desc.type)) {}
+    BakedTexture(Scene scene, const SphereWindow& window, const TextureDesc& desc, unsigned samples,
+                 std::uint64_t seed)
+        : scene_(std::move(scene)), window_(window), desc_(desc),
+          sampler_(desc.size, samples, seed), empty_(to_bytes(scene_.background, desc.type)) {}
 
     const TextureDesc& desc() const override { return desc_; }
     bool cheap_to_reread() const override { return false; }
@@ -123,11 +127,14 @@ private:
         const std::vector<SinCos> alphas = centres(axis_s, box);
         const std::vector<SinCos> betas = centres(axis_t, box);
         std::vector<ObjectMask> masks(alphas.size());
-        Culling culling(scene_, sampler_);
+        Culling culling(scene_, window_, sampler_);
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {
-                const SinCos longitude = sampler_.centre(axis_u, u);
-                const SinCos latitude = sampler_.centre(axis_v, v);
+                // Of the frame: from inside, the antipode's.
+                const double side = window_.inside ? -1.0 : 1.0;
+                const SinCos at_u = sampler_.centre(axis_u, u), at_v = sampler_.centre(axis_v, v);
+                const SinCos longitude{side * at_u.sin, side * at_u.cos};
+                const SinCos latitude{side * at_v.sin, at_v.cos};
                 culling.move_to(longitude, latitude, alphas);
                 const std::uint64_t place = std::uint64_t{v} * desc_.size[axis_u] + u;
                 for (std::size_t t = 0; t < betas.size(); ++t) {
@@ -158,7 +165,7 @@ private:
         const Jitter rotation = sampler_.rotation(key);
         glm::dvec3 sum{0.0};
         for (unsigned i = 0; i < sampler_.count(); ++i)
-            sum += trace(scene_, inward_ray(sampler_.angles(centre, i, rotation)), mask);
+            sum += trace(scene_, window_ray(window_, sampler_.angles(centre, i, rotation)), mask);
         return sum / static_cast<double>(sampler_.count());
     }
 
@@ -185,6 +192,7 @@ private:
     }
 
     Scene scene_;
+    SphereWindow window_;
     TextureDesc desc_;
     Sampler sampler_;
     TexelBytes empty_; // what a texel holds whose rays meet nothing
@@ -194,8 +202,12 @@ private:
 
 Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, const Extent4& size,
                                                        unsigned samples_per_texel,
-                                                       std::uint64_t seed) {
+                                                       std::uint64_t seed,
+                                                       const SphereWindow& window) {
     TESSERA_TRY_ASSIGN(Scene scene, make_scene(name));
+    if (scene.painted && window.inside)
+        return Status{ErrorCode::bad_argument,
+                      name + " is paint on a sphere that is seen from outside"};
     if (samples_per_texel == 0 || samples_per_texel > max_samples_per_texel)
         return Status{ErrorCode::bad_argument, std::to_string(samples_per_texel) +
                                                    " samples per texel, outside 1.." +
@@ -203,8 +215,8 @@ Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, 
     const TextureDesc desc{size, scene.type, 3};
     TESSERA_TRY(check_desc(desc));
     try {
-        return std::unique_ptr<TexelSource>(
-            std::make_unique<BakedTexture>(std::move(scene), desc, samples_per_texel, seed));
+        return std::unique_ptr<TexelSource>(std::make_unique<BakedTexture>(
+            std::move(scene), window, desc, samples_per_texel, seed));
     } catch (const std::bad_alloc&) {
         return Status{ErrorCode::runtime, "out of memory for the baker"};
     }

@@ -20,9 +20,10 @@ constexpr unsigned max_samples_per_texel = 65536;
 // and holds no more than a few rows of the box. A box outside the texture, or an `out` of the wrong
 // size, is bad_argument.
 //
-// bad_argument for an unknown scene, a size that check_desc refuses, or a wrong sample count.
+// `window`: where the texture lies. bad_argument for an unknown scene, a size that check_desc refuses, or a wrong sample count.
 Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, const Extent4& size,
                                                        unsigned samples_per_texel,
-                                                       std::uint64_t seed);
+                                                       std::uint64_t seed,
+                                                       const SphereWindow& window = {});
 
 } // namespace tessera::corpus

@@ -66,13 +66,13 @@ glm::dvec3 place_normal(const SinCos& longitude, const SinCos& latitude) {
     return {longitude.sin * latitude.cos, latitude.sin, longitude.cos * latitude.cos};
 }
 
-Ray inward_ray(const Angles& angles) {
+Ray window_ray(const SphereWindow& window, const Angles& angles) {
     const auto& [longitude, latitude, alpha, beta] = angles;
     const glm::dvec3 ez = place_normal(longitude, latitude);
     const glm::dvec3 ex{longitude.cos, 0.0, -longitude.sin};
     const glm::dvec3 ey{-longitude.sin * latitude.sin, latitude.cos, -longitude.cos * latitude.sin};
     const glm::dvec3 d = ex * (alpha.sin * beta.cos) + ey * beta.sin + ez * (alpha.cos * beta.cos);
-    return {ez * window_radius, -d};
+    return {window.centre + ez * (window.inside ? -window.radius : window.radius), -d};
 }
 
 } // namespace tessera::corpus

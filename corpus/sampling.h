@@ -53,9 +53,10 @@ private:
     std::array<std::array<SinCos, 256>, 4> offset_;
 };
 
-// Inwards along the direction -d, from the surface place; format/geometry.h's formulas on sines and
-// cosines, which agree with it everywhere but on the axis, where no sample lies.
-Ray inward_ray(const Angles& angles);
+// Along the direction -d, from the surface place to what lies behind it; format/geometry.h's formulas on
+// sines and cosines, which agree with it everywhere but on the axis, where no sample lies. From inside, the
+// frame at a place is that of its antipode.
+Ray window_ray(const SphereWindow& window, const Angles& angles);
 glm::dvec3 place_normal(const SinCos& longitude, const SinCos& latitude);
 
 } // namespace tessera::corpus

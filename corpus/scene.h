@@ -13,6 +13,14 @@ namespace tessera::corpus {
 
 constexpr double window_radius = 3.5;
 
+// A sphere as a window onto a scene, in the scene's own coordinates: seen from outside what lies behind it,
+// or seen from inside what lies around it.
+struct SphereWindow {
+    glm::dvec3 centre{0.0};
+    double radius = window_radius;
+    bool inside = false;
+};
+
 // A set of objects of a scene, one bit each: what makes culling cheap, and caps a scene at 64.
 using ObjectMask = std::uint64_t;
 constexpr std::size_t max_objects = 64;

@@ -18,6 +18,7 @@ namespace TESSERA_PUBLIC tessera {
 struct ViewCamera {
     std::array<float, 3> eye{}, forward{}, right{}, up{};
     float radius = 1;               // of the sphere; no matter for a mesh
+    bool inside = false;            // the camera is in the sphere
     std::array<float, 4> outside{}; // colour where a ray misses it
     std::uint32_t width = 0, height = 0;
 };

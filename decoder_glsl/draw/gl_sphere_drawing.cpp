@@ -43,6 +43,7 @@ public:
             block.outside[i] = camera.outside[i];
         block.pixels[0] = static_cast<std::int32_t>(camera.width);
         block.pixels[1] = static_cast<std::int32_t>(camera.height);
+        block.pixels[2] = camera.inside;
         TESSERA_TRY(view_.upload(0, std::as_bytes(std::span(&block, 1))));
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_.id());
         texture_.bind();

@@ -135,6 +135,7 @@ std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
     words[tsr_p_slot_u] = slot.u;
     words[tsr_p_slot_v] = slot.v;
     words[tsr_p_angular_map] = static_cast<std::uint32_t>(file.reader.description().angular_map);
+    words[tsr_p_inside] = file.reader.description().proxy == Proxy::sphere_inside;
     words[tsr_p_half] = file.half;
     words[tsr_p_background] = file.tables.words()[tsr_t_background_texel];
     words[tsr_p_background + 1] = file.tables.words()[tsr_t_background_texel + 1];

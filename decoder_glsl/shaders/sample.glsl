@@ -10,7 +10,7 @@
 //   uv            the place in the atlas, 0..1
 //   normal        interpolated between the vertices, as is
 //   tangent       mesh_tangents() (format/surface_mesh.h); of any length
-//   direction     of unit length, from the surface to the observer
+//   direction     of unit length, from the surface to the observer, who may stand in the sphere where the file says so
 //   footprint     texels of the atlas along u and v that a pixel covers: chooses the mips
 //   result        linear mix of texels as they are stored (no transfer function undone); grey in all
 //                 three colours, alpha 1 where the texture has none
@@ -152,7 +152,8 @@ vec4 tsr_filtered(ivec3 pixel, vec2 beyond) {
 
 TsrAngularTaps tsr_taps_of(int u, int v, ivec4 size, vec3 direction) {
     return tsr_taps(tsr_angular_footprint(ivec2(u, v), ivec2(size.x, size.y),
-                                          ivec2(size.z, size.w), direction));
+                                          ivec2(size.z, size.w), tsr_parameter(tsr_p_inside) != 0u,
+                                          direction));
 }
 
 vec4 tessera_sample(vec3 from_centre, vec3 direction) {

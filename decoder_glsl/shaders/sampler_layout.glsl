@@ -25,6 +25,7 @@ const int tsr_p_mip_at = 27;      // word of their table, the atlas' line first
 // before it along v.
 const int tsr_p_slot_u = 28;
 const int tsr_p_slot_v = 29;
+const int tsr_p_inside = 30; // 1: a sphere that is seen from inside
 const int tsr_sampler_words = 32;
 
 // An axis has a word a texel, so that sampling divides nothing:

@@ -102,11 +102,16 @@ TsrSurfaceFootprint tsr_surface_footprint(vec3 n, ivec2 size) {
     return f;
 }
 
-// The frame at the centre of a surface texel.
-TsrFrame tsr_frame(ivec2 texel, ivec2 size) {
+// The frame at the centre of a surface texel. Where the sphere is seen from inside, its normal points to the
+// centre: that is the frame at the antipode.
+TsrFrame tsr_frame(ivec2 texel, ivec2 size, bool inside) {
     TsrFrame f;
     f.longitude = tsr_sincos(2 * texel.x + 1 - size.x, size.x);
     f.latitude = tsr_sincos(2 * texel.y + 1 - size.y, 2 * size.y);
+    if (inside) {
+        f.longitude = -f.longitude;
+        f.latitude = vec2(-f.latitude.x, f.latitude.y);
+    }
     return f;
 }
 
@@ -132,8 +137,8 @@ vec2 tsr_angles(TsrFrame frame, vec3 d) {
 // Where the angular image of one surface texel is read for the unit direction d, which points from
 // the surface to the observer. Sizes are texels along u and v, and along s and t.
 TsrAngularFootprint tsr_angular_footprint(ivec2 texel, ivec2 surface_size, ivec2 angular_size,
-                                          vec3 d) {
-    vec2 angles = tsr_angles(tsr_frame(texel, surface_size), d);
+                                          bool inside, vec3 d) {
+    vec2 angles = tsr_angles(tsr_frame(texel, surface_size, inside), d);
     float across = angles.x * float(angular_size.x) - 0.5f;
     float up = angles.y * float(angular_size.y) - 0.5f;
     int i = int(floor(across));

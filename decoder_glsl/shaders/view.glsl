@@ -1,11 +1,11 @@
-// A pinhole camera outside a textured sphere, which is a window onto what lies behind it.
+// A pinhole camera outside a textured sphere, which is a window onto what lies behind it, or in it.
 layout(std140, TSR_UNIFORMS(0)) uniform TesseraView {
     vec4 tsr_eye;     // xyz relative to the centre of the sphere; w its radius
     vec4 tsr_right;   // half the picture's width, at distance 1
     vec4 tsr_up;      // half its height
     vec4 tsr_forward; // unit length
     vec4 tsr_outside; // colour where the sphere is missed
-    ivec4 tsr_pixels; // width, height
+    ivec4 tsr_pixels; // width, height; 1: the camera is in the sphere
 };
 
 // The picture's colour at a pixel, row 0 at the top.
@@ -18,7 +18,8 @@ vec4 tsr_view_colour(ivec2 pixel) {
     float along = -dot(tsr_eye.xyz, ray);
     vec3 nearest = tsr_eye.xyz + along * ray;
     float rest = tsr_eye.w * tsr_eye.w - dot(nearest, nearest);
-    if (along <= 0.0 || rest < 0.0)
+    bool inside = tsr_pixels.z != 0;
+    if (rest < 0.0 || (along <= 0.0 && !inside))
         return tsr_outside;
-    return tessera_sample(nearest - sqrt(rest) * ray, -ray);
+    return tessera_sample(nearest + (inside ? sqrt(rest) : -sqrt(rest)) * ray, -ray);
 }

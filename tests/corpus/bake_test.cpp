@@ -38,7 +38,7 @@ TEST(Bake, CullingNeverChangesATexel) {
                     sampler.rotation((place * size[3] + box.begin[3]) * size[2] + box.begin[2]);
                 glm::dvec3 sum{0.0};
                 for (unsigned k = 0; k < 5; ++k)
-                    sum += trace(scene, inward_ray(sampler.angles(centre, k, rotation)));
+                    sum += trace(scene, window_ray({}, sampler.angles(centre, k, rotation)));
                 const std::vector<double> texel = values_of(read_box(*source, box), info.type);
                 for (std::size_t c = 0; c < 3; ++c) {
                     const double expected = sum[static_cast<glm::length_t>(c)] / 5;

@@ -14,7 +14,7 @@ TEST(Sampling, OneSampleIsTheCentre) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const Angles centre{sampler.centre(0, i), sampler.centre(1, i), sampler.centre(2, i),
                             sampler.centre(3, i)};
-        const Ray ray = inward_ray(sampler.angles(centre, 0, sampler.rotation(i)));
+        const Ray ray = window_ray({}, sampler.angles(centre, 0, sampler.rotation(i)));
         const glm::dvec3 normal = sphere_normal((i + 0.5) / 7, (i + 0.5) / 5);
         const glm::dvec3 d =
             outgoing_direction(surface_frame(normal), (i + 0.5) / 3, (i + 0.5) / 4);
@@ -33,7 +33,7 @@ TEST(Sampling, RaysStayInTheirTexelAndFillIt) {
     std::array<double, 4> mean{};
     std::array<double, 4> spread{};
     for (unsigned i = 0; i < sampler.count(); ++i) {
-        const Ray ray = inward_ray(sampler.angles(centre, i, sampler.rotation(5)));
+        const Ray ray = window_ray({}, sampler.angles(centre, i, sampler.rotation(5)));
         const glm::dvec2 uv = sphere_place(ray.origin);
         const glm::dvec2 st =
             direction_angles(surface_frame(glm::normalize(ray.origin)), -ray.direction);

@@ -229,7 +229,7 @@ double sampled_by_shader(const Procedural& texture, const glm::vec3& n, const gl
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
             const glm::ivec2 place(i == 0 ? f.low.x : f.high.x, j == 0 ? f.low.y : f.high.y);
-            const auto a = shader::tsr_angular_footprint(place, surface, angular, d);
+            const auto a = shader::tsr_angular_footprint(place, surface, angular, false, d);
             const auto texel = [&](int s, int t) {
                 EXPECT_TRUE(place.x >= 0 && place.x < surface.x && place.y >= 0 &&
                             place.y < surface.y && s >= 0 && s < angular.x && t >= 0 &&

@@ -143,6 +143,36 @@ TEST_F(GpuRender, KeepsThePlaceOfTheSphere) {
               0.5);
 }
 
+TEST_F(GpuRender, LooksAsOnTheCpuFromInside) {
+    const SphereWindow window{{0, 1.1, 0}, 0.4, true};
+    const auto source = corpus::make_baked_source("composed", {64, 32, 16, 12}, 1, 1, window);
+    ASSERT_TRUE(source.ok());
+    EncodeOptions options;
+    options.effort = test::quick_effort;
+    options.description.proxy = Proxy::sphere_inside;
+    options.description.sphere_radius = 0.4f;
+    options.description.sphere_centre[1] = 1.1f;
+    options.description.surface_map = SurfaceMap::sphere_longitude_latitude;
+    options.description.angular_map = AngularMap::hemisphere_alpha_beta;
+    const std::vector<std::byte> bytes = encoded(**source, options);
+    const auto file = wrap_memory(bytes);
+    const auto decoder = Decoder::open(*file);
+    ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+    const auto texels = decoded_source(*decoder);
+    const Camera camera = camera_at({{0.1, 1.2, 0.05}, {1, 0.4, 1.2}}, {80, 60, 45});
+    const View expected =
+        view_of(*make_texture_renderer(*texels, {16, 8, 8, 8}, window, grey, {}), camera);
+    for (const char* via : {"load", "feedback"}) {
+        const auto renderer = make_gpu_renderer(decoder->container(), window, grey, {via, 64});
+        ASSERT_TRUE(renderer.ok()) << renderer.status().message();
+        EXPECT_GT(likeness_of(to_picture(expected, SampleType::unorm8),
+                              to_picture(view_of(**renderer, camera), SampleType::unorm8))
+                      .psnr,
+                  55)
+            << via;
+    }
+}
+
 // The budget that the remark gives holds what the view needs.
 TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     const auto source = bake("gallery", {256, 128, 8, 8}, 1);

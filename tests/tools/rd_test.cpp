@@ -130,7 +130,7 @@ TEST(RdQuality, MeasuresWhatItSays) {
 
 TEST(RdQuality, DrawsViewsOfASphere) {
     RdTexture texture = small_texture();
-    texture.window = SphereWindow{glm::dvec3{0.0}, 3.5};
+    texture.window = SphereWindow{};
     auto decoded = texture.texels;
     QualityMeter meter(texture, 2);
     EXPECT_TRUE(std::isinf(*meter.measure(decoded)->psnr_rendered));

@@ -79,6 +79,24 @@ TEST(TextureRenderer, ApproachesTheTruth) {
         }
 }
 
+// From a place among the things, around which the sphere stands.
+TEST(TextureRenderer, ApproachesTheTruthFromInside) {
+    const SphereWindow window{{0, 1.1, 0}, 0.4, true};
+    const Camera camera = camera_at({{0.1, 1.2, 0.05}, {1, 0.4, 1.2}}, {80, 40, 30});
+    const Picture truth = to_picture(truth_view("composed", camera, 1, window), SampleType::unorm8);
+    const auto psnr = [&](const Extent4& size) {
+        const auto source = corpus::make_baked_source("composed", size, 1, 1, window);
+        const auto renderer = make_texture_renderer(**source, {2, 2, 2, 2}, window, grey, {});
+        EXPECT_EQ(renderer->render(camera_at(aslant, {45, 4, 3})).status().code(),
+                  ErrorCode::bad_argument)
+            << "outside";
+        return likeness_of(truth, to_picture(view_of(*renderer, camera), SampleType::unorm8)).psnr;
+    };
+    const double coarse = psnr({32, 16, 8, 8}), fine = psnr({8192, 4096, 2048, 2048});
+    EXPECT_GT(fine, coarse + 10);
+    EXPECT_GT(fine, 30);
+}
+
 TEST(TextureRenderer, ReadsACompressedFile) {
     const auto source = bake("composed", {32, 16, 8, 8}, 2);
     EncodeOptions options;

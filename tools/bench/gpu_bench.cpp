@@ -97,7 +97,7 @@ private:
         }
         for (const PlannedView& view : plan) {
             if (!mesh_)
-                TESSERA_TRY(check_outside(window, view.camera).with_context(view.name));
+                TESSERA_TRY(check_side(window, view.camera).with_context(view.name));
             cameras_.push_back(gpu_camera(view.camera, window, glm::dvec3(0)));
         }
         report_.width = cameras_.front().width;

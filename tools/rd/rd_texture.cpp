@@ -39,7 +39,7 @@ Result<std::unique_ptr<TexelSource>> open_scene(const TextureRequest& r, RdTextu
     TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.name));
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(r.texture_size, "--texture-size", info.default_size));
-    texture.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
+    texture.window = SphereWindow{};
     return corpus::make_baked_source(r.name, size, r.samples, 1);
 }
 
@@ -48,10 +48,10 @@ Result<std::unique_ptr<TexelSource>> open_named(const TextureRequest& r, RdTextu
         return open_scene(r, texture);
     TESSERA_TRY_ASSIGN(auto opened, open_texture(r.name, r.hints));
     const auto window = sphere_window(opened.description);
-    if (window.ok())
+    if (window.ok() && !window->inside) // views are from around it
         texture.window = *window;
     else if (r.on_sphere)
-        texture.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
+        texture.window = SphereWindow{};
     return std::move(opened.source);
 }
 

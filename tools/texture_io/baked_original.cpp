@@ -15,8 +15,15 @@ std::uint64_t remembered(const Metadata& metadata, const std::string& key,
 
 } // namespace
 
+corpus::SphereWindow baked_window(const Description& d) {
+    if (d.proxy != Proxy::sphere_inside)
+        return {};
+    return {{d.sphere_centre[0], d.sphere_centre[1], d.sphere_centre[2]}, d.sphere_radius, true};
+}
+
 Result<std::unique_ptr<TexelSource>> bake_again(const BakeAgain& bake, const std::string& name,
-                                                const Extent4& size, const Metadata& metadata) {
+                                                const Extent4& size, const Description& description,
+                                                const Metadata& metadata) {
     // A mask goes with those: most of what differs would be texels that do not matter.
     if (metadata.contains("Texels per unit"))
         return Status(ErrorCode::unsupported,
@@ -28,7 +35,8 @@ Result<std::unique_ptr<TexelSource>> bake_again(const BakeAgain& bake, const std
                       name + ": says it has " + std::to_string(samples) +
                           " samples per texel, too many; --spp says another number");
     return corpus::make_baked_source(bake.scene, size, static_cast<unsigned>(samples),
-                                     bake.seed ? *bake.seed : remembered(metadata, "Seed", 1));
+                                     bake.seed ? *bake.seed : remembered(metadata, "Seed", 1),
+                                     baked_window(description));
 }
 
 } // namespace tessera

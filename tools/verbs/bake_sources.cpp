@@ -2,8 +2,10 @@
 
 #include "corpus/bake.h"
 #include "corpus/model/model.h"
+#include "tools/support/description_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/standard_streams.h"
+#include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/baked_surface.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/bake_models.h"
@@ -31,7 +33,7 @@ std::string take(BakeCommand& a, const char* field) {
     return text;
 }
 
-// Every scene lies inside the paper's sphere of diameter 7.
+// Every scene lies inside the paper's sphere of diameter 7; one that is seen from inside stands in the scene.
 Result<Baking> sphere_baking(const BakeCommand& a) {
     for (const auto& [option, given] : {std::pair("--density", a.density.has_value()),
                                         std::pair("--directions", !a.directions.empty())})
@@ -42,7 +44,12 @@ Result<Baking> sphere_baking(const BakeCommand& a) {
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(a.texture.size, "--size", scene.default_size));
     const std::uint64_t seed = a.seed.value_or(usual_seed);
-    TESSERA_TRY_ASSIGN(auto texels, corpus::make_baked_source(a.scene, size, a.samples, seed));
+    Description said;
+    if (const auto proxy = a.encode.description.find("proxy");
+        proxy != a.encode.description.end() && proxy->second.starts_with("sphere-inside"))
+        TESSERA_TRY(set_description_field(said, "proxy", proxy->second));
+    TESSERA_TRY_ASSIGN(
+        auto texels, corpus::make_baked_source(a.scene, size, a.samples, seed, baked_window(said)));
     Baking baking;
     baking.description = colours_of(texels->desc().type);
     baking.description.proxy = Proxy::sphere;

@@ -147,7 +147,8 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         add_encode_options(c, a.encode);
         c.get_option("--proxy")->description(
             "What the texture lies on: sphere, the paper's (default), or mesh, the surfaces of the "
-            "things themselves; none or sphere:cx,cy,cz,r describe it otherwise");
+            "things themselves, or sphere-inside:cx,cy,cz,r, a sphere in the scene around the "
+            "observer; none or sphere:cx,cy,cz,r describe it otherwise");
         c.get_option("--angular-map")
             ->description("Mesh: hemisphere, mirrored, or auto, by trial (default). Sphere: " +
                           description_field_values("angular-map"));

@@ -49,7 +49,7 @@ Result<Inputs> open_baked(const CompareCommand& arguments) {
         return with_partial_hint(file.status(), arguments.a, hints.decode);
     TESSERA_TRY_ASSIGN(auto baked,
                        bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
-                                  file->source->desc().size, file->metadata));
+                                  file->source->desc().size, file->description, file->metadata));
     std::vector<const Decoder*> decoders;
     if (file->decoder != nullptr)
         decoders.push_back(file->decoder);

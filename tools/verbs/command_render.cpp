@@ -269,7 +269,7 @@ Status run(const RenderCommand& a) {
         steps.set_count(plan.size() * stage.renderers());
         if (stage.window)
             for (const PlannedView& view : plan)
-                TESSERA_TRY(check_outside(*stage.window, view.camera).with_context(view.name));
+                TESSERA_TRY(check_side(*stage.window, view.camera).with_context(view.name));
         FrameLog log(a, stage.desc.type);
         stage.subject().watch(
             [&log](unsigned number, const DrawnFrame& frame, const auto& picture) {

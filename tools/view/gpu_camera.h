@@ -19,6 +19,7 @@ inline ViewCamera gpu_camera(const Camera& camera, const SphereWindow& window,
     v.right = single(camera.right);
     v.up = single(camera.up);
     v.radius = static_cast<float>(window.radius);
+    v.inside = window.inside;
     const auto colour = single(outside);
     v.outside = {colour[0], colour[1], colour[2], 1};
     v.width = camera.width;

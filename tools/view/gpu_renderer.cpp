@@ -65,7 +65,7 @@ public:
 
     Result<View> render(const Camera& camera) override {
         if (window_)
-            TESSERA_TRY(check_outside(*window_, camera));
+            TESSERA_TRY(check_side(*window_, camera));
         TESSERA_TRY(context_.make_current());
         TESSERA_TRY_ASSIGN(const auto report,
                            draw(gpu_camera(camera, window_.value_or(SphereWindow{}), background_)));

@@ -169,10 +169,11 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
     // A mesh's texture is not baked again to be compared with.
     if (r.original.empty() && (r.truth.empty() || mesh))
         return {};
-    TESSERA_TRY_ASSIGN(auto original, !r.original.empty()
-                                          ? open_original(r, stage)
-                                          : bake_again({r.truth, r.samples, std::nullopt}, r.file,
-                                                       stage.desc.size, container.metadata()));
+    TESSERA_TRY_ASSIGN(auto original,
+                       !r.original.empty()
+                           ? open_original(r, stage)
+                           : bake_again({r.truth, r.samples, std::nullopt}, r.file, stage.desc.size,
+                                        container.description(), container.metadata()));
     if (original->desc() != stage.desc)
         return {ErrorCode::bad_argument,
                 r.file + ": its samples are not of the type or number of those of " +
@@ -191,7 +192,7 @@ Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage
                                            r.scene, size, r.samples.value_or(usual_samples), 1)
                                            .with_context("--scene " + r.scene));
     stage.desc = stage.original->desc();
-    stage.window = SphereWindow{glm::dvec3{0.0}, corpus::window_radius};
+    stage.window = SphereWindow{};
     RenderOptions options = asked;
     options.rays = r.rays.value_or(1);
     if (!r.truth.empty())

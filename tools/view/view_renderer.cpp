@@ -12,33 +12,34 @@
 namespace tessera {
 namespace {
 
-// Where the ray from outside first meets the sphere, as a vector from its centre; false if it
-// misses. Precondition: `direction` is of unit length.
-bool enter(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec3& direction,
-           glm::dvec3& from_centre) {
+// Where the ray from outside first meets the sphere, or where that from inside leaves it, as a vector from
+// its centre; false if it misses. Precondition: `direction` is of unit length.
+bool meet(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec3& direction,
+          glm::dvec3& from_centre) {
     const glm::dvec3 start = origin - window.centre;
     const double nearest = -glm::dot(start, direction);
     // The gap between centre and ray as a vector: subtracting squares would lose digits afar.
     const glm::dvec3 gap = start + nearest * direction;
     const double inside = window.radius * window.radius - glm::dot(gap, gap);
-    if (nearest <= 0 || inside < 0)
+    if (inside < 0 || (nearest <= 0 && !window.inside))
         return false;
-    from_centre = gap - std::sqrt(inside) * direction;
+    from_centre = gap + (window.inside ? std::sqrt(inside) : -std::sqrt(inside)) * direction;
     return true;
 }
 
-// The sphere, seen from outside.
+// The sphere, from the side that its texture is seen from.
 struct SphereSurface {
     SphereWindow window;
     Extent4 size; // of the texture
 
-    Status check(const Camera& camera) const { return check_outside(window, camera); }
+    Status check(const Camera& camera) const { return check_side(window, camera); }
     std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
                                    double) const {
         glm::dvec3 from_centre;
-        if (!enter(window, camera.eye, direction, from_centre))
+        if (!meet(window, camera.eye, direction, from_centre))
             return std::nullopt;
-        return SeenTexels{sample_footprint(size, from_centre, -direction)};
+        const Proxy proxy = window.inside ? Proxy::sphere_inside : Proxy::sphere;
+        return SeenTexels{sample_footprint(size, from_centre, -direction, proxy)};
     }
 };
 
@@ -51,21 +52,29 @@ public:
 
     Result<View> render(const Camera& camera) override {
         if (window_)
-            TESSERA_TRY(check_outside(*window_, camera));
+            TESSERA_TRY(check_side(*window_, camera));
         std::vector<int> workers(thread_count(options_.threads));
-        const glm::dvec3 eye =
-            window_ ? (camera.eye - window_->centre) * (corpus::window_radius / window_->radius)
-                    : camera.eye;
         RenderOptions options = options_;
         options.rays = samples_;
         return draw_rays(camera, workers, options,
                          [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
-                             return window_ ? corpus::trace_scene(scene_, {eye, direction})
-                                            : corpus::trace_surfaces(scene_, {eye, direction});
+                             return seen(camera.eye, direction);
                          });
     }
 
 private:
+    glm::dvec3 seen(const glm::dvec3& eye, const glm::dvec3& direction) const {
+        if (!window_)
+            return corpus::trace_surfaces(scene_, {eye, direction});
+        if (!window_->inside) {
+            const double scale = corpus::window_radius / window_->radius;
+            return corpus::trace_scene(scene_, {(eye - window_->centre) * scale, direction});
+        }
+        glm::dvec3 from_centre{0.0};
+        meet(*window_, eye, direction, from_centre);
+        return corpus::trace(scene_, {window_->centre + from_centre, direction});
+    }
+
     corpus::Scene scene_;
     std::optional<SphereWindow> window_;
     unsigned samples_;
@@ -104,7 +113,7 @@ private:
 } // namespace
 
 Result<SphereWindow> sphere_window(const Description& d) {
-    if (d.proxy != Proxy::sphere || !(d.sphere_radius > 0))
+    if (!is_sphere(d.proxy) || !(d.sphere_radius > 0))
         return Status(ErrorCode::unsupported,
                       "the file does not say which sphere its texture lies on (proxy " +
                           std::string(name_of(d.proxy)) +
@@ -119,17 +128,19 @@ Result<SphereWindow> sphere_window(const Description& d) {
                           "' can be drawn, and the file has '" + name_of(d.surface_map) +
                           "' and '" + name_of(d.angular_map) + "'");
     return SphereWindow{{d.sphere_centre[0], d.sphere_centre[1], d.sphere_centre[2]},
-                        d.sphere_radius};
+                        d.sphere_radius,
+                        d.proxy == Proxy::sphere_inside};
 }
 
-Status check_outside(const SphereWindow& window, const Camera& camera) {
+Status check_side(const SphereWindow& window, const Camera& camera) {
     const double distance = glm::length(camera.eye - window.centre);
-    if (distance > window.radius)
+    if (window.inside ? distance < window.radius : distance > window.radius)
         return {};
     return {ErrorCode::bad_argument, "the eye is " + format_number(distance, 3) +
                                          " from the centre of the sphere, whose radius is " +
                                          format_number(window.radius, 3) +
-                                         ": the texture is seen from outside only"};
+                                         ": the texture is seen from " +
+                                         (window.inside ? "inside" : "outside") + " only; --eye"};
 }
 
 std::unique_ptr<ViewRenderer>

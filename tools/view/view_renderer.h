@@ -48,7 +48,7 @@ struct DeviceUse {
 class ViewRenderer {
 public:
     virtual ~ViewRenderer() = default;
-    // Errors: bad_argument where the eye is not outside the sphere; io, invalid_file; runtime, also
+    // Errors: bad_argument where the eye is on the wrong side of the sphere; io, invalid_file; runtime, also
     // when interrupted.
     virtual Result<View> render(const Camera& camera) = 0;
     // From now on. Renderers that draw a view at once say nothing.
@@ -57,17 +57,13 @@ public:
     virtual std::optional<DeviceUse> device_use() const { return std::nullopt; }
 };
 
-// The sphere that the texture lies on.
-struct SphereWindow {
-    glm::dvec3 centre{0.0};
-    double radius = 0;
-};
+using corpus::SphereWindow;
 
 // Errors: unsupported, where the texture is not the longitude/latitude, hemisphere map of a sphere.
 Result<SphereWindow> sphere_window(const Description& description);
 
-// bad_argument where the camera stands in the sphere or on it: this texture is seen from outside.
-Status check_outside(const SphereWindow& window, const Camera& camera);
+// bad_argument where the camera stands on the side of the sphere that its texture is not seen from.
+Status check_side(const SphereWindow& window, const Camera& camera);
 
 struct RenderOptions {
     unsigned threads = 0;                     // 0: all cores; never changes the result
@@ -86,8 +82,8 @@ make_texture_renderer(TexelSource& source, const Extent4& block_extent, const Sp
                       const glm::dvec3& background, const RenderOptions& options);
 
 // The scene itself, ray traced: the mean of `samples` rays spread evenly over each pixel. `window`
-// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world, which
-// is seen from outside; without one the world is the scene's own, and the observer stands anywhere.
+// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world, or one in
+// the scene that is seen from inside; without one the observer stands anywhere in the scene.
 std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
                                                   const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options);
