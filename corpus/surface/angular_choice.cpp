@@ -7,7 +7,6 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr unsigned trials = 4096;
 constexpr double apart = 4; // texels
 
 // Of the change between places, this share is left as error when a file is coded, about: with it, the choice
@@ -31,73 +30,82 @@ glm::dvec3 random_direction(const SurfaceFrame& frame, Dice& dice) {
            frame.ez * std::sqrt(std::max(0.0, 1.0 - radius * radius));
 }
 
-glm::dvec3 interpolated(const LitSurface::Place& place, AngularMap map, const Texels2& directions,
+glm::dvec3 interpolated(const TrialSurface::Place& place, AngularMap map, const Texels2& directions,
                         const glm::dvec3& d) {
     glm::dvec3 sum{0.0};
     const Extent4 size{1, 1, directions[0], directions[1]};
     const glm::dvec2 st = octahedral_place(map, place.frame, d);
     for (const WeightedTexel& texel : mesh_footprint(size, map, {0.5, 0.5}, st))
         if (texel.weight > 0.0)
-            sum += texel.weight * place.light.leaving(octahedral_direction(
+            sum += texel.weight * place.leaving(octahedral_direction(
                                       map, place.frame, (texel.s + 0.5) / directions[0],
                                       (texel.t + 0.5) / directions[1]));
     return sum;
 }
 
-struct TexelPlace {
-    std::uint32_t u, v;
-};
+class ShiningTexels final : public TrialSurface {
+public:
+    explicit ShiningTexels(const LitSurface& surface) : surface_(surface) {
+        const Texels2& size = surface.places().size();
+        for (std::uint32_t v = 0; v < size[1]; ++v)
+            for (std::uint32_t u = 0; u < size[0]; ++u)
+                if (surface.places().matters(u, v) &&
+                    shines(surface.object_of(surface.chart_at(u, v)).material))
+                    texels_.push_back({u, v});
+    }
+    std::size_t texels() const override { return texels_.size(); }
+    Place at(std::size_t texel, const glm::dvec2& offset) const override {
+        const LitSurface::Place place = surface_.at(texels_[texel][0], texels_[texel][1], offset);
+        return {place.frame,
+                [light = place.light](const glm::dvec3& d) { return light.leaving(d); }};
+    }
+    unsigned trials() const override { return 4096; }
 
-std::vector<TexelPlace> shining_texels(const LitSurface& surface) {
-    std::vector<TexelPlace> all;
-    const Texels2& size = surface.places().size();
-    for (std::uint32_t v = 0; v < size[1]; ++v)
-        for (std::uint32_t u = 0; u < size[0]; ++u)
-            if (surface.places().matters(u, v) &&
-                shines(surface.object_of(surface.chart_at(u, v)).material))
-                all.push_back({u, v});
-    return all;
-}
+private:
+    const LitSurface& surface_;
+    std::vector<Texels2> texels_;
+};
 
 double squared(const glm::dvec3& x) {
     return glm::dot(x, x);
 }
 
-double blur_at(const LitSurface::Place& place, AngularMap map, const Texels2& directions,
+double blur_at(const TrialSurface::Place& place, AngularMap map, const Texels2& directions,
                Dice& dice) {
     const glm::dvec3 d = random_direction(place.frame, dice);
-    return squared(interpolated(place, map, directions, d) - place.light.leaving(d));
+    return squared(interpolated(place, map, directions, d) - place.leaving(d));
 }
 
 // Of a random cell. Those that only directions into the surface use are masked: no change there.
-double change_between(const LitSurface::Place& a, const LitSurface::Place& b, AngularMap map,
+double change_between(const TrialSurface::Place& a, const TrialSurface::Place& b, AngularMap map,
                       Dice& dice) {
     const double s = dice.next(), t = dice.next();
     const glm::dvec3 d = octahedral_direction(map, a.frame, s, t);
     if (glm::dot(d, a.frame.ez) < 0.0)
         return 0.0;
-    return squared(a.light.leaving(d) - b.light.leaving(octahedral_direction(map, b.frame, s, t)));
+    return squared(a.leaving(d) - b.leaving(octahedral_direction(map, b.frame, s, t)));
 }
 
 } // namespace
 
-AngularTrial try_angular_map(const LitSurface& surface, AngularMap map, const Texels2& directions) {
-    const std::vector<TexelPlace> texels = shining_texels(surface);
+AngularTrial try_angular_map(const TrialSurface& surface, AngularMap map,
+                             const Texels2& directions) {
+    const unsigned trials = surface.texels() > 0 ? surface.trials() : 0;
     AngularTrial trial;
     Dice dice;
-    for (unsigned i = 0; i < trials && !texels.empty(); ++i) {
-        const auto [u, v] =
-            texels[static_cast<std::size_t>(dice.next() * static_cast<double>(texels.size()))];
-        const LitSurface::Place place = surface.at(u, v, {0.0, 0.0});
+    for (unsigned i = 0; i < trials; ++i) {
+        const auto texel =
+            static_cast<std::size_t>(dice.next() * static_cast<double>(surface.texels()));
+        const TrialSurface::Place place = surface.at(texel, {0.0, 0.0});
         trial.blur += blur_at(place, map, directions, dice) / trials;
         const double angle = 2.0 * std::numbers::pi * dice.next();
         const glm::dvec2 way{apart * std::cos(angle), apart * std::sin(angle)};
-        trial.change += change_between(place, surface.at(u, v, way), map, dice) / trials;
+        trial.change += change_between(place, surface.at(texel, way), map, dice) / trials;
     }
     return trial;
 }
 
-AngularMap choose_angular_map(const LitSurface& surface, const Texels2& directions) {
+AngularMap choose_angular_map(const TrialSurface& surface, const Texels2& directions) {
     const auto cost = [&](AngularMap map) {
         const AngularTrial trial = try_angular_map(surface, map, directions);
         return trial.blur + share_left * trial.change;
@@ -105,6 +113,10 @@ AngularMap choose_angular_map(const LitSurface& surface, const Texels2& directio
     return cost(AngularMap::octahedral_mirrored) < cost(AngularMap::octahedral_hemisphere)
                ? AngularMap::octahedral_mirrored
                : AngularMap::octahedral_hemisphere;
+}
+
+AngularMap choose_angular_map(const LitSurface& surface, const Texels2& directions) {
+    return choose_angular_map(ShiningTexels(surface), directions);
 }
 
 } // namespace tessera::corpus

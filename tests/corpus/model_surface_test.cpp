@@ -1,5 +1,6 @@
 // Models on their own surfaces: charts, texels, masks.
 #include "corpus/model_surface/flat_overlap.h"
+#include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
 #include "corpus/model_surface/model_truth.h"
 #include "tests/support/corpus_support.h"
@@ -182,6 +183,23 @@ TEST(ModelSurface, NoiseFallsWithSamples) {
     const NoiseEstimate few = noise(4), many = noise(64);
     EXPECT_GT(many.decibels, few.decibels + 8.0);
     EXPECT_GE(few.samples_for(few.decibels + 10.0), 39.0);
+}
+
+// On a ball highlights stay in their cells of the mirrored map; what is alike in all directions has no use for it.
+TEST(ModelSurface, AngularMapsAreChosenByTrial) {
+    const auto chosen = [](Model model, float metal, float roughness) {
+        model.materials[0].metal = metal;
+        model.materials[0].roughness = roughness;
+        LitModelOptions options;
+        options.samples = options.shared_samples = options.diffuse_samples = 16;
+        auto lit = LitModel::make(atlas_of(model, 300),
+                                  {std::make_shared<const Environment>(Environment::studio()), {}},
+                                  options);
+        EXPECT_TRUE(lit.ok());
+        return choose_angular_map(**lit, {}, {16, 16});
+    };
+    EXPECT_EQ(chosen(ball_model(12), 1, 0.4f), AngularMap::octahedral_mirrored);
+    EXPECT_EQ(chosen(cube_model(), 0, 1), AngularMap::octahedral_hemisphere);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "tools/verbs/bake_models.h"
 
+#include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
@@ -64,7 +65,6 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     TESSERA_TRY_ASSIGN(
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
-    const AngularMap chosen = wished_map.value_or(AngularMap::octahedral_mirrored);
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
@@ -87,6 +87,8 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
                                            : std::max(1u, std::thread::hardware_concurrency());
     TESSERA_TRY_ASSIGN(const auto lit, corpus::LitModel::make(std::move(atlas), file.light, paths));
     const corpus::Display& display = file.display;
+    const AngularMap chosen =
+        wished_map ? *wished_map : corpus::choose_angular_map(*lit, display, directions);
     TESSERA_TRY_ASSIGN(baking.texels, corpus::make_model_source(lit, chosen, directions, display));
     baking.mask = corpus::make_model_mask(lit, chosen, directions);
     const corpus::NoiseEstimate noise =
