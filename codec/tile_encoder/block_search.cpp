@@ -139,6 +139,8 @@ int finest_cells(const BlockShape& tile, int spatial, int angular) {
     return cells;
 }
 
+constexpr int most_cells = 4 * max_leaves; // of the finest grid
+
 // Halvings until both sides are at most `smallest`, or cannot be cut.
 int depths(int a, int b, int smallest) {
     int depth = 0;
@@ -163,8 +165,16 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         plane.resize(texels);
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
-    while (finest_cells(shape_, spatial_depths_, angular_depths_) > max_leaves)
-        --angular_depths_; // unusual tiles, 32x1x32x32 for one; spatial cells alone are at most 256
+    // More cells than a tile may have leaves are looked at: hardly a tile takes so many, and 64x32x5x5
+    // without blocks of single views costs 5 % more. One that does is searched again without them.
+    while (finest_cells(shape_, spatial_depths_, angular_depths_) > most_cells)
+        --angular_depths_; // spatial cells alone are at most 256
+    for (; !search_tree(out); --angular_depths_) {
+    }
+    out.predictions.clear(); // all copy nothing
+}
+
+bool BlockSearch::search_tree(TileLevels& out) {
     grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     out.clear();
     out.shape = shape_;
@@ -173,13 +183,13 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     if (grids_[0].activity[0] < flat_activity * options_.lambda) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
-        return;
+        return true;
     }
     estimate_costs();
     reset_choices();
     combine();
     emit(root, 0, 0, {0, 0, 0, 0}, out);
-    out.predictions.clear(); // all copy nothing
+    return out.blocks.size() <= max_leaves;
 }
 
 // Sums and energies of the finest cells give those of all others.
@@ -269,7 +279,7 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     out.clear();
     out.shape = shape_;
     emit(Block{{0, 0, 0, 0}, shape_, 0, 0}, 0, 0, {0, 0, 0, 0}, out);
-    return copies_anything(out.predictions);
+    return out.blocks.size() <= max_leaves && copies_anything(out.predictions);
 }
 
 void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {

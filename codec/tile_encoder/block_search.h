@@ -32,7 +32,8 @@ public:
     void choose_blocks(const TilePlanes& planes, TileLevels& out);
 
     // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
-    // `reconstructed`: what it looks like decoded, roughly. True if a block copies.
+    // `reconstructed`: what it looks like decoded, roughly. True if a block copies, and
+    // a tile may have so many.
     bool choose_copies(const TilePlanes& reconstructed, TileLevels& out);
 
     // Coefficients of one block of the tile given to the last choose_blocks; of its difference to
@@ -86,6 +87,8 @@ private:
         return false;
     }
 
+    // Of the whole tile; false: into more leaves than a tile may have.
+    bool search_tree(TileLevels& out);
     void estimate_costs();
     void estimate_grid(Grid& grid, int spatial, int angular);
     void gather_block(const Block& block, int plane, float* to) const;

@@ -103,6 +103,8 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
         return false;
     copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
     apply_edits(refinement.edits, copies_);
+    if (copies_.blocks.size() > max_leaves)
+        return false;
     const float refined = encode_copies(copies_);
     if (refined >= cost)
         return false;
