@@ -38,8 +38,11 @@ enum class JournalUse {
     resume, // the same, but goes on with what was left, if anything; the file comes out the same
 };
 
-// 32x32x8x8 or, where a trial on parts of the texture finds it cheaper, 64x64x4x4 (with `layers`
-// 32x32x4x4); always the former under a maximum error.
+// What a trial on parts of the texture finds cheapest among few shapes that cut its views evenly: all of
+// them (up to 32x32) of a small place, halves, quarters ... of larger ones. Of 32x32 views 8x8x32x32,
+// 16x16x16x16, 32x32x8x8 or 64x64x4x4, of 9x9 32x24x9x9, 64x37x5x5 or 64x64x3x3. With `layers` 32x32x8x8 or
+// 32x32x4x4; on a mesh 32x32x8x8 or 64x64x4x4. Under a maximum error, and in textures of at most 32 texels
+// along u or v, without a trial.
 constexpr Extent4 tile_by_trial{0, 0, 0, 0};
 
 // What each effort does and costs: codec/DECISIONS.md.

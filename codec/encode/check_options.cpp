@@ -2,7 +2,7 @@
 #include "codec/encoder.h"
 
 #include "codec/texels/texel_mask.h"
-#include "codec/trials/tile_choice.h"
+#include "codec/trials/tile_shapes.h"
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/surface_mesh.h"
@@ -43,14 +43,15 @@ Status check_tile(const EncodeOptions& options) {
 }
 
 // The tile extents among which an encode chooses.
-std::vector<Extent4> possible_tiles(const EncodeOptions& options) {
+std::vector<Extent4> possible_tiles(const TextureDesc& desc, const EncodeOptions& options) {
     if (options.tile_extent != tile_by_trial)
         return {options.tile_extent};
-    return {usual_tile, options.layers ? short_tile : wide_tile};
+    return tile_shapes(desc.size, options).tiles;
 }
 
 Status check_tile_count(const TextureDesc& desc, const EncodeOptions& options) {
-    if (TileGrid(desc.size, possible_tiles(options).front()).tiles() > max_tiles)
+    const std::vector<Extent4> tiles = possible_tiles(desc, options);
+    if (TileGrid(desc.size, tiles.front()).tiles() > max_tiles)
         return {ErrorCode::unsupported, "more than 2^32 - 1 tiles"};
     return {};
 }
@@ -130,7 +131,7 @@ Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOpti
     contents.tile_length = [](std::uint64_t) { return std::uint64_t{0}; };
     contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
-    for (const Extent4& tile : possible_tiles(options)) {
+    for (const Extent4& tile : possible_tiles(desc, options)) {
         if (TileGrid(desc.size, tile).tiles() > max_tiles)
             continue; // the encoder does not choose it then
         contents.tile_extent = tile;

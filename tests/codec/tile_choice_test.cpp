@@ -2,7 +2,10 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/trials/tile_choice.h"
+#include "codec/trials/tile_shapes.h"
+#include "format/levels.h"
 #include "format/texture.h"
+#include "format/tile/limits.h"
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
@@ -14,7 +17,6 @@
 namespace tessera::test {
 namespace {
 
-constexpr Extent4 choice_size{128, 64, 16, 16};
 constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
 // What the encoder makes of the choice.
@@ -67,29 +69,83 @@ MemoryTexture moving_balls(const Extent4& extent) {
     });
 }
 
+std::vector<Extent4> shapes_of(const Extent4& size) {
+    return tile_shapes(size, {}).tiles;
+}
+
+TEST(TileShapes, CutViewsEvenly) {
+    using Shapes = std::vector<Extent4>;
+    EXPECT_EQ(shapes_of({128, 64, 32, 32}),
+              (Shapes{{8, 8, 32, 32}, {16, 16, 16, 16}, {32, 32, 8, 8}, {64, 64, 4, 4}}));
+    EXPECT_EQ(shapes_of({256, 256, 9, 9}),
+              (Shapes{{32, 24, 9, 9}, {64, 37, 5, 5}, {64, 64, 3, 3}}));
+    EXPECT_EQ(shapes_of({256, 256, 5, 5}), (Shapes{{64, 37, 5, 5}, {64, 64, 3, 3}}));
+    EXPECT_EQ(shapes_of({96, 64, 27, 27}),
+              (Shapes{{11, 8, 27, 27}, {20, 16, 14, 14}, {32, 32, 7, 7}, {48, 64, 4, 4}}));
+    EXPECT_EQ(shapes_of({256, 256, 1, 1}), (Shapes{{64, 64, 1, 1}}));
+}
+
+TEST(TileShapes, KeepTheLimitsOfTheFormat) {
+    for (const std::uint32_t side : {1u, 31u, 33u, 100u, 625u, 1u << 20})
+        for (std::uint32_t views = 1; views <= 70; ++views)
+            for (const Extent4& size :
+                 {Extent4{side, 97, views, views}, Extent4{64, side, 1, views}}) {
+                const TileShapes shapes = tile_shapes(size, {});
+                ASSERT_LT(shapes.usual, shapes.tiles.size()) << to_string(size);
+                for (const Extent4& tile : shapes.tiles) {
+                    SCOPED_TRACE(to_string(size) + " in " + to_string(tile));
+                    ASSERT_LE(texel_count(tile), max_tile_texels);
+                    for (std::size_t axis = 0; axis < 4; ++axis) {
+                        ASSERT_GE(tile[axis], 1u);
+                        ASSERT_LE(tile[axis], max_side_along(axis));
+                        const std::uint32_t count = TileGrid(size, tile).count()[axis];
+                        ASSERT_EQ(tile[axis], (size[axis] - 1) / count + 1) << "not even";
+                    }
+                }
+            }
+}
+
+TEST(TileShapes, LayersAndMeshesHaveTheirOwn) {
+    EncodeOptions layers, mesh;
+    layers.layers = true;
+    mesh.description.proxy = Proxy::mesh;
+    EXPECT_EQ(tile_shapes({256, 256, 9, 9}, layers).tiles, (std::vector{usual, few_views}));
+    EXPECT_EQ(tile_shapes({256, 256, 9, 9}, mesh).tiles, (std::vector{usual, wide}));
+}
+
 TEST(TileChoice, BlurredViewsGetWideTiles) {
-    MemoryTexture texture = blurred_views(choice_size);
+    MemoryTexture texture = blurred_views({64, 64, 8, 8});
     EXPECT_EQ(chosen_tile(texture), wide);
 }
 
 TEST(TileChoice, TheEncoderFollowsIt) {
-    MemoryTexture texture = blurred_views({80, 64, 8, 4});
-    EXPECT_EQ(chosen_tile(texture), wide);
-    EXPECT_EQ(tile_of_file(texture), wide);
+    MemoryTexture texture = painted_surface({34, 34, 14, 14});
+    const Extent4 many{17, 17, 14, 14};
+    EXPECT_EQ(chosen_tile(texture), many);
+    EXPECT_EQ(tile_of_file(texture), many);
 }
 
 TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
-    MemoryTexture texture = painted_surface(choice_size);
-    EXPECT_EQ(chosen_tile(texture), usual);
+    MemoryTexture odd = painted_surface({64, 48, 9, 9});
+    EXPECT_EQ(chosen_tile(odd), (Extent4{32, 24, 9, 9}));
 }
 
 TEST(TileChoice, LayersKeepPlacesSmall) {
     EncodeOptions options;
     options.layers = true;
-    MemoryTexture moving = moving_balls(choice_size);
+    MemoryTexture moving = moving_balls({64, 64, 8, 8});
     EXPECT_EQ(chosen_tile(moving, options, copies_effort), few_views);
-    MemoryTexture still = painted_surface(choice_size);
+    MemoryTexture still = painted_surface({64, 64, 8, 8});
     EXPECT_EQ(chosen_tile(still, options), usual);
+}
+
+TEST(TileChoice, ThreadsDoNotMatter) {
+    MemoryTexture texture = moving_balls({64, 64, 9, 9});
+    EncodeOptions options;
+    options.threads = 1;
+    const Extent4 alone = chosen_tile(texture, options);
+    options.threads = 3;
+    EXPECT_EQ(chosen_tile(texture, options), alone);
 }
 
 // Has a size, but no texels.
@@ -125,8 +181,13 @@ TEST(TileChoice, WhoeverAsksForATileGetsIt) {
 }
 
 TEST(TileChoice, SmallTexturesNeedNoTrial) {
+    Unreadable source({64, 32, 16, 16});
+    EncodeOptions options;
+    EncodePlan plan{source, options, {}, {source.desc()}, EffortSettings::of(quick_effort)};
+    const auto tile = choose_tile_extent(plan);
+    ASSERT_TRUE(tile) << tile.status().message();
+    EXPECT_EQ(*tile, usual);
     MemoryTexture texture = blurred_views({64, 32, 8, 8});
-    EXPECT_EQ(chosen_tile(texture), usual);
     EXPECT_EQ(tile_of_file(texture), usual);
 }
 

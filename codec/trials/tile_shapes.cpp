@@ -1,0 +1,71 @@
+#include "codec/trials/tile_shapes.h"
+
+#include "format/tile/limits.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+constexpr auto most_views = std::uint32_t{max_angular_side};
+constexpr std::uint32_t fewest_views = 3; // along an axis; fewer a tile were never the best
+constexpr std::uint32_t usual_views = 7;  // at least, where there are as many
+
+std::uint32_t parts_of(std::uint32_t side, std::uint32_t most) {
+    return (side - 1) / most + 1;
+}
+
+// The longest of `parts` nearly equal parts, of which a grid of tiles makes.
+std::uint32_t part_of(std::uint32_t side, std::uint32_t parts) {
+    return (side - 1) / std::min(side, parts) + 1;
+}
+
+// Of tiles with s x t views the fewest that cover all places. Which way round a tile is longer costs
+// nothing (32x24x9x9 as 26x26x9x9), so only shape beyond 2 : 1 is ruled out; squares win a draw.
+Extent4 largest_tile(const Extent4& size, std::uint32_t s, std::uint32_t t) {
+    constexpr auto most_side = std::uint32_t{max_tile_side};
+    const std::uint32_t places = std::uint32_t{max_tile_texels} / (s * t);
+    Extent4 best{1, 1, s, t};
+    std::uint64_t fewest = 0;
+    double best_excess = 0;
+    for (std::uint32_t u = most_side; u >= 1; --u) {
+        const std::uint32_t v = std::min({most_side, places / u, 2 * u});
+        if (2 * v < u)
+            continue;
+        const std::uint32_t parts_u = parts_of(size[axis_u], u),
+                            parts_v = parts_of(size[axis_v], v);
+        const Extent4 tile{part_of(size[axis_u], parts_u), part_of(size[axis_v], parts_v), s, t};
+        const std::uint64_t count = std::uint64_t{parts_u} * parts_v;
+        const double excess = static_cast<double>(std::max(tile[axis_u], tile[axis_v])) /
+                              std::min(tile[axis_u], tile[axis_v]);
+        if (fewest == 0 || count < fewest || (count == fewest && excess < best_excess)) {
+            fewest = count;
+            best_excess = excess;
+            best = tile;
+        }
+    }
+    return best;
+}
+
+} // namespace
+
+TileShapes tile_shapes(const Extent4& size, const EncodeOptions& options) {
+    if (options.layers)
+        return {{usual_tile, short_tile}, 0};
+    if (options.description.proxy == Proxy::mesh)
+        return {{usual_tile, wide_tile}, 0};
+    TileShapes shapes;
+    std::uint32_t parts_s = parts_of(size[axis_s], most_views);
+    std::uint32_t parts_t = parts_of(size[axis_t], most_views);
+    for (;; parts_s *= 2, parts_t *= 2) {
+        const std::uint32_t s = part_of(size[axis_s], parts_s), t = part_of(size[axis_t], parts_t);
+        const std::uint32_t views = std::max(s, t);
+        if (!shapes.tiles.empty() && views < fewest_views)
+            return shapes;
+        if (views >= usual_views)
+            shapes.usual = shapes.tiles.size();
+        shapes.tiles.push_back(largest_tile(size, s, t));
+    }
+}
+
+} // namespace tessera
