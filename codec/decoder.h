@@ -72,7 +72,7 @@ public:
     // Streams `box` into `sink` slab by slab in bounded memory, in coordinates of the whole
     // texture; calls sink.finish(). A slab holds at most `slab_bytes` of texels (sinks of
     // Locality::any hold none); to keep within it, tiles may be decoded more than once. Errors: those
-    // of the file and the sink; unsupported where the smallest slab is larger.
+    // of the file and the sink; over_budget where the smallest slab is larger.
     Status decode(const Box4& box, TexelSink& sink, unsigned threads = 0,
                   const ProgressFunction& progress = {},
                   std::uint64_t slab_bytes = 512u << 20) const;

@@ -77,6 +77,8 @@ struct EncodeOptions {
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
     std::function<bool()> cancelled;
     JournalUse journal = JournalUse::none; // of encode_file
+    // What messages about the texels begin with, such as the name of their file; "": nothing.
+    std::string source_name;
     // What the texels come from, as names and values (a scene and its seed, a file's length and
     // time): a resume under other facts is refused.
     std::vector<std::pair<std::string, std::string>> source_facts;
@@ -135,7 +137,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 // The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata`,
 // `description` and `mesh` only.
 // Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
-// runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; unsupported where the smallest slab is above
+// runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; over_budget where the smallest slab is above
 // slab_bytes.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);

@@ -14,7 +14,8 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// What kind of thing went wrong. The numbers are the tool's exit codes and stay fixed.
+// What kind of thing went wrong. The numbers are the tool's exit codes and stay fixed; over_budget, which
+// whoever allows more memory can mend, exits with the code of unsupported.
 enum class ErrorCode {
     ok = 0,
     bad_argument = 1, // the caller asked for something that makes no sense
@@ -23,6 +24,7 @@ enum class ErrorCode {
     runtime = 4,      // out of memory, a failed self-check
     unsupported = 5,  // valid, but this version cannot do it
     difference = 7,   // a comparison missed its threshold
+    over_budget = 8,  // more memory is needed than the caller allows
 };
 
 // Success, or a code with one plain sentence that names the file and the place.

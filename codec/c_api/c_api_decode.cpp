@@ -132,7 +132,9 @@ int report(const Status& status) noexcept {
             last_error.clear();
         }
     }
-    return static_cast<int>(status.code());
+    // tessera_error has no number for it, and callers know this one.
+    return status.code() == ErrorCode::over_budget ? TESSERA_UNSUPPORTED
+                                                   : static_cast<int>(status.code());
 }
 
 int report_out_of_memory() noexcept {

@@ -163,7 +163,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     std::vector<Worker> workers =
         make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
     TESSERA_TRY_ASSIGN(const auto slabs, make_slabs(grid, box, sink.locality(),
-                                                    {slab_bytes / desc().texel_bytes(), false}));
+                                                    {slab_bytes / desc().texel_bytes(), false})
+                                             .with_context(container.name()));
     std::vector<std::uint64_t> order;
     for (const Slab& slab : slabs)
         order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());

@@ -117,9 +117,9 @@ Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, C
     return worker.decoder.levels() == worker.levels &&
                    worker.decoder.corrections() == worker.corrections
                ? Status()
-               : Status(ErrorCode::runtime, "self-check failed: the tile of the texels " +
-                                                to_string(box) +
-                                                " does not decode to what was encoded");
+               : about_texels(plan, {ErrorCode::runtime,
+                                     "self-check failed: the tile of the texels " + to_string(box) +
+                                         " does not decode to what was encoded"});
 }
 
 PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
@@ -187,10 +187,11 @@ Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, Co
     make_free_finite(source, desc);
     make_finite(source.texels, desc.type, tile);
     if (plan.options.strict && tile.nan_count + tile.infinity_count > 0)
-        return {ErrorCode::invalid_file,
-                "the texels " + to_string(box) + " hold " + std::to_string(tile.nan_count) +
-                    " NaN and " + std::to_string(tile.infinity_count) +
-                    " infinite samples (without --strict they are replaced)"};
+        return about_texels(plan, {ErrorCode::invalid_file,
+                                   "the texels " + to_string(box) + " hold " +
+                                       std::to_string(tile.nan_count) + " NaN and " +
+                                       std::to_string(tile.infinity_count) +
+                                       " infinite samples (without --strict they are replaced)"});
     return {};
 }
 
@@ -260,8 +261,9 @@ double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
 
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan) {
     const TextureDesc& desc = plan.colour.desc;
-    return make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),
-                      {plan.options.slab_bytes / desc.texel_bytes(), true});
+    auto slabs = make_slabs(plan.grid, Box4::whole(desc.size), plan.source.locality(),
+                            {plan.options.slab_bytes / desc.texel_bytes(), true});
+    return slabs.ok() ? std::move(slabs) : about_texels(plan, slabs.status());
 }
 
 namespace {

@@ -70,6 +70,12 @@ inline Status check_cancelled(const EncodeOptions& options) {
                                                     : Status();
 }
 
+// An error about the texels, which begins with what the caller calls them.
+inline Status about_texels(const EncodePlan& plan, const Status& status) {
+    const std::string& name = plan.options.source_name;
+    return name.empty() ? status : status.with_context(name);
+}
+
 // Slabs of the whole texture that plan.options.slab_bytes allows.
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 

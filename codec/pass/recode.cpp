@@ -47,9 +47,10 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
             worker.texels.resize(plan.colour.desc.box_bytes(box));
             const Status decoded = worker.check.decode(worker.payload, shape, worker.texels);
             if (!decoded.ok() || crc32c(worker.texels) != tile.texel_crc)
-                return {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
-                                                " does not decode to what was encoded " +
-                                                decoded.message()};
+                return about_texels(
+                    plan, {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
+                                                   " does not decode to what was encoded " +
+                                                   decoded.message()});
             return {};
         },
         [&](std::size_t i) {

@@ -107,7 +107,7 @@ Status append_parts(const TileGrid& grid, const Box4& whole, Locality locality,
         for (std::size_t axis = 0; axis < 4; ++axis)
             part.end[axis] = std::min(whole.end[axis], at[axis] + step[axis]);
         if (locality != Locality::any && part.texels() > limit.texels)
-            return {ErrorCode::unsupported, "a part of " + std::to_string(part.texels()) +
+            return {ErrorCode::over_budget, "a part of " + std::to_string(part.texels()) +
                                                 " texels (" + to_string(part) +
                                                 ") has to be held in memory, only " +
                                                 std::to_string(limit.texels) + " are allowed"};

@@ -28,7 +28,7 @@ struct SlabLimit {
 // never wait for each other; spatial_rows, places: one row of tiles in v; angular_cells: one (s, t)
 // cell of tiles. Above the limit these are cut: for spatial_rows along t, s, u by whole tiles, or
 // along v; for places along u by whole tiles, then along v; for angular_cells along v, u by whole
-// tiles, or along t, s. Errors: unsupported, where even the smallest is too large.
+// tiles, or along t, s. Errors: over_budget, where even the smallest is too large.
 Result<std::vector<Slab>> make_slabs(const TileGrid& grid, const Box4& box, Locality locality,
                                      const SlabLimit& limit = {});
 

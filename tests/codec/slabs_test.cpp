@@ -32,7 +32,7 @@ TEST(Slabs, CoverEveryTexelOnce) {
             limit.texels = static_cast<std::uint64_t>(random.range(1, round % 8 < 4 ? 60 : 2000));
         const auto slabs = make_slabs(grid, box, locality, limit);
         if (!slabs) {
-            EXPECT_EQ(slabs.status().code(), ErrorCode::unsupported);
+            EXPECT_EQ(slabs.status().code(), ErrorCode::over_budget);
             EXPECT_GE(round, 60);
             ++refused;
             continue;

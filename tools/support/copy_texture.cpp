@@ -71,7 +71,7 @@ Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
     const Extent4 slab_step =
         slab_extent(desc, sink.locality(), std::min(slab_bytes, usual_slab_bytes));
     if (const std::uint64_t needed = desc.box_bytes(Box4::whole(slab_step)); needed > slab_bytes)
-        return {ErrorCode::unsupported, std::to_string(needed) +
+        return {ErrorCode::over_budget, std::to_string(needed) +
                                             " bytes of texels have to be held in memory, only " +
                                             std::to_string(slab_bytes) + " are allowed"};
     const double total = static_cast<double>(texel_count(desc.size));

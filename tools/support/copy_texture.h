@@ -7,7 +7,7 @@
 namespace tessera {
 
 // Walks as the sink likes; calls finish(). Slabs hold at most `slab_bytes` of texels. Errors: those
-// of source and sink; unsupported where the smallest slab is larger.
+// of source and sink; over_budget where the smallest slab is larger.
 Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
                     const ProgressFunction& progress, const char* stage,
                     std::uint64_t slab_bytes = 512u << 20);

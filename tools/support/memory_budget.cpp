@@ -40,9 +40,9 @@ Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
 }
 
 Status with_memory_hint(const Status& status) {
-    const bool helps = status.code() == ErrorCode::unsupported &&
-                       status.message().find("held in memory") != std::string::npos;
-    return helps ? Status(status.code(), status.message() + "; a larger --memory helps") : status;
+    return status.code() == ErrorCode::over_budget
+               ? Status(status.code(), status.message() + "; a larger --memory helps")
+               : status;
 }
 
 } // namespace tessera

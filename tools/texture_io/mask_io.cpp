@@ -59,7 +59,7 @@ Result<std::unique_ptr<TexelSource>> load(TexelSource& source, unsigned threads,
     const TextureDesc& desc = source.desc();
     const std::uint64_t bytes = texel_count(desc.size), most = slab_bytes / largest_share;
     if (bytes > most)
-        return Status(ErrorCode::unsupported,
+        return Status(ErrorCode::over_budget,
                       "the mask's " + std::to_string(bytes) +
                           " bytes have to be held in memory, only " + std::to_string(most) +
                           " are allowed (a raw file, .gray, is read in place)");

@@ -19,7 +19,7 @@ void add_mask_options(CLI::App& app, MaskArguments& arguments, const std::string
 // The mask of a texture of `texture_size`, interruptible; nullptr without --mask. Raw files of one 8-bit
 // channel are read in place; others are loaded, a byte a texel, which `slab_bytes` of texels in
 // memory pay for; of several channels the first one counts. Errors: those of opening a texture;
-// bad_argument (it does not fit), unsupported (it takes more than half of `slab_bytes`).
+// bad_argument (it does not fit), over_budget (it takes more than half of `slab_bytes`).
 Result<std::unique_ptr<TexelSource>> open_mask(const MaskArguments& arguments,
                                                const Extent4& texture_size, unsigned threads,
                                                std::uint64_t& slab_bytes);

@@ -150,8 +150,9 @@ public:
     }
     Status finish() override {
         slab_.clear();
-        return next_v_ == desc_.size[axis_v] ? flush_standard_output()
-                                             : Status(ErrorCode::runtime, "rows are missing");
+        return next_v_ == desc_.size[axis_v]
+                   ? flush_standard_output()
+                   : Status(ErrorCode::runtime, "standard output: rows are missing");
     }
 
 private:

@@ -54,11 +54,8 @@ Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& b
                                                  a.texture.threads));
     PartSink part(interruptible(std::move(sink)), box.begin);
     Progress progress("tessera decode", a.texture.quiet);
-    const Status status = with_memory_hint(
+    return with_memory_hint(
         decoder.decode(box, part, a.texture.threads, progress.function(), slab_bytes));
-    const bool named = status.message().find(a.output) != std::string::npos ||
-                       status.message().find(a.input) != std::string::npos;
-    return named ? status : status.with_context(a.output);
 }
 
 // What was written, and what of it had to be filled.

@@ -24,11 +24,11 @@ struct EncodeCommand {
     EncodeArguments encode;
 };
 
-// The encoder does not know what its texels came from.
-Status about_file(const Status& status, const std::string& input, const std::string& output) {
-    const bool named = status.message().find(input) != std::string::npos ||
-                       status.message().find(output) != std::string::npos;
-    return named ? status : status.with_context(input);
+// The encoder does not know what its texels came from. A URL is named without its password.
+std::string name_of_input(const EncodeCommand& a, const OpenedTexture& input) {
+    if (input.decoder != nullptr)
+        return input.decoder->container().name();
+    return a.input == standard_stream ? "standard input" : a.input;
 }
 
 std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a) {
@@ -79,6 +79,7 @@ Status run(const EncodeCommand& a) {
     if (!mask.ok())
         return with_memory_hint(mask.status());
     options.mask = mask->get();
+    options.source_name = name_of_input(a, input);
     options.source_facts = facts_of(a);
     const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
@@ -86,7 +87,7 @@ Status run(const EncodeCommand& a) {
         return encode_to(*source, a.output, options);
     }();
     if (!report.ok())
-        return about_file(with_memory_hint(report.status()), a.input, a.output);
+        return with_memory_hint(report.status());
     if (a.encode.json) {
         Json json = report_json(a.output, source->desc(), options, *report);
         json["input"] = a.input;

@@ -55,7 +55,8 @@ int report(const std::string& verb, const Status& status) {
         return 0;
     std::fprintf(stderr, "tessera%s%s: error: %s\n", verb.empty() ? "" : " ", verb.c_str(),
                  status.message().c_str());
-    return static_cast<int>(status.code());
+    const ErrorCode code = status.code();
+    return static_cast<int>(code == ErrorCode::over_budget ? ErrorCode::unsupported : code);
 }
 
 Status unknown_verb(const std::string& word) {
