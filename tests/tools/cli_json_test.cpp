@@ -6,7 +6,7 @@ namespace {
 using namespace tessera::test;
 class CliJson : public CliFixture {};
 
-const std::string json_scene = "bake composed --size 16x8x4x3 --spp 1 --effort 0 ";
+const std::string json_scene = "bake composed --size 16x8x4x3 --spp 1 ";
 
 TEST_F(CliJson, EncodeSaysWhatItAchieved) {
     succeed(json_scene + "-q -o a.rgb");
@@ -44,7 +44,7 @@ TEST_F(CliJson, EncodeSaysWhatItAchieved) {
 }
 
 TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
-    const Json baked = json(json_scene + "--json --seed 3 -o x.tess");
+    const Json baked = json(json_scene + "--effort 0 --json --seed 3 -o x.tess");
     EXPECT_EQ(baked["scene"], "composed");
     EXPECT_EQ(baked["seed"], 3);
     EXPECT_EQ(baked["samples_per_texel"], 1);
@@ -60,7 +60,7 @@ TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
     EXPECT_EQ(decoded["raw_bytes"], fs::file_size(at("x.rgb")));
     EXPECT_EQ(decoded["filled"]["missing_tiles"], 0);
     EXPECT_GE(decoded["seconds"].get<double>(), 0);
-    succeed(json_scene + "-q -o l.tess --layers --tile 8x8x4x3");
+    succeed(json_scene + "--effort 0 -q -o l.tess --layers --tile 8x8x4x3");
     const std::string whole = slurp(at("l.tess"));
     spit(at("part.tess"), whole.substr(0, whole.size() - 200));
     const Json part = json("decode part.tess --allow-partial --json -o x.rgb");
@@ -72,7 +72,7 @@ TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
 }
 
 TEST_F(CliJson, AFileSaysHowItWasMade) {
-    succeed(json_scene + "-q -o x.tess --target-psnr 33.123456789");
+    succeed(json_scene + "--effort 0 -q -o x.tess --target-psnr 33.123456789");
     const Json info = json("info x.tess --json");
     EXPECT_EQ(info["metadata"]["tessera:rate"], "psnr 33.123456789");
     EXPECT_EQ(info["metadata"]["tessera:effort"], "0");

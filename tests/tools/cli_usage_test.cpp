@@ -16,7 +16,8 @@ protected:
     }
 };
 
-const std::string usage_scene = "bake composed --size 16x8x4x4 --spp 1 --effort 0 ";
+const std::string plain_scene = "bake composed --size 16x8x4x4 --spp 1 ";
+const std::string usage_scene = plain_scene + "--effort 0 ";
 
 TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
     fail(1, "encode x.rgb --qualty 40", {"unknown option --qualty; did you mean --quality?"});
@@ -130,6 +131,26 @@ TEST_F(CliUsage, WrongOptionsCostNoWorkAndLeaveNoJournal) {
     EXPECT_EQ(names(), (std::vector<std::string>{"m.gray", "x.rgb"}));
 }
 
+TEST_F(CliUsage, PlainOutputsRefuseWhatTheyWouldDrop) {
+    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // hours, if it began
+    for (const char* option :
+         {"--quality 40", "--target-bytes 9k", "--effort 3", "--tools -copies", "--tile 8x8x8x8",
+          "--layers", "--no-verify", "--strict", "--resume", "--meta a=b"}) {
+        const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+        for (const char* output : {"x.exr", "x.rgb", "views/"})
+            fail(1, bake + "-o " + output + " " + option, {name + ": needs a .tess output"});
+    }
+    fail(1, bake + "-o x.rgb --transfer linear", {"--transfer: ", "x.rgb"});
+    fail(1, bake + "-o x.rgb --viewing-radius 4,9", {"--viewing-radius: ", "x.rgb"});
+    fail(1, bake + "-o x.rgb --proxy none", {"--proxy: ", "x.rgb"});
+    EXPECT_TRUE(names().empty());
+    succeed(plain_scene + "-q -o x.exr --transfer linear --viewing-radius 4,9");
+    succeed("encode x.exr --effort 0 -q -o x.tess");
+    const Json description = json("info x.tess --json")["description"];
+    EXPECT_EQ(description["transfer"], "linear");
+    EXPECT_EQ(description["viewing-radius"], "4,9");
+}
+
 // Only coding shows how small it gets; then the journal goes as well, for no resume could do better.
 TEST_F(CliUsage, ATargetThatIsMissedLeavesNoJournal) {
     succeed("bake composed --size 32x16x8x8 --spp 1 -q -o x.rgb");
@@ -155,7 +176,7 @@ TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
 
 TEST_F(CliUsage, FoldersOnTheWayToAnOutputAreMade) {
     succeed(usage_scene + "-q -o new/bake/a.tess");
-    succeed(usage_scene + "-q -o raw/bake/a.rgb");
+    succeed(plain_scene + "-q -o raw/bake/a.rgb");
     succeed("encode raw/bake/a.rgb --size 16x8x4x4 --effort 0 -q -o new/encode/a.tess");
     succeed("decode new/bake/a.tess -q -o views/deep/sub/");
     EXPECT_TRUE(fs::exists(at("views/deep/sub/view_t000_s000.png")));

@@ -78,7 +78,7 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->check(number_between(0, 65535));
     app.add_option("--effort", a.effort, "0 (fastest) to 5 (smallest)")
         ->check(CLI::Range(0, most_effort))
-        ->capture_default_str();
+        ->default_str(std::to_string(usual_effort));
     app.add_option("--tools", a.tools)->group(""); // for experiments: tests/regression/ablation.md
     app.add_option("--tile", a.tile,
                    "Largest tile UxVxSxT, u and v to 64, s and t to 32, at most 65536 texels (what "
@@ -112,7 +112,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     EncodeOptions options;
     TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
-    options.effort = a.effort;
+    options.effort = a.effort.value_or(usual_effort);
     TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
     options.tools = a.tools;
     options.threads = threads;
@@ -173,9 +173,17 @@ Status check_for(const EncodeArguments& a, const EncodeOptions& options, const T
     return check_options(desc, options).with_context(rate_option(a));
 }
 
-bool says_how_to_encode(const EncodeArguments& a) {
-    return a.quality || a.target_psnr || a.target_bpt || a.target_bytes || a.max_error ||
-           a.resume || a.layers || !a.tile.empty() || !a.tools.empty() || !a.metadata.empty();
+std::string option_of_encoder(const EncodeArguments& a) {
+    if (!given_rates(a).empty())
+        return rate_option(a);
+    for (const auto& [option, is_given] :
+         {std::pair("--effort", a.effort.has_value()), std::pair("--tools", !a.tools.empty()),
+          std::pair("--tile", !a.tile.empty()), std::pair("--layers", a.layers),
+          std::pair("--no-verify", a.no_verify), std::pair("--strict", a.strict),
+          std::pair("--resume", a.resume), std::pair("--meta", !a.metadata.empty())})
+        if (is_given)
+            return option;
+    return "";
 }
 
 Status with_resume_hint(const Status& status, const std::string& output) {

@@ -14,7 +14,7 @@ namespace tessera {
 struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
-    int effort = usual_effort;
+    std::optional<int> effort;
     bool no_verify = false, layers = false, strict = false, resume = false, json = false;
     std::string tile, tools, memory;
     std::vector<std::string> metadata;              // key=value
@@ -35,8 +35,8 @@ Status check_tess_output(const EncodeArguments& arguments, const std::string& ou
 Status check_for(const EncodeArguments& arguments, const EncodeOptions& options,
                  const TextureDesc& desc);
 
-// Whether an option was given that only a compressed file understands.
-bool says_how_to_encode(const EncodeArguments& arguments);
+// The first option that was given and that only a compressed file understands; "" for none.
+std::string option_of_encoder(const EncodeArguments& arguments);
 
 // An error of encode_file, with how to go on where its journal holds finished tiles.
 Status with_resume_hint(const Status& status, const std::string& output);

@@ -33,14 +33,24 @@ std::string capitalised(std::string name) {
     return name;
 }
 
+// What a texture that is not compressed would drop without a word.
+Status check_plain_output(const BakeCommand& a) {
+    if (const std::string option = option_of_encoder(a.encode); !option.empty())
+        return {ErrorCode::bad_argument, option + ": needs a .tess output, not " + a.output};
+    if (kind_of(a.output) != TextureKind::raw)
+        return {};
+    for (const auto& [field, text] : a.encode.description)
+        if (field != "proxy" || (text != "sphere" && text != "mesh")) // these say what to bake
+            return {ErrorCode::bad_argument,
+                    "--" + field + ": needs a .tess, .exr or folder/ output; a raw file, " +
+                        a.output + ", holds samples only"};
+    return {};
+}
+
 // What the command asks of the encoder; errors that need no texel.
 Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
     const TextureDesc& desc = baking.texels->desc();
     const bool compressed = is_compressed(a);
-    if (!compressed && says_how_to_encode(a.encode))
-        return Status(ErrorCode::bad_argument,
-                      a.output +
-                          ": rate, tile, tools, metadata and --resume options need a .tess output");
     Metadata metadata;
     for (const auto& [name, value] : baking.facts)
         metadata[capitalised(name)] = value;
@@ -109,6 +119,8 @@ Status run(const BakeCommand& a) {
     if (a.scene.empty() || a.output.empty())
         return {ErrorCode::bad_argument,
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
+    if (!is_compressed(a))
+        TESSERA_TRY(check_plain_output(a));
     BakeCommand own = a;
     TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
     baking.texels = interruptible(std::move(baking.texels)); // bakes where it is read
@@ -156,7 +168,9 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
     add_verb<BakeCommand>(
         app, chosen, "bake", "Ray trace a built-in scene or a model into a texture",
         "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
-        "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory only.\n\n"
+        "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory, --json "
+        "only,\n"
+        "and what describes the texture, for which raw files have no place.\n\n"
         "On the paper's sphere, things that lie behind the surface are blurred: no size resolves "
         "them.\n"
         "--proxy mesh puts the texture on the things themselves. The scene becomes a mesh with "
