@@ -77,8 +77,9 @@ struct EncodeOptions {
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
     std::function<bool()> cancelled;
     JournalUse journal = JournalUse::none; // of encode_file
-    // What messages about the texels begin with, such as the name of their file; "": nothing.
-    std::string source_name;
+    // What messages begin with: about the texels, such as the name of their file, and about a rate that
+    // cannot be met, such as an option; "": nothing.
+    std::string source_name, rate_name;
     // What the texels come from, as names and values (a scene and its seed, a file's length and
     // time): a resume under other facts is refused.
     std::vector<std::pair<std::string, std::string>> source_facts;

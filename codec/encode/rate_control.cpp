@@ -282,12 +282,19 @@ private:
             log_step = next;
         }
         if (!best)
-            return Status(ErrorCode::bad_argument,
-                          "the target cannot be met: the smallest file of this texture has about " +
-                              std::to_string(std::llround(std::exp2(-last_reached))) + " bytes");
+            return target_is_missed(std::llround(std::exp2(-last_reached)));
         return outcome_of(
             std::move(*best),
             best_distance >= 1e6 ? "the target lies above what the finest quantiser reaches" : "");
+    }
+
+    Status target_is_missed(std::int64_t smallest) const {
+        const std::string& name = plan_.options.rate_name;
+        const Status missed(
+            ErrorCode::bad_argument,
+            "the target cannot be met: the smallest file of this texture has about " +
+                std::to_string(smallest) + " bytes");
+        return name.empty() ? missed : missed.with_context(name);
     }
 
     const EncodePlan& plan_;

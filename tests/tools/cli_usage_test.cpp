@@ -156,7 +156,7 @@ TEST_F(CliUsage, ATargetThatIsMissedLeavesNoJournal) {
     succeed("bake composed --size 32x16x8x8 --spp 1 -q -o x.rgb");
     // More than a file of nothing but background, so that no check of the options knows.
     fail(1, "encode x.rgb --size 32x16x8x8 --effort 0 -o x.tess --target-bytes 400",
-         {"target cannot be met", "smallest file of this texture has about"});
+         {"--target-bytes: the target cannot be met", "smallest file of this texture has about"});
     EXPECT_EQ(names(), (std::vector<std::string>{"x.rgb"}));
 }
 

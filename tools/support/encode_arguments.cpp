@@ -112,6 +112,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     EncodeOptions options;
     TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
+    options.rate_name = rate_option(a);
     options.effort = a.effort.value_or(usual_effort);
     TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
     options.tools = a.tools;
