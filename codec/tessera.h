@@ -368,10 +368,10 @@ TESSERA_API int tessera_get_texture(const tessera_decoder* decoder, tessera_text
 
 /* The caller sets description->struct_size (tessera_description_init). Numbers outside the enums
  * are those of a later version of the format. */
-/* The Draco mesh of a file with TESSERA_PROXY_MESH, to be freed with the decoder; else null, 0. */
-TESSERA_API int tessera_get_mesh(const tessera_decoder* decoder, const void** bytes, size_t* count);
 TESSERA_API int tessera_get_description(const tessera_decoder* decoder,
                                         tessera_description* description);
+/* The Draco mesh of a file with TESSERA_PROXY_MESH, to be freed with the decoder; else null, 0. */
+TESSERA_API int tessera_get_mesh(const tessera_decoder* decoder, const void** bytes, size_t* count);
 
 /* The texture is level 0; levels 1, 2, ... are coarser copies of it, if the file has any. */
 typedef struct {
