@@ -196,6 +196,7 @@ TEST_F(CliUsage, HelpNeedsNoReadme) {
         const std::string help = run(std::string(verb) + " --help").out;
         for (const char* words : {"Examples:", "Exit codes: 0 success, 1 usage"})
             EXPECT_NE(help.find(words), std::string::npos) << verb << help;
+        EXPECT_EQ(help.find(".md"), help.find(".md,")) << help; // rd writes one
     }
     const std::string help = run("help").out;
     for (const char* words : {"U x V places", "standard input", "powers of 1024", "--type"})

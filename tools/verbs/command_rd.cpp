@@ -6,6 +6,8 @@
 #include "tools/support/texture_arguments.h"
 #include "tools/verbs/command.h"
 
+#include <sstream>
+
 namespace tessera {
 namespace {
 
@@ -53,6 +55,15 @@ Status run(const RdCommand& a) {
     return {};
 }
 
+// Of lines such as "copies: from other views".
+std::string names_of_tools() {
+    std::istringstream lines(coding_tools_help());
+    std::string names;
+    for (std::string line; std::getline(lines, line);)
+        names += (names.empty() ? "" : ", ") + line.substr(0, line.find(':'));
+    return names;
+}
+
 void declare_rates(CLI::App& c, RdOptions& o) {
     c.add_option("--psnr", o.psnr, "PSNRs in dB that tessera is measured at (35,38,41,44)")
         ->delimiter(',')
@@ -66,7 +77,7 @@ void declare_rates(CLI::App& c, RdOptions& o) {
         ->delimiter(',')
         ->check(CLI::Range(0, most_effort));
     c.add_option("--tools", o.tools,
-                 "Coding tools off or on, -copies,+grids (tests/regression/ablation.md lists them)")
+                 "Coding tools off or on, such as -copies,+grids; of " + names_of_tools())
         ->type_name("LIST");
     c.add_option("--rivals", o.rivals,
                  "all, none, or ids with commas: x265, x265:8, x265:medium, aom, avif, "

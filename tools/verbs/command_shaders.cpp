@@ -72,7 +72,17 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
         app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
         "sample.glsl holds tessera_sample(), for pasting into a shader of your "
         "own; its first lines\n"
-        "say how. decoder_glsl/README.md lists passes, buffers and bindings.\n"
+        "say how. The .comp files decode, in this order: tree, levels, corrections, order, and "
+        "then "
+        "items,\n"
+        "groups, texels as often as copies are deep, filter last. Storage buffers: 0 tables, 1 "
+        "what "
+        "to\n"
+        "decode, 2 work, 3 coefficients; image 0 texels. Sampling: buffers 4 the texture, 5 marks "
+        "of "
+        "tiles;\n"
+        "uniforms 2; texture unit 0 texels. Vulkan: buffers are set 0, images 1, textures 2, "
+        "uniforms 3.\n\n"
         "Examples:\n"
         "  tessera shaders -o shaders/\n"
         "  tessera shaders -o spirv/ --dialect vulkan -D TESSERA_RESIDENT_CACHE",
