@@ -46,6 +46,29 @@ TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
     EXPECT_TRUE(names().empty());
 }
 
+TEST_F(CliUsage, UnknownValuesAreAnsweredWithTheNearest) {
+    succeed(usage_scene + "-q -o a.tess");
+    const auto before = names();
+    for (const char* scene :
+         {"bake compsed -o x.tess", "bake compsed -o x.tess --proxy mesh",
+          "render --scene compsed -o x.png", "render a.tess -o x.png --truth compsed",
+          "rd compsed -o report", "rd --views compsed -o report", "compare a.tess --bake compsed"})
+        fail(1, scene, {"compsed", "; did you mean composed?"});
+    fail(1, "shaders -o x --dialect vulcan",
+         {"--dialect: 'vulcan' is not one of: gl450, es310, vulkan; did you mean vulkan?"});
+    fail(1, "render a.tess -o x.png --via lod", {"--via", "; did you mean load?"});
+    fail(1, "rd a.tess -o report --rivals x266", {"'x266'", "; did you mean x265"});
+    fail(1, usage_scene + "-o x.tess --transfer srbg", {"--transfer: ", "; did you mean sRGB?"});
+    EXPECT_EQ(names(), before);
+}
+
+TEST_F(CliUsage, LinesForPeopleEndWithoutBlanks) {
+    succeed(usage_scene + "-q -o a.tess --layers");
+    const std::string text = run("info a.tess").out;
+    EXPECT_NE(text.find("levels\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find(" \n"), std::string::npos) << text;
+}
+
 TEST_F(CliUsage, QuietIsNoQuality) {
     for (const char* words :
          {"x.rgb -o x.tess -q 50", "-q 50 x.rgb -o x.tess", "x.rgb -o x.tess -q50"})
@@ -58,15 +81,17 @@ TEST_F(CliUsage, QuietIsNoQuality) {
 TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
     make_raw("x.rgb", 16 * 8 * 4 * 4 * 3);
     const std::string encode = "encode x.rgb --size 16x8x4x4 --effort 0 -q -o x.tess ";
-    for (const auto& [text, bytes] : {std::pair("2k", 2048), std::pair("3K", 3072),
-                                      std::pair("2KiB", 2048), std::pair("4000", 4000)}) {
+    for (const auto& [text, bytes] :
+         {std::pair("2k", 2048), std::pair("3K", 3072), std::pair("2KiB", 2048),
+          std::pair("4000", 4000), std::pair("2.5k", 2560)}) {
         succeed(encode + "--target-bytes " + text);
         EXPECT_LE(fs::file_size(at("x.tess")), static_cast<std::uintmax_t>(bytes));
         EXPECT_EQ(json("info x.tess --json")["metadata"]["tessera:rate"],
                   "bytes " + std::to_string(bytes));
     }
     succeed(encode + "--target-bytes 1G");
-    for (const char* text : {"20q", "k", "1.5k", "-5", "0", "99999999999999999999", "9999T"}) {
+    for (const char* text :
+         {"20q", "k", "1.5", "1.k", ".5k", "1.5B", "-5", "0", "99999999999999999999", "9999T"}) {
         const Outcome o = run(encode + "--target-bytes " + text);
         EXPECT_EQ(o.code, 1) << text;
         EXPECT_NE(o.err.find("--target-bytes: '" + std::string(text) + "' is not a size"),
@@ -164,11 +189,16 @@ TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
     succeed(usage_scene + "-q -o a.tess --layers");
     const std::string whole = slurp(at("a.tess"));
     spit(at("part.tess"), whole.substr(0, whole.size() - 100));
-    for (const char* verb : {"decode part.tess -o x.rgb", "compare part.tess a.tess",
-                             "compare a.tess part.tess", "render part.tess -o x.png"})
+    for (const char* verb :
+         {"decode part.tess -o x.rgb", "compare part.tess a.tess", "compare a.tess part.tess",
+          "render part.tess -o x.png", "info part.tess", "sheet part.tess -o x.png",
+          "sheet a.tess part.tess -o x.png"})
         fail(3, verb, {"cut off", "; --allow-partial reads the part that is there"});
     EXPECT_NE(run("validate part.tess").err.find("--allow-partial"), std::string::npos);
-    EXPECT_EQ(run("info part.tess").err.find("allow"), std::string::npos); // it has no such option
+    succeed("info part.tess --allow-partial");
+    EXPECT_EQ(json("info part.tess --allow-partial --json")["received_bytes"], whole.size() - 100);
+    EXPECT_FALSE(json("info a.tess --json").contains("received_bytes"));
+    succeed("sheet part.tess -q -o x.png --allow-partial");
     succeed("decode part.tess -o x.rgb -q --allow-partial");
     spit(at("part.tess"), whole.substr(0, 200)); // no index: nothing can be read
     EXPECT_EQ(run("decode part.tess -o x.rgb").err.find("allow"), std::string::npos);

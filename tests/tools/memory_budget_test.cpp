@@ -119,20 +119,16 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
 }
 
 TEST(MemoryBudget, ReadsSizes) {
-    const std::pair<const char*, std::uint64_t> good[] = {{"0", 0},
-                                                          {"12345", 12345},
-                                                          {"7b", 7},
-                                                          {"512M", 512 << 20},
-                                                          {"1GiB", 1ull << 30},
-                                                          {"3t", 3ull << 40},
-                                                          {"2kb", 2048},
-                                                          {"1Gib", 1ull << 30}};
+    const std::pair<const char*, std::uint64_t> good[] = {
+        {"0", 0},      {"12345", 12345},    {"1.5G", 3ull << 29}, {"0.1k", 102},
+        {"7b", 7},     {"512M", 512 << 20}, {"1GiB", 1ull << 30}, {"3t", 3ull << 40},
+        {"2kb", 2048}, {"1Gib", 1ull << 30}};
     for (const auto& [text, bytes] : good) {
         const auto parsed = parse_size(text);
         ASSERT_TRUE(parsed) << text;
         EXPECT_EQ(*parsed, bytes) << text;
     }
-    for (const char* text : {"", "M", "1.5G", "-1", "1X", "1GG", " 1G", "1 G",
+    for (const char* text : {"", "M", "1.5", "1.G", "1.5.5G", "-1", "1X", "1GG", " 1G", "1 G",
                              "18446744073709551616", "9999999999T", "8388608T"})
         EXPECT_EQ(parse_size(text).status().code(), ErrorCode::bad_argument) << text;
 }

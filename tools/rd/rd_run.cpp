@@ -213,6 +213,8 @@ Result<RdReport> run_rd(const RdOptions& options) {
                                                        : options.quick         ? "quick"
                                                                                : "all"));
     TESSERA_TRY(check_coding_tools(options.tools).with_context("--tools"));
+    for (const std::string& name : options.textures)
+        TESSERA_TRY(check_rd_name(name));
     std::error_code error;
     std::filesystem::create_directories(options.output, error);
     if (error)

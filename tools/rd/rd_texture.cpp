@@ -6,6 +6,8 @@
 #include "tools/support/checksum.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
+#include "tools/support/scene_name.h"
+#include "tools/support/url.h"
 #include "tools/texture_io/texture_io.h"
 
 #include <algorithm>
@@ -118,6 +120,11 @@ std::string hex(std::uint32_t value) {
 }
 
 } // namespace
+
+Status check_rd_name(const std::string& name) {
+    const bool says_kind = kind_of(name) != TextureKind::unknown || is_url(name);
+    return says_kind || std::filesystem::exists(name) ? Status() : check_scene(name);
+}
 
 const std::byte* RdTexture::texel(std::uint32_t u, std::uint32_t v, std::uint32_t s,
                                   std::uint32_t t) const {

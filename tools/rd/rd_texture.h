@@ -40,6 +40,10 @@ struct RdTexture {
 
 constexpr std::uint64_t max_rd_bytes = 4ull << 30; // of texels; each codec needs them twice more
 
+// Whether a texture may have this name: a file's, a URL or that of a scene. Reads nothing. Errors:
+// bad_argument, with the nearest scene.
+Status check_rd_name(const std::string& name);
+
 // Errors: bad_argument; unsupported, where it is larger than max_rd_bytes; those of reading it.
 Result<RdTexture> load_rd_texture(const TextureRequest& request, const ProgressFunction& progress);
 

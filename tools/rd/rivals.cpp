@@ -2,6 +2,7 @@
 
 #include "format/byte_source.h"
 #include "format/work.h"
+#include "tools/support/suggestions.h"
 
 #include <cctype>
 #include <filesystem>
@@ -78,15 +79,17 @@ Result<std::vector<Rival>> rivals_named(const std::string& list) {
         const std::string id = rest.substr(0, comma);
         rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
         std::string known;
+        std::vector<std::string> words{"all", "none"};
         const std::size_t before = chosen.size();
         for (const Rival& rival : all) {
             known += (known.empty() ? "" : ", ") + rival.id;
+            words.push_back(rival.id);
             if (rival.id == id)
                 chosen.push_back(rival);
         }
         if (chosen.size() == before)
-            return Status(ErrorCode::bad_argument,
-                          "--rivals: '" + id + "' is none of all, none, " + known);
+            return Status(ErrorCode::bad_argument, "--rivals: '" + id + "' is none of all, none, " +
+                                                       known + did_you_mean(id, words));
     }
     return chosen;
 }

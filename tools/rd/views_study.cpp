@@ -10,6 +10,7 @@
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
+#include "tools/support/scene_name.h"
 #include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/baked_surface.h"
 #include "tools/view/render_stage.h"
@@ -231,7 +232,7 @@ Status write_reports(const ViewsOptions& o, const ViewsReport& report) {
 } // namespace
 
 Result<ViewsReport> run_views_study(const ViewsOptions& options) {
-    TESSERA_TRY(corpus::find_scene(options.scene).status().with_context("--views"));
+    TESSERA_TRY(check_scene(options.scene).with_context("--views"));
     TESSERA_TRY(
         make_parent_folders((std::filesystem::path(options.output) / "views.svg").string()));
     ViewsReport report{options.scene,

@@ -1,10 +1,12 @@
 #include "tools/support/description_text.h"
 
 #include "tools/support/parse.h"
+#include "tools/support/suggestions.h"
 
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -28,15 +30,17 @@ template <class Enum> std::string all_names(int last) {
 // Sets `out` to the value in first..last whose name is `text`.
 template <class Enum>
 Status set_by_name(Enum& out, int last, std::string_view field, const std::string& text) {
+    std::vector<std::string> names;
     for (int i = 0; i <= last; ++i) {
         const auto value = static_cast<Enum>(i);
+        names.emplace_back(name_of(value));
         if (normalised(text) == normalised(name_of(value))) {
             out = value;
             return {};
         }
     }
-    return {ErrorCode::bad_argument,
-            std::string(field) + " '" + text + "' is not one of: " + all_names<Enum>(last)};
+    return {ErrorCode::bad_argument, std::string(field) + " '" + text + "' is not one of: " +
+                                         all_names<Enum>(last) + did_you_mean(text, names)};
 }
 
 bool parse_floats(std::string_view text, float* out, int count) {

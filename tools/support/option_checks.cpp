@@ -1,10 +1,14 @@
 #include "tools/support/option_checks.h"
 
 #include "tools/support/parse.h"
+#include "tools/support/suggestions.h"
 
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -30,6 +34,10 @@ std::string plain(double value) {
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
+std::string_view leading_digits(std::string_view text) {
+    return text.substr(0, std::min(text.find_first_not_of("0123456789"), text.size()));
+}
+
 bool is_plain_number(const std::string& text) {
     std::uint64_t value = 0;
     return parse_number(text, value);
@@ -39,14 +47,21 @@ bool is_plain_number(const std::string& text) {
 
 Result<std::uint64_t> parse_size(const std::string& text) {
     const Status malformed(ErrorCode::bad_argument,
-                           in_quotes(text) + " is not a size such as 20000, 512M or 2GiB");
-    std::size_t digits = 0;
-    while (digits < text.size() && std::isdigit(static_cast<unsigned char>(text[digits])))
-        ++digits;
+                           in_quotes(text) + " is not a size such as 20000, 512M or 1.5GiB");
+    const std::string_view digits = leading_digits(text);
     std::uint64_t value = 0;
-    if (!parse_number(std::string_view(text).substr(0, digits), value))
+    if (!parse_number(digits, value))
         return malformed;
-    std::string unit = text.substr(digits);
+    std::string unit = text.substr(digits.size());
+    double fraction = 0; // of a unit
+    if (unit.starts_with('.')) {
+        const std::string_view after = leading_digits(std::string_view(unit).substr(1));
+        if (after.empty() || !parse_number("0." + std::string(after), fraction))
+            return malformed;
+        unit = unit.substr(1 + after.size());
+        if (unit.empty() || std::tolower(static_cast<unsigned char>(unit[0])) == 'b')
+            return malformed; // there is no part of a byte
+    }
     for (char& c : unit)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (unit.empty() || unit == "b")
@@ -58,7 +73,8 @@ Result<std::uint64_t> parse_size(const std::string& text) {
     const unsigned shift = 10 * (static_cast<unsigned>(power) + 1);
     if (value >> (63 - shift) != 0)
         return malformed;
-    return value << shift;
+    const double below = std::ldexp(fraction, static_cast<int>(shift));
+    return (value << shift) + static_cast<std::uint64_t>(below);
 }
 
 CLI::Validator number_between(double low, double high) {
@@ -70,6 +86,18 @@ CLI::Validator number_between(double low, double high) {
                                  plain(high);
             },
             "in " + plain(low) + ".." + plain(high)};
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+    std::string all;
+    for (const std::string& word : words)
+        all += (all.empty() ? "" : ", ") + word;
+    return {[words = std::move(words), all](std::string& text) {
+                return std::ranges::count(words, text) > 0
+                           ? std::string()
+                           : in_quotes(text) + " is not one of: " + all + did_you_mean(text, words);
+            },
+            "{" + all + "}"};
 }
 
 CLI::Validator size_between(std::uint64_t low, std::uint64_t high) {

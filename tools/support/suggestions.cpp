@@ -3,6 +3,7 @@
 #include "tools/support/parse.h"
 
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 
 namespace tessera {
@@ -11,18 +12,22 @@ namespace {
 constexpr std::size_t most_named = 3;
 constexpr std::size_t least_letters = 3; // of a part that says something
 
-std::string_view without_dashes(std::string_view word) {
+// Without dashes in front, in small letters.
+std::string letters_of(std::string_view word) {
     word.remove_prefix(std::min(word.find_first_not_of('-'), word.size()));
-    return word;
+    std::string letters(word);
+    for (char& c : letters)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return letters;
 }
 
 std::vector<std::string> nearest_by_letters(const std::string& word,
                                             const std::vector<std::string>& known) {
-    const std::string_view letters = without_dashes(word);
+    const std::string letters = letters_of(word);
     std::size_t least = std::max<std::size_t>(1, letters.size() / 3);
     std::vector<std::string> nearest;
     for (const std::string& candidate : known) {
-        const std::size_t distance = edit_distance(letters, without_dashes(candidate));
+        const std::size_t distance = edit_distance(letters, letters_of(candidate));
         if (distance > least)
             continue;
         if (distance < least)
@@ -34,10 +39,11 @@ std::vector<std::string> nearest_by_letters(const std::string& word,
 }
 
 std::vector<std::string> that_hold(const std::string& word, const std::vector<std::string>& known) {
-    const std::string_view letters = without_dashes(word);
+    const std::string letters = letters_of(word);
     std::vector<std::string> holding;
     for (const std::string& candidate : known)
-        if (letters.size() >= least_letters && candidate.find(letters) != std::string::npos)
+        if (letters.size() >= least_letters &&
+            letters_of(candidate).find(letters) != std::string::npos)
             holding.push_back(candidate);
     return holding;
 }

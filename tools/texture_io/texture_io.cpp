@@ -317,4 +317,11 @@ Status with_partial_hint(const Status& status, const std::string& name,
     return file.ok() ? with_partial_hint(status, **file, options) : status;
 }
 
+Status with_partial_hint(const Status& status, const std::string& first, const std::string& second,
+                         const DecodeOptions& options) {
+    const Status hinted = with_partial_hint(status, first, options);
+    return hinted.message() != status.message() ? hinted
+                                                : with_partial_hint(status, second, options);
+}
+
 } // namespace tessera

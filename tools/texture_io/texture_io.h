@@ -62,5 +62,8 @@ Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const
 // fill_text.h: with_partial_hint(), of the texture of this name if it is a .tess.
 Status with_partial_hint(const Status& status, const std::string& name,
                          const DecodeOptions& options);
+// The same of two, of which the first that is cut counts.
+Status with_partial_hint(const Status& status, const std::string& first, const std::string& second,
+                         const DecodeOptions& options);
 
 } // namespace tessera

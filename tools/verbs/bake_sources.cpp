@@ -4,6 +4,7 @@
 #include "corpus/model/model.h"
 #include "tools/support/description_text.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/scene_name.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/baked_surface.h"
@@ -144,8 +145,10 @@ Result<Baking> make_baking(BakeCommand& a) {
     if (is_model && word != "mesh")
         return Status(ErrorCode::bad_argument,
                       "--proxy " + word + ": a model's texture lies on itself, --proxy mesh");
-    if (!is_model)
+    if (!is_model) {
+        TESSERA_TRY(check_scene(a.scene));
         TESSERA_TRY(check_no_model_options(a.model));
+    }
     if (word == "mesh" || word == "sphere")
         take(a, "proxy"); // others describe the sphere's texels in their own way
     if (word != "mesh")

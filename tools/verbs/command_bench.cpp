@@ -53,8 +53,9 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, BenchCommand& a) {
         GpuBenchOptions& o = a.options;
         c.add_option("target", a.target, "What to measure: gpu")->required();
-        c.add_option("file", a.file,
-                     "A .tess with a texture on a sphere, or the URL of one (http, https)")
+        c.add_option(
+             "file", a.file,
+             "A .tess with a texture on a sphere or a mesh, or the URL of one (http, https)")
             ->required();
         declare_path(c, o.view);
         c.add_option("--frames", o.frames, "Frames measured in each way (100; software 10)")
@@ -72,7 +73,7 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
                      "against; without it, the texels as the CPU decodes them");
         c.add_option("--skip", o.skip, "Leave out some of raw,load,feedback,decode")
             ->delimiter(',')
-            ->check(CLI::IsMember({"raw", "load", "feedback", "decode"}));
+            ->check(one_of({"raw", "load", "feedback", "decode"}));
         c.add_flag("--json", a.json, "Print JSON");
         c.add_flag("--quiet,-q", a.quiet, "No progress");
     };

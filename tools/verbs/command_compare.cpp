@@ -8,6 +8,7 @@
 #include "tools/support/memory_budget.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
+#include "tools/support/scene_name.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/mask_io.h"
@@ -44,6 +45,7 @@ struct Inputs {
 // The scene, baked box by box as it is read, beside the only file.
 Result<Inputs> open_baked(const CompareCommand& arguments) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
+    TESSERA_TRY(check_scene(arguments.scene).with_context("--bake"));
     auto file = open_texture(arguments.a, hints);
     if (!file.ok())
         return with_partial_hint(file.status(), arguments.a, hints.decode);
@@ -60,12 +62,8 @@ Result<Inputs> open_baked(const CompareCommand& arguments) {
 Result<Inputs> open_both(const CompareCommand& arguments) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
     auto opened = open_two_textures(arguments.a, arguments.b, hints);
-    if (!opened.ok()) {
-        const Status hinted = with_partial_hint(opened.status(), arguments.a, hints.decode);
-        return hinted.message() != opened.status().message()
-                   ? hinted
-                   : with_partial_hint(hinted, arguments.b, hints.decode);
-    }
+    if (!opened.ok())
+        return with_partial_hint(opened.status(), arguments.a, arguments.b, hints.decode);
     auto& [first, second] = *opened;
     std::vector<const Decoder*> decoders;
     for (const Decoder* decoder : {first.decoder, second.decoder})

@@ -2,6 +2,7 @@
 #include "format/surface_mesh.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/description_text.h"
+#include "tools/support/fill_text.h"
 #include "tools/support/json_text.h"
 #include "tools/support/parse.h"
 #include "tools/support/texture_arguments.h"
@@ -60,6 +61,8 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     json["version"] =
         std::to_string(facts.version_major) + "." + std::to_string(facts.version_minor);
     json["file_bytes"] = file.file_bytes();
+    if (file.is_partial())
+        json["received_bytes"] = file.source_bytes();
     json["bits_per_texel"] =
         static_cast<double>(file.file_bytes()) * 8 / static_cast<double>(texel_count(desc.size));
     json["required_features"] = facts.required_features;
@@ -142,7 +145,8 @@ std::string made_text(const Metadata& metadata) {
 Json for_people(Json json, const Metadata& metadata) {
     Json out;
     for (auto& [key, value] : json.items()) {
-        if ((key == "raw_bytes" || key == "file_bytes") && value.get<std::uint64_t>() >= 1000)
+        if ((key == "raw_bytes" || key == "file_bytes" || key == "received_bytes") &&
+            value.get<std::uint64_t>() >= 1000)
             value = std::to_string(value.get<std::uint64_t>()) + " (" +
                     human_bytes(value.get<std::uint64_t>()) + ")";
         if (key == "metadata") {
@@ -173,9 +177,9 @@ void print_for_people(const Json& json, const std::string& indent) {
             print_for_people(value, indent + "  ");
         } else {
             for (const Json& row : value) {
-                std::printf("%s ", indent.c_str());
+                std::printf("%s", indent.c_str());
                 for (const auto& [name, cell] : row.items())
-                    std::printf(" %s %s ", name.c_str(), printable(text_of(cell)).c_str());
+                    std::printf("  %s %s", name.c_str(), printable(text_of(cell)).c_str());
                 std::printf("\n");
             }
         }
@@ -190,11 +194,14 @@ Metadata metadata_of(const Json& json) {
     return metadata;
 }
 
-Result<Json> describe_tess(const std::string& path) {
-    TESSERA_TRY_ASSIGN(const auto bytes, open_bytes(path));
-    TESSERA_TRY_ASSIGN(const auto file, ContainerReader::open(*bytes));
-    TESSERA_TRY_ASSIGN(const auto tiles, file.summarise_tiles());
-    return tess_json(path, file, tiles);
+Result<Json> describe_tess(const InfoCommand& a) {
+    const DecodeOptions& decode = a.texture.decode;
+    TESSERA_TRY_ASSIGN(const auto bytes, open_bytes(a.input));
+    const auto file = ContainerReader::open(*bytes, OpenOptions{decode.allow_partial});
+    if (!file.ok())
+        return with_partial_hint(file.status(), *bytes, decode);
+    TESSERA_TRY_ASSIGN(const auto tiles, file->summarise_tiles());
+    return tess_json(a.input, *file, tiles);
 }
 
 Result<Json> describe_other(const InfoCommand& a) {
@@ -210,7 +217,7 @@ Result<Json> describe_other(const InfoCommand& a) {
 
 Status run(const InfoCommand& a) {
     TESSERA_TRY_ASSIGN(const auto json, kind_of_input(a.input) == TextureKind::tess
-                                            ? describe_tess(a.input)
+                                            ? describe_tess(a)
                                             : describe_other(a));
     if (a.json)
         print_json(json);
@@ -225,6 +232,8 @@ void add_info_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, InfoCommand& a) {
         c.add_option("file", a.input, "Any texture; a .tess file, the URL of one, or -, says most")
             ->required();
+        c.add_flag("--allow-partial", a.texture.decode.allow_partial,
+                   "Take the beginning of a .tess, as a broken download leaves it");
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
     };

@@ -337,7 +337,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
              "--via", r.via,
              "cpu, or on the GPU: load (decoded at once), feedback (a cache of the tiles in "
              "view), or gpu: load where the budget has room for it, else feedback")
-            ->check(CLI::IsMember({"cpu", "gpu", "load", "feedback"}))
+            ->check(one_of({"cpu", "gpu", "load", "feedback"}))
             ->capture_default_str();
         c.add_option("--budget", r.budget_mib,
                      "Most decoded texels in memory; on the GPU, all that it holds for the file: "

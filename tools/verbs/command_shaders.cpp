@@ -1,4 +1,5 @@
 #include "decoder_glsl/shader_source.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/output_folders.h"
 #include "tools/verbs/command.h"
 
@@ -62,7 +63,7 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
         c.add_option("-o,--output", a.output, "Folder to write to")->required();
         c.add_option("--dialect", a.dialect,
                      "gl450 (OpenGL 4.5), es310 (OpenGL ES 3.1) or vulkan (GLSL for SPIR-V)")
-            ->check(CLI::IsMember({"gl450", "es310", "vulkan"}))
+            ->check(one_of({"gl450", "es310", "vulkan"}))
             ->capture_default_str();
         c.add_option("-D,--define", a.defines,
                      "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, "

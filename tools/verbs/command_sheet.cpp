@@ -1,5 +1,6 @@
 #include "tools/picture/contact_sheet.h"
 #include "tools/picture/picture_grid.h"
+#include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
@@ -25,7 +26,8 @@ bool is_png_file(const std::string& path) {
            !std::filesystem::is_directory(path);
 }
 
-Result<Picture> sheet_of_textures(const SheetCommand& a) {
+// `remark` gets what of the textures had to be filled.
+Result<Picture> sheet_of_textures(const SheetCommand& a, std::string& remark) {
     if (a.inputs.size() > 2)
         return Status(ErrorCode::bad_argument,
                       "a sheet shows two textures at most, or any number of .png files");
@@ -34,14 +36,23 @@ Result<Picture> sheet_of_textures(const SheetCommand& a) {
     options.name_a = std::filesystem::path(a.inputs[0]).filename().string();
     OpenedTexture first, second;
     if (a.inputs.size() == 1) {
-        TESSERA_TRY_ASSIGN(first, open_texture(a.inputs[0], hints));
+        auto opened = open_texture(a.inputs[0], hints);
+        if (!opened.ok())
+            return with_partial_hint(opened.status(), a.inputs[0], hints.decode);
+        first = std::move(*opened);
     } else {
         options.name_b = std::filesystem::path(a.inputs[1]).filename().string();
-        TESSERA_TRY_ASSIGN(auto opened, open_two_textures(a.inputs[0], a.inputs[1], hints));
-        std::tie(first, second) = std::move(opened);
+        auto opened = open_two_textures(a.inputs[0], a.inputs[1], hints);
+        if (!opened.ok())
+            return with_partial_hint(opened.status(), a.inputs[0], a.inputs[1], hints.decode);
+        std::tie(first, second) = std::move(*opened);
     }
     const auto source = interruptible(std::move(first.source));
-    return make_contact_sheet(*source, second.source.get(), options);
+    TESSERA_TRY_ASSIGN(auto sheet, make_contact_sheet(*source, second.source.get(), options));
+    for (const Decoder* decoder : {first.decoder, second.decoder})
+        if (decoder != nullptr)
+            remark += fill_text(*decoder, "  ");
+    return sheet;
 }
 
 Status run(const SheetCommand& a) {
@@ -49,11 +60,13 @@ Status run(const SheetCommand& a) {
         return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
     TESSERA_TRY(check_output_path(a.output));
     const bool pictures = std::all_of(a.inputs.begin(), a.inputs.end(), is_png_file);
-    TESSERA_TRY_ASSIGN(const auto picture,
-                       pictures ? make_picture_grid(a.inputs, a.grid) : sheet_of_textures(a));
+    std::string remark;
+    TESSERA_TRY_ASSIGN(const auto picture, pictures ? make_picture_grid(a.inputs, a.grid)
+                                                    : sheet_of_textures(a, remark));
     TESSERA_TRY(write_png(a.output, picture));
     if (!a.texture.quiet)
-        std::printf("%s: %u x %u pixels\n", a.output.c_str(), picture.width, picture.height);
+        std::printf("%s: %u x %u pixels\n%s", a.output.c_str(), picture.width, picture.height,
+                    remark.c_str());
     return {};
 }
 
@@ -87,6 +100,7 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
                      "Of .png files: only the middle of each, so many pixels wide and high; 0: all")
             ->check(CLI::Range(0u, 16384u))
             ->capture_default_str();
+        add_fill_options(c, a.texture.decode);
         add_texture_options(c, a.texture);
     };
     add_verb<SheetCommand>(

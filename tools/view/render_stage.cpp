@@ -6,6 +6,7 @@
 #include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/parse.h"
+#include "tools/support/scene_name.h"
 #include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/lit_model_file.h"
 #include "tools/texture_io/texture_io.h"
@@ -84,7 +85,8 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
 
 Status add_truth(const StageRequest& r, const std::string& subject, const std::string& of_scene,
                  const RenderOptions& options, Stage& stage) {
-    TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(r.truth).with_context("--truth"));
+    TESSERA_TRY(check_scene(r.truth).with_context("--truth"));
+    TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(r.truth));
     if (!of_scene.empty() && of_scene != r.truth)
         return {ErrorCode::bad_argument,
                 subject + ": is of the scene " + of_scene + ", not " + r.truth};
@@ -185,7 +187,8 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
 
 // A texture that no file holds: of any size, as only what is looked at is ever made.
 Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage) {
-    TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene).with_context("--scene"));
+    TESSERA_TRY(check_scene(r.scene).with_context("--scene"));
+    TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene));
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(r.texture_size, "--texture-size", info.default_size));
     TESSERA_TRY_ASSIGN(stage.original, corpus::make_baked_source(
