@@ -4,6 +4,7 @@
 #include "corpus/model_surface/model_source.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
+#include "tools/support/source_facts.h"
 #include "tools/texture_io/baked_surface.h"
 #include "tools/texture_io/lit_model_file.h"
 
@@ -103,6 +104,9 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
                     {"samples per texel", std::to_string(a.samples)},
                     {"seed", std::to_string(paths.seed)},
                     {"texels per unit", format_number(density, 3)}};
+    baking.input_facts = source_facts(a.scene, "model");
+    for (auto& fact : source_facts(a.model.environment, "surroundings"))
+        baking.input_facts.push_back(std::move(fact));
     for (auto& fact : facts_of(a.model, file))
         baking.facts.push_back(std::move(fact));
     baking.json = {{"model", a.scene},

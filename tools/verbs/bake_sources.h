@@ -36,6 +36,8 @@ struct Baking {
     Extent4 tile = tile_by_trial;
     // What makes the texels, as names and values: facts of the journal and, with a capital, metadata.
     std::vector<std::pair<std::string, std::string>> facts;
+    // Of files that are read for it: facts of the journal alone.
+    std::vector<std::pair<std::string, std::string>> input_facts{};
     Json json;          // the same and more, for --json
     std::string remark; // for people, a line; may be empty
 };
