@@ -6,7 +6,7 @@
 #   tools/scripts/full_size.sh           three quarters of an hour on 2 cores, up to 30 GB of disk for a while
 #   tools/scripts/full_size.sh --quick   up to 512x256x64x64 only: some minutes
 #   TESSERA=build/bin/tessera tools/scripts/full_size.sh      with a tool that is there already
-source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 [ -x /usr/bin/time ] || apt-get install -y -qq time >/dev/null || stop "GNU time is needed (apt-get install time)"
 
 find_tool

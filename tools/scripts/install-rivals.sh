@@ -2,7 +2,7 @@
 # Installs the codecs that `tessera rd` compares with, from Debian, and says which are there.
 #   tools/scripts/install-rivals.sh            installs what is missing (as root)
 #   tools/scripts/install-rivals.sh --list     only says
-source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 PACKAGES="x265 ffmpeg aom-tools libavif-bin libjxl-tools astcenc zfp"
 
 # Tools of each package, the first of which knows its version.

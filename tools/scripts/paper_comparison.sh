@@ -6,7 +6,7 @@
 # paper_comparison.md, which says what follows from all this.
 #   tools/scripts/paper_comparison.sh      about 13 minutes on 2 shared cores; 403 MB of disk for a while
 #   TESSERA=build/bin/tessera tools/scripts/paper_comparison.sh      with a tool that is there already
-source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 find_tool
 OUT=demo_output/paper_comparison

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures everything in tests/regression/results.csv again (a minute or two) and says what changed.
+# Measures everything in tests/regression/results.csv again (a few minutes) and says what changed.
 #   tools/scripts/regression.sh PEERS.rgb      the rivals' texture, composed_128x64x32x32.rgb.zst unpacked
-source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 [ $# -eq 1 ] || stop "usage: tools/scripts/regression.sh composed_128x64x32x32.rgb"
 [ -r "$1" ] || stop "cannot read $1"
 build build regression
