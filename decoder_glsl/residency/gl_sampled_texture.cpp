@@ -63,20 +63,10 @@ TextureShape decoded_shape(const ContainerReader& reader) {
         .shape;
 }
 
-// The words of an axis go on from mip to mip.
-void add_axis(const TileGrid& grid, std::size_t axis, std::vector<std::uint32_t>& words) {
-    Extent4 tile{0, 0, 0, 0};
-    for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
-        const std::uint32_t extent = grid.box(tile).extent()[axis];
-        for (std::uint32_t place = 0; place < extent; ++place)
-            words.push_back(tile[axis] | (place << tsr_axis_place_at) |
-                            ((extent - 1) << tsr_axis_extent_at));
-    }
-}
-
-// Texels of a mip, which lie in the slots from `before` on. Tiles begin at whole texels.
-void add_axis_of_mip(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_t before,
-                     std::vector<std::uint32_t>& words) {
+// Texels of a mip, 0 for the texture itself, which lie in the slots from `before` on. Tiles begin at whole
+// texels.
+void add_axis(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_t before,
+              std::vector<std::uint32_t>& words) {
     Extent4 tile{0, 0, 0, 0};
     for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
         const std::uint32_t extent = grid.box(tile).extent()[axis];
@@ -126,11 +116,13 @@ std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
     for (std::size_t axis = 0; axis < 4; ++axis) {
         words[tsr_p_size + axis] = grid.size()[axis];
         words[tsr_p_tiles + axis] = grid.count()[axis];
+    }
+    for (const std::size_t axis : {axis_u, axis_v}) { // from mip to mip
         words[tsr_p_axis_at + axis] = static_cast<std::uint32_t>(words.size());
-        add_axis(grid, axis, words);
-        for (unsigned mip = 1; axis < 2 && mip <= mips.count(); ++mip)
-            add_axis_of_mip(grid, axis, mip,
-                            axis == axis_u ? slot.u : slot.v - (slot.v >> (mip - 1)), words);
+        add_axis(grid, axis, 0, 0, words);
+        for (unsigned mip = 1; mip <= mips.count(); ++mip)
+            add_axis(grid, axis, mip, axis == axis_u ? slot.u : slot.v - (slot.v >> (mip - 1)),
+                     words);
     }
     words[tsr_p_slot_u] = slot.u;
     words[tsr_p_slot_v] = slot.v;

@@ -5,7 +5,7 @@
 
 const int tsr_p_size = 0;        // texels along u, v, s, t
 const int tsr_p_tiles = 4;       // tiles along u, v, s, t
-const int tsr_p_axis_at = 8;     // words where the axes of u, v, s, t begin
+const int tsr_p_axis_at = 8;     // words where the axes of u and v begin
 const int tsr_p_stride_s = 12;   // pixels from one angular image to the next
 const int tsr_p_stride_t = 13;
 const int tsr_p_folds_u = 14;    // of a plain texture: layers side by side
@@ -28,7 +28,7 @@ const int tsr_p_slot_v = 29;
 const int tsr_p_inside = 30; // 1: a sphere that is seen from inside
 const int tsr_sampler_words = 32;
 
-// An axis has a word a texel, so that sampling divides nothing:
+// Each of these two axes has a word a texel, so that sampling divides nothing:
 //   its tile | its place in the slot << 16 | the tile's extent - 1 << 23 | its mip << 29;
 // u and v of a plain texture: its pixel in the layer | its fold << 16.
 // u and v go on with the texels of mip 1, then 2, ..., whose tile is that of what they stand for.
