@@ -2,6 +2,7 @@
 
 #include "codec/fit/table_fit.h"
 #include "codec/pass/steps.h"
+#include "codec/trials/base_trial.h"
 #include "codec/trials/copy_trial.h"
 #include "codec/trials/table_trial.h"
 
@@ -60,6 +61,8 @@ public:
           texels_(texel_count(plan.grid.size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
+        if (!plan.effort.try_base || plan.colour.corrections)
+            base_ = BasePictures{};
         if (!plan.effort.filter || plan.colour.corrections)
             filter_ = TileFilter{};
     }
@@ -84,15 +87,24 @@ public:
 
 private:
     // A whole pass, preceded by one over the sample to learn the tables (and, once, the filter and
-    // whether to smooth copies), and recoded under tables fitted to all of it. Of one that a journal
+    // which copies there are), and recoded under tables fitted to all of it. Of one that a journal
     // knows to be finished only the totals come back.
     Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
-        if (plan_.effort.fit_tables || !smooth_ || !filter_) {
+        if (plan_.effort.fit_tables || !smooth_ || !base_ || !filter_) {
             FilterStatistics to_mend;
             EncodePlan plan = plan_;
             plan.effort = plan.effort.for_samples();
-            TESSERA_TRY_ASSIGN(const PassResult trained,
-                               run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend));
+            const auto train = [&] {
+                return run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend);
+            };
+            TESSERA_TRY_ASSIGN(PassResult trained, train());
+            if (!base_) {
+                TESSERA_TRY_ASSIGN(base_, choose_base_pictures(plan, sample_, trained));
+                parameters.base = *base_;
+                if (base_->on) {
+                    TESSERA_TRY_ASSIGN(trained, train());
+                }
+            }
             if (!smooth_) {
                 TESSERA_TRY_ASSIGN(const bool pays, smooth_copies_pay(plan, sample_, trained));
                 smooth_ = parameters.smooth_copies = pays;
@@ -163,6 +175,7 @@ private:
     CodingParameters for_step(double step) const {
         CodingParameters parameters = coding_parameters(step, plan_);
         parameters.smooth_copies = smooth_.value_or(false);
+        parameters.base = base_.value_or(BasePictures{});
         parameters.filter = filter_.value_or(TileFilter{});
         if (tables_)
             parameters.parameters = *tables_;
@@ -305,6 +318,7 @@ private:
     // Empty until a trial at the step of the first whole pass has told; the same for all passes, so
     // that a search for a step sees no jumps.
     std::optional<bool> smooth_;
+    std::optional<BasePictures> base_; // likewise
     std::optional<TileFilter> filter_; // likewise
     std::optional<Parameters> tables_; // likewise
 };

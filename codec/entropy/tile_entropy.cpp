@@ -29,6 +29,14 @@ struct StatisticsVisitor {
         statistics.chain(displacement_kind_offset + direction * (displacement_kinds - 1),
                          displacement_kinds - 1, displacement_kinds, kind);
     }
+    void base(bool has_base) { statistics.decide(base_offset, has_base); }
+    void from_base(bool before, bool copies) {
+        statistics.decide(from_base_offset + before, copies);
+    }
+    void base_displacement(int token) {
+        statistics.chain(base_displacement_offset, displacement_tokens - 1, displacement_tokens,
+                         token);
+    }
     void displacement(int table, int token) {
         statistics.chain(displacement_offset + table * (displacement_tokens - 1),
                          displacement_tokens - 1, displacement_tokens, token);
@@ -64,6 +72,9 @@ struct CodingVisitor {
     void displacement_kind(int direction, int kind) {
         tables.displacement_kind[static_cast<std::size_t>(direction)].encode(coder, kind);
     }
+    void base(bool has_base) { tables.base.encode(coder, has_base); }
+    void from_base(bool before, bool copies) { tables.from_base[before].encode(coder, copies); }
+    void base_displacement(int token) { tables.base_displacement.encode(coder, token); }
     void displacement(int table, int token) {
         tables.displacement[static_cast<std::size_t>(table)].encode(coder, token);
     }

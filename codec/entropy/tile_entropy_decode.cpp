@@ -48,17 +48,30 @@ private:
     }
 
     bool decode_tree() {
-        PredictionMemory memory;
         const auto node = [&](Split split) {
             ++work_;
             out_.splits.push_back(static_cast<std::uint8_t>(split));
         };
+        const auto base_leaf = [&](const Block& block) {
+            out_.blocks.push_back(block);
+            out_.predictions.emplace_back();
+            return out_.blocks.size() <= max_leaves;
+        };
+        const auto base = base_shape(out_.shape, coding_.parameters.base);
+        const bool has_base = base && coding_.tables.base.decode(rans_) != 0;
+        if (has_base &&
+            !decode_split_tree(rans_, coding_.tables, base_root(*base), node, base_leaf))
+            return false;
+        out_.base_blocks = out_.blocks.size();
+        PredictionMemory memory;
         const auto leaf = [&](const Block& block) {
             out_.blocks.push_back(block);
             if (out_.blocks.size() > max_leaves)
                 return false;
-            return !coding_.predicts || decode_prediction(rans_, coding_.tables, block, memory,
-                                                          out_.predictions.emplace_back());
+            return !coding_.predicts ||
+                   decode_prediction(rans_, coding_.tables,
+                                     has_base ? &coding_.parameters.base : nullptr, block, memory,
+                                     out_.predictions.emplace_back());
         };
         return decode_split_tree(rans_, coding_.tables, Block{{0, 0, 0, 0}, out_.shape, 0, 0}, node,
                                  leaf);
@@ -66,11 +79,12 @@ private:
 
     // False for copies that are too deep.
     bool order_copies() {
-        if (!copies_anything(out_.predictions)) {
+        if (!copies_anything(out_.predictions) && out_.base_blocks == 0) {
             out_.forget_copies();
             return true;
         }
-        CopyDepths depths = copy_depths(out_.shape, out_.blocks, out_.predictions);
+        CopyDepths depths =
+            copy_depths(out_.shape, out_.blocks, out_.predictions, out_.base_blocks);
         out_.order = std::move(depths.order);
         return depths.largest <= max_copy_depth;
     }

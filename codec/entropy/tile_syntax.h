@@ -1,7 +1,8 @@
 // The order of a tile's symbols, written once for everything that walks it on the encoder's side:
 // counting, coding, estimating. A Visitor gets
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
-//   displacement(class, token), first_length(context, token), other_length(previous, token),
+//   displacement(class, token), base(has one), from_base(block before does, copies),
+//   base_displacement(token), first_length(context, token), other_length(previous, token),
 //   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token), raw(value, bits)
 #pragma once
 
@@ -21,6 +22,11 @@ constexpr int length_token(int coded_length) {
 }
 constexpr int length_raw_bits(int token) {
     return token <= 1 ? 0 : token == 2 ? 1 : 2;
+}
+
+// Of displacements.
+inline int difference_token(int difference) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(std::abs(difference))));
 }
 
 // Magnitudes 1..4 are tokens 0..3; token 3 + g covers 2^g magnitudes from 2^g + 3.
@@ -80,6 +86,11 @@ public:
         std::size_t next = 0;
         predictions_ = PredictionMemory{};
         leaf_ = 0;
+        if (const auto base = base_shape(tile.shape, coding_.parameters.base)) {
+            visitor_.base(tile.base_blocks > 0);
+            if (tile.base_blocks > 0)
+                walk_node(tile, base_root(*base), next);
+        }
         walk_node(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0}, next);
     }
 
@@ -139,7 +150,21 @@ private:
     void walk_prediction(const TileLevels& tile, const Block& block) {
         const BlockPrediction prediction =
             tile.predictions.empty() ? BlockPrediction{} : tile.predictions[leaf_];
-        ++leaf_;
+        const bool of_base = leaf_++ < tile.base_blocks;
+        if (of_base)
+            return;
+        if (tile.base_blocks > 0) {
+            visitor_.from_base(predictions_.copied_base(), prediction.copies_base());
+            predictions_.remember_base(prediction.copies_base());
+        }
+        if (prediction.copies_base()) {
+            const int d = prediction.displacement.u;
+            const int token = difference_token(d - predictions_.base_displacement());
+            visitor_.base_displacement(token);
+            walk_difference(token, d - predictions_.base_displacement());
+            predictions_.remember_base_displacement(d);
+            return;
+        }
         const int context = predictions_.context_of(block);
         if (context < 0)
             return;
@@ -160,11 +185,16 @@ private:
     }
 
     void walk_component(int table, int difference) {
-        const auto magnitude = static_cast<unsigned>(std::abs(difference));
-        const int token = static_cast<int>(std::bit_width(magnitude));
+        const int token = difference_token(difference);
         visitor_.displacement(table, token);
+        walk_difference(token, difference);
+    }
+
+    // The raw bits behind a token.
+    void walk_difference(int token, int difference) {
         if (token == 0)
             return;
+        const auto magnitude = static_cast<unsigned>(std::abs(difference));
         visitor_.raw(magnitude - (1u << (token - 1)), token - 1);
         visitor_.raw(difference < 0, 1);
     }

@@ -74,6 +74,11 @@ struct Kernels {
     // them, plain ones 0..n, and neither a row that its filter does without.
     void (*add_copies)(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums);
 
+    // out[i] = floor((sum over j < 6 of weights[j] * rows[j][i] + 2^(shift - 1)) / 2^shift): one axis
+    // of a copy from a base picture (FORMAT.md 4.6).
+    void (*six_taps)(const std::int32_t* const* rows, const std::int8_t* weights, int shift, int n,
+                     std::int32_t* out);
+
     // values[i] = values[i] + (sums[i] >> shift), within -limit .. limit - 1.
     void (*add_within)(std::int32_t* values, const std::int32_t* sums, int shift, int n,
                        std::int32_t limit);

@@ -180,6 +180,18 @@ void add_copies(const std::int32_t* const rows[3], int filter, int n, std::int32
     add[filter](rows, n, sums);
 }
 
+void six_taps(const std::int32_t* const* rows, const std::int8_t* weights, int shift, int n,
+              std::int32_t* out) {
+    const std::int32_t *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3], *e = rows[4],
+                       *f = rows[5];
+    const std::int32_t wa = weights[0], wb = weights[1], wc = weights[2], wd = weights[3],
+                       we = weights[4], wf = weights[5];
+    const std::int32_t half = 1 << (shift - 1);
+    for (int i = 0; i < n; ++i)
+        out[i] =
+            (wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i] + wf * f[i] + half) >> shift;
+}
+
 void add_within(std::int32_t* values, const std::int32_t* sums, int shift, int n,
                 std::int32_t bound) {
     for (int i = 0; i < n; ++i) {
@@ -496,6 +508,7 @@ constexpr Kernels make_kernels(const char* name) {
             inverse_planes,
             round_rows,
             add_copies,
+            six_taps,
             add_within,
             store_ycocg8,
             clamp_row<std::int16_t>,

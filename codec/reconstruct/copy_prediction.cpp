@@ -43,6 +43,55 @@ private:
     std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
 
+// One plane of a base picture, moved by eighths of a texel.
+class BasePlane {
+public:
+    BasePlane(const std::vector<std::int32_t>& plane, const BlockShape& shape)
+        : plane_(plane), width_(shape.n[0]), height_(shape.n[1]) {}
+
+    // What follows are the nu x nv texels at (u, v) and (du, dv) eighths away from there.
+    void move(int u, int v, int nu, int nv, int du, int dv) {
+        along_v_ = &base_filter[static_cast<std::size_t>(dv & (base_unit - 1))];
+        const auto& along_u = base_filter[static_cast<std::size_t>(du & (base_unit - 1))];
+        const int first_u = u + (du >> 3) - before, first_v = v + (dv >> 3) - before;
+        static_assert(base_unit == 1 << 3);
+        std::array<const std::int32_t*, base_taps> from;
+        for (int i = 0; i < nv + base_taps - 1; ++i) {
+            const std::int32_t* row = row_at(first_u, first_v + i, nu + base_taps - 1);
+            for (std::size_t tap = 0; tap < base_taps; ++tap)
+                from[tap] = row + tap;
+            kernels().six_taps(from.data(), along_u.data(), base_first_shift, nu,
+                               rows_[static_cast<std::size_t>(i)].data());
+        }
+    }
+
+    void get_row(int v, int nu, std::int32_t* values) const {
+        std::array<const std::int32_t*, base_taps> from;
+        for (std::size_t tap = 0; tap < base_taps; ++tap)
+            from[tap] = rows_[static_cast<std::size_t>(v) + tap].data();
+        kernels().six_taps(from.data(), along_v_->data(), base_second_shift, nu, values);
+    }
+
+private:
+    static constexpr int before = 2; // texels before the one that a tap of its own stands for
+
+    // n texels from (u, v) on; texels outside are those at the edge.
+    const std::int32_t* row_at(int u, int v, int n) {
+        const std::int32_t* line = plane_.data() + std::clamp(v, 0, height_ - 1) * width_;
+        if (u >= 0 && u + n <= width_)
+            return line + u;
+        for (int i = 0; i < n; ++i)
+            edge_[static_cast<std::size_t>(i)] = line[std::clamp(u + i, 0, width_ - 1)];
+        return edge_.data();
+    }
+
+    const std::vector<std::int32_t>& plane_;
+    const int width_, height_;
+    const std::array<std::int8_t, base_taps>* along_v_ = nullptr;
+    std::array<std::int32_t, max_tile_side + base_taps> edge_;
+    std::array<std::array<std::int32_t, max_tile_side>, max_tile_side + base_taps> rows_;
+};
+
 // Calls visit(sums, s, t, v) for every row of a block; sums >> copy_shift() are its predicted values.
 template <class Visit>
 void for_each_row(const Block& block, const BlockPrediction& prediction, bool smooth,
@@ -68,54 +117,107 @@ void for_each_row(const Block& block, const BlockPrediction& prediction, bool sm
         }
 }
 
+// Calls visit(values, s, t, v) for every row of a block that copies the tile's base picture.
+template <class Visit>
+void for_each_base_row(const Block& block, const BlockPrediction& prediction,
+                       const TilePlanes& decoded, std::size_t plane, Visit visit) {
+    const auto& n = block.shape.n;
+    BasePlane base(decoded.base[plane], decoded.base_shape);
+    const int margin = (decoded.base_shape.n[0] - decoded.shape.n[0]) / 2;
+    std::array<std::int32_t, max_tile_side> values;
+    for (int t = 0; t < n[3]; ++t)
+        for (int s = 0; s < n[2]; ++s) {
+            const auto from_middle = [&](std::size_t axis, int view) {
+                return block.origin[axis] + view - (decoded.shape.n[axis] - 1) / 2;
+            };
+            base.move(block.origin[0] + margin, block.origin[1] + margin, n[0], n[1],
+                      from_middle(2, s) * prediction.displacement.u,
+                      from_middle(3, t) * prediction.displacement.v);
+            for (int v = 0; v < n[1]; ++v) {
+                base.get_row(v, n[0], values.data());
+                visit(values.data(), s, t, v);
+            }
+        }
+}
+
+// First texel of a row of a block, in a plane of the picture it is a part of.
+std::int32_t* row_of(const Block& block, const BlockShape& picture, int s, int t, int v,
+                     std::vector<std::int32_t>& plane) {
+    return plane.data() +
+           (((block.origin[3] + t) * picture.n[2] + block.origin[2] + s) * picture.n[1] +
+            block.origin[1] + v) *
+               picture.n[0] +
+           block.origin[0];
+}
+
+void clamp_block(const Block& block, const BlockShape& picture, std::int32_t limit,
+                 std::vector<std::int32_t>& plane) {
+    constexpr std::array<std::int32_t, max_tile_side> nothing{};
+    const auto& n = block.shape.n;
+    for (int t = 0; t < n[3]; ++t)
+        for (int s = 0; s < n[2]; ++s)
+            for (int v = 0; v < n[1]; ++v)
+                kernels().add_within(row_of(block, picture, s, t, v, plane), nothing.data(), 0,
+                                     n[0], limit);
+}
+
 } // namespace
 
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                   const BlockShape& tile, const std::vector<std::int32_t>& plane,
-                   std::vector<std::int32_t>& out) {
+                   const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out) {
     const bool smooth = coding.parameters.smooth_copies;
-    const int n = block.shape.n[0], shift = copy_shift(smooth);
+    const int n = block.shape.n[0];
+    const int shift = prediction.copies_base() ? 0 : copy_shift(smooth);
     out.resize(static_cast<std::size_t>(block.shape.texels()));
     std::int32_t* to = out.data();
-    for_each_row(block, prediction, smooth, tile, plane,
-                 [&](const std::int32_t* sums, int, int, int) {
-                     for (int u = 0; u < n; ++u)
-                         *to++ = sums[u] >> shift;
-                 });
+    const auto put = [&](const std::int32_t* sums, int, int, int) {
+        for (int u = 0; u < n; ++u)
+            *to++ = sums[u] >> shift;
+    };
+    if (prediction.copies_base())
+        for_each_base_row(block, prediction, decoded, plane, put);
+    else
+        for_each_row(block, prediction, smooth, decoded.shape, decoded.plane[plane], put);
 }
 
 void finish_predicted(const Block& block, const BlockPrediction& prediction,
-                      const TileCoding& coding, const BlockShape& tile, bool has_difference,
-                      std::vector<std::int32_t>& plane) {
-    const auto& n = block.shape.n;
+                      const TileCoding& coding, bool has_difference, TilePlanes& decoded,
+                      std::size_t plane) {
+    const int n = block.shape.n[0];
     const std::int32_t limit = value_limit(coding.type);
-    const auto row = [&](int s, int t, int v) {
-        return plane.data() +
-               (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
-                block.origin[1] + v) *
-                   tile.n[0] +
-               block.origin[0];
-    };
+    std::vector<std::int32_t>& values = decoded.plane[plane];
     if (!prediction.copies()) {
-        constexpr std::array<std::int32_t, max_tile_side> nothing{};
-        for (int t = 0; has_difference && t < n[3]; ++t)
-            for (int s = 0; s < n[2]; ++s)
-                for (int v = 0; v < n[1]; ++v)
-                    kernels().add_within(row(s, t, v), nothing.data(), 0, n[0], limit);
+        if (has_difference)
+            clamp_block(block, decoded.shape, limit, values);
+        return;
+    }
+    if (prediction.copies_base()) {
+        for_each_base_row(block, prediction, decoded, plane,
+                          [&](const std::int32_t* copied, int s, int t, int v) {
+                              std::int32_t* to = row_of(block, decoded.shape, s, t, v, values);
+                              if (!has_difference)
+                                  std::fill_n(to, n, 0);
+                              kernels().add_within(to, copied, 0, n, limit);
+                          });
         return;
     }
     const bool smooth = coding.parameters.smooth_copies;
     const int shift = copy_shift(smooth);
-    for_each_row(block, prediction, smooth, tile, plane,
+    for_each_row(block, prediction, smooth, decoded.shape, values,
                  [&](const std::int32_t* sums, int s, int t, int v) {
-                     std::int32_t* to = row(s, t, v);
+                     std::int32_t* to = row_of(block, decoded.shape, s, t, v, values);
                      // Means of clamped values need no clamp.
                      if (has_difference)
-                         kernels().add_within(to, sums, shift, n[0], limit);
+                         kernels().add_within(to, sums, shift, n, limit);
                      else
-                         for (int u = 0; u < n[0]; ++u)
+                         for (int u = 0; u < n; ++u)
                              to[u] = sums[u] >> shift;
                  });
+}
+
+void finish_base_block(const Block& block, const TileCoding& coding, TilePlanes& decoded,
+                       std::size_t plane) {
+    clamp_block(block, decoded.base_shape, value_limit(coding.type), decoded.base[plane]);
 }
 
 } // namespace tessera

@@ -111,8 +111,11 @@ class BlockReconstruction {
 public:
     BlockReconstruction(const TileLevels& tile, std::size_t index, const TileCoding& coding,
                         ReconstructScratch& scratch, TilePlanes& planes)
-        : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]), coding_(coding),
-          shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), planes_(planes),
+        : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]),
+          is_of_base_(index < tile.base_blocks), coding_(coding),
+          shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch),
+          picture_(is_of_base_ ? planes.base_shape : tile.shape),
+          planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
           copies_(tile.copies(index)) {}
 
@@ -145,7 +148,9 @@ private:
     std::span<const NonZero> levels(int plane) const { return tile_.levels(levels_[plane]); }
 
     void dequantize(int plane, const Support& support, std::vector<std::int32_t>& box) const {
-        dequantize_plane(levels(plane), shape_.order, coding_.scales(shape_, plane, colour_),
+        const ScaleSet& scales = coding_.scales(shape_, plane, colour_);
+        dequantize_plane(levels(plane), shape_.order,
+                         is_of_base_ ? finer_scales(scales, base_fineness(tile_.shape)) : scales,
                          coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))],
                          support, box);
     }
@@ -181,23 +186,25 @@ private:
             return;
         }
         inverse_transform(support, block_.shape, scratch_);
-        store_block(block_, scratch_.a.data(), shift, tile_.shape,
-                    planes_.plane[static_cast<std::size_t>(plane)]);
+        store_block(block_, scratch_.a.data(), shift, picture_,
+                    planes_[static_cast<std::size_t>(plane)]);
     }
 
     void fill(int plane, std::int32_t value) {
         if (copies_ && !has_levels(plane))
             return; // the copy will stand there
-        fill_block(block_, value, tile_.shape, planes_.plane[static_cast<std::size_t>(plane)]);
+        fill_block(block_, value, picture_, planes_[static_cast<std::size_t>(plane)]);
     }
 
     const TileLevels& tile_;
     const Block& block_;
     const int colour_;
+    const bool is_of_base_;
     const TileCoding& coding_;
     const ShapeCoding& shape_;
     ReconstructScratch& scratch_;
-    TilePlanes& planes_;
+    const BlockShape& picture_; // that the block is a part of: the tile, or its base
+    std::array<std::vector<std::int32_t>, max_planes>& planes_; // of this
     const PlaneLevels* const levels_;
     const bool copies_;
 };
@@ -210,14 +217,21 @@ void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCo
     reconstruction.run();
     if (levels.predictions.empty())
         return;
-    for (int p = 0; p < coding.planes; ++p)
-        finish_predicted(levels.blocks[block], levels.predictions[block], coding, levels.shape,
-                         reconstruction.has_levels(p), planes.plane[static_cast<std::size_t>(p)]);
+    for (int p = 0; p < coding.planes; ++p) {
+        const auto plane = static_cast<std::size_t>(p);
+        if (block < levels.base_blocks)
+            finish_base_block(levels.blocks[block], coding, planes, plane);
+        else
+            finish_predicted(levels.blocks[block], levels.predictions[block], coding,
+                             reconstruction.has_levels(p), planes, plane);
+    }
 }
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes) {
     planes.resize(levels.shape, coding.planes);
+    if (levels.base_blocks > 0)
+        planes.resize_base(*base_shape(levels.shape, coding.parameters.base), coding.planes);
     if (levels.predictions.empty()) {
         for (std::size_t block = 0; block < levels.blocks.size(); ++block)
             reconstruct_block(levels, block, coding, scratch, planes);

@@ -27,10 +27,11 @@ struct PlaneLevels {
 struct TileLevels {
     BlockShape shape;                  // of the whole tile
     std::vector<Block> blocks;         // leaves in decoding order
+    std::size_t base_blocks = 0;       // of them, the first ones: those of the tile's base picture
     std::vector<std::uint8_t> colours; // of each block: 0 plain, else 1 + rotation
     std::vector<std::uint8_t> splits;  // Split of every node, parents before children
     // Of each block, and the order in which they are reconstructed (see copy_depths); both empty where
-    // no block copies anything.
+    // no block copies anything and there is no base picture.
     std::vector<BlockPrediction> predictions;
     std::vector<std::uint16_t> order;
     std::vector<PlaneLevels> planes; // blocks.size() * number of planes
@@ -39,6 +40,7 @@ struct TileLevels {
     bool operator==(const TileLevels&) const = default;
     void clear() {
         blocks.clear();
+        base_blocks = 0;
         colours.clear();
         splits.clear();
         forget_copies();

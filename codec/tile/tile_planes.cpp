@@ -106,6 +106,12 @@ void TilePlanes::resize(const BlockShape& new_shape, int planes) {
         plane[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(shape.texels()));
 }
 
+void TilePlanes::resize_base(const BlockShape& new_shape, int planes) {
+    base_shape = new_shape;
+    for (int i = 0; i < planes; ++i)
+        base[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(base_shape.texels()));
+}
+
 void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
                         const BlockShape& shape, TilePlanes& planes) {
     planes.resize(shape, colour.desc.channels);

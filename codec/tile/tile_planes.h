@@ -26,7 +26,11 @@ struct ColourCoding {
 struct TilePlanes {
     BlockShape shape;
     std::array<std::vector<std::int32_t>, max_planes> plane;
+    // Of a decoded tile with a base picture: this, order v, u.
+    BlockShape base_shape;
+    std::array<std::vector<std::int32_t>, max_planes> base;
 
+    void resize_base(const BlockShape& new_shape, int planes);
     void resize(const BlockShape& new_shape, int planes);
 };
 

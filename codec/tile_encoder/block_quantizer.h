@@ -7,6 +7,7 @@
 #include "codec/tile_encoder/level_trellis.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace tessera {
@@ -17,12 +18,18 @@ struct BlockCoefficients {
     BlockShape shape;
     std::array<std::vector<float>, max_planes> plane;
     bool copies = false; // what is left of a block that copies from other views
+    int fineness = 0;    // k: in steps of 2^(-k / 2) times the file's, as those of base pictures
     int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
 };
 
 // Coefficients of a block's scan order that an encoder may code: the longest codable length with
 // which all planes together stay within a segment's work.
 int length_limit(int planes, int scan_length);
+
+// How many times finer steps are, of blocks of that fineness.
+inline float times_finer(int fineness) {
+    return std::exp2(0.5f * static_cast<float>(fineness));
+}
 
 class BlockQuantizer {
 public:
@@ -38,8 +45,10 @@ public:
 
 private:
     float inverse_step(const BlockCoefficients& block, int plane) const {
-        return block.colour != 0 && plane < 3 ? inverse_rotated_step_
-                                              : inverse_step_[static_cast<std::size_t>(plane)];
+        const float inverse = block.colour != 0 && plane < 3
+                                  ? inverse_rotated_step_
+                                  : inverse_step_[static_cast<std::size_t>(plane)];
+        return inverse * times_finer(block.fineness);
     }
     float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                          std::size_t first_plane, TileLevels& out);

@@ -31,6 +31,8 @@ constexpr float rotation_symbol_bits = 3.0f; // of a colour symbol, often the on
 // Of a copying block over one that does not, beside its displacements: the model takes what is left
 // of it for cheaper than it is.
 constexpr float copy_bits = 12.0f;
+constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
+constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
 
@@ -40,10 +42,18 @@ BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
                          const SearchOptions& options)
     : coding_(coding), costs_(costs), options_(options),
       codes_(1.0f / static_cast<float>(1 << value_bits(coding.type))) {
-    for (int plane = 0; plane < coding.planes; ++plane)
-        inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
-            1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
-    inverse_rotated_step_ = static_cast<float>(1.0 / coding.parameters.rotated_step.value());
+    set_fineness(0);
+}
+
+void BlockSearch::set_fineness(int k) {
+    fineness_ = k;
+    const auto inverse = [k](StepCode step) {
+        return times_finer(k) * static_cast<float>(1.0 / step.value());
+    };
+    for (int plane = 0; plane < coding_.planes; ++plane)
+        inverse_step_[static_cast<std::size_t>(plane)] =
+            inverse(coding_.parameters.step[static_cast<std::size_t>(plane)]);
+    inverse_rotated_step_ = inverse(coding_.parameters.rotated_step);
 }
 
 namespace {
@@ -274,19 +284,96 @@ void BlockSearch::reset_choices() {
     }
 }
 
+bool BlockSearch::can_copy() const {
+    return grids_[0].activity[0] >= flat_activity * options_.lambda && angular_depths_ > 0;
+}
+
 bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
-    if (grids_[0].activity[0] < flat_activity * options_.lambda || angular_depths_ == 0)
+    if (!can_copy())
         return false;
     reset_choices();
     displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
                          coding_.parameters.smooth_copies);
     for (int a = 1; a <= angular_depths_; ++a)
         try_copies(a, reconstructed);
+    for (Grid& grid : grids_) {
+        grid.copied_cost = grid.cost;
+        grid.copied = grid.prediction;
+    }
+    return emit_tree(out);
+}
+
+bool BlockSearch::choose_base_copies(const TilePlanes& reconstructed, TileLevels& out) {
+    if (!can_copy())
+        return false;
+    reset_choices();
+    for (Grid& grid : grids_) {
+        grid.cost = grid.copied_cost;
+        grid.prediction = grid.copied;
+    }
+    try_base(reconstructed);
+    return emit_tree(out);
+}
+
+void BlockSearch::find_displacements(const TilePlanes& pictured, BaseDisplacements& out) {
+    const Grid& grid = grids_[grid_index(spatial_depths_, 0)];
+    base_matches_.begin(shape_, source_[0], codes_, coding_, pictured);
+    base_matches_.enter(grid.segments);
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        out.set(block_of(grid, c), base_matches_.best(grid.index(c)).displacement);
+    });
+}
+
+// The tree that costs least, once all cells know what they cost as blocks. False if nothing copies, or
+// if it has more leaves than a tile may have.
+bool BlockSearch::emit_tree(TileLevels& out) {
     combine();
     out.clear();
     out.shape = shape_;
     emit(Block{{0, 0, 0, 0}, shape_, 0, 0}, 0, 0, {0, 0, 0, 0}, out);
     return out.blocks.size() <= max_leaves && copies_anything(out.predictions);
+}
+
+Block BlockSearch::block_of(const Grid& grid, const std::array<int, 4>& cell) const {
+    Block block;
+    for (int axis = 0; axis < 4; ++axis) {
+        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(cell[axis])];
+        block.origin[axis] = static_cast<std::uint8_t>(segment.begin);
+        block.shape.n[axis] = static_cast<std::uint8_t>(segment.size);
+    }
+    return block;
+}
+
+// Blocks of single views are what copies from one view to the next are for.
+void BlockSearch::try_base(const TilePlanes& reconstructed) {
+    const int deepest = std::min(angular_depths_, most_base_splits);
+    base_matches_.begin(shape_, source_[0], codes_, coding_, reconstructed);
+    for (int a = angular_depths_; a >= 0; --a)
+        for (int s = spatial_depths_; s >= 0; --s) {
+            Grid& grid = grids_[grid_index(s, a)];
+            base_matches_.enter(grid.segments);
+            if (a > deepest || !is_tried(s, a))
+                continue;
+            grid.for_each_cell([&](const std::array<int, 4>& c) {
+                if (grid.activity[grid.index(c)] >= flat_activity * options_.lambda)
+                    try_base(grid, c, base_matches_.best(grid.index(c)), reconstructed);
+            });
+        }
+}
+
+void BlockSearch::try_base(Grid& grid, const std::array<int, 4>& c, const BaseMatch& match,
+                           const TilePlanes& reconstructed) {
+    const std::size_t i = grid.index(c);
+    if (match.error * inverse_step_[0] * inverse_step_[0] >= grid.activity[i] + grid.mean_cost[i])
+        return;
+    const BlockPrediction prediction{
+        CopyFrom::base, base_displacement(coding_.parameters.base, match.displacement)};
+    const float cost = options_.lambda * (block_overhead_bits + base_copy_bits) +
+                       copy_cost(block_of(grid, c), prediction, reconstructed);
+    if (cost < grid.cost[i]) {
+        grid.cost[i] = cost;
+        grid.prediction[i] = prediction;
+    }
 }
 
 void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
@@ -320,12 +407,7 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
 void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
                              const std::array<Match, copy_directions>& match,
                              const TilePlanes& reconstructed) {
-    Block block;
-    for (int axis = 0; axis < 4; ++axis) {
-        const Segment& segment = grid.segments[axis][static_cast<std::size_t>(c[axis])];
-        block.origin[axis] = static_cast<std::uint8_t>(segment.begin);
-        block.shape.n[axis] = static_cast<std::uint8_t>(segment.size);
-    }
+    const Block block = block_of(grid, c);
     const std::size_t i = grid.index(c);
     const float scale = inverse_step_[0] * inverse_step_[0];
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
@@ -344,8 +426,8 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
 
 void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction& prediction,
                                       int plane, const TilePlanes& reconstructed, float* values) {
-    predict_plane(block, prediction, coding_, shape_,
-                  reconstructed.plane[static_cast<std::size_t>(plane)], predicted_);
+    predict_plane(block, prediction, coding_, reconstructed, static_cast<std::size_t>(plane),
+                  predicted_);
     for (const std::int32_t value : predicted_)
         *values++ -= static_cast<float>(value) * codes_;
 }
@@ -569,6 +651,7 @@ void BlockSearch::transform_block(const Block& block, const BlockPrediction& pre
                                   const TilePlanes& reconstructed, BlockCoefficients& out) {
     out.shape = block.shape;
     out.copies = prediction.copies();
+    out.fineness = fineness_;
     const auto& n = block.shape.n;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);

@@ -4,6 +4,8 @@
 #include "codec/kernels/forward_dct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
+#include "codec/tile_encoder/base_matches.h"
+#include "codec/tile_encoder/base_picture.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile_encoder/block_quantizer.h"
 #include "codec/tile_encoder/displacement_search.h"
@@ -36,6 +38,15 @@ public:
     // a tile may have so many.
     bool choose_copies(const TilePlanes& reconstructed, TileLevels& out);
 
+    // After choose_copies, where `reconstructed` has a base picture: blocks may copy that, too. What
+    // they can copy of other views is taken to be what choose_copies found.
+    bool choose_base_copies(const TilePlanes& reconstructed, TileLevels& out);
+    // How each place of the tile moves, if `pictured` has the base picture before it is coded.
+    void find_displacements(const TilePlanes& pictured, BaseDisplacements& out);
+
+    // Of what follows: steps of 2^(-k / 2) times the file's, as base pictures have them.
+    void set_fineness(int k);
+
     // Coefficients of one block of the tile given to the last choose_blocks; of its difference to
     // what it copies from `reconstructed`, if it does.
     void transform_block(const Block& block, const BlockPrediction& prediction,
@@ -52,6 +63,9 @@ private:
         std::vector<std::uint8_t> choice;        // Split
         std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
+        // Of each cell as one block that may copy from other views.
+        std::vector<float> copied_cost;
+        std::vector<BlockPrediction> copied;
 
         std::size_t index(const std::array<int, 4>& c) const {
             return static_cast<std::size_t>(
@@ -93,6 +107,12 @@ private:
     void estimate_grid(Grid& grid, int spatial, int angular);
     void gather_block(const Block& block, int plane, float* to) const;
     void reset_choices();
+    bool can_copy() const;
+    bool emit_tree(TileLevels& out);
+    void try_base(const TilePlanes& reconstructed);
+    void try_base(Grid& grid, const std::array<int, 4>& cell, const BaseMatch& match,
+                  const TilePlanes& reconstructed);
+    Block block_of(const Grid& grid, const std::array<int, 4>& cell) const;
     void try_copies(int angular, const TilePlanes& reconstructed);
     void try_copies(Grid& grid, const std::array<int, 4>& cell,
                     const std::array<Match, copy_directions>& match,
@@ -115,6 +135,7 @@ private:
     const float codes_; // of one in a TilePlanes; floats here are in codes
     BlockShape shape_;
     int spatial_depths_ = 0, angular_depths_ = 0;
+    int fineness_ = 0;
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;
     std::array<std::vector<float>, max_planes> source_, angular_;
@@ -124,6 +145,7 @@ private:
     std::vector<Grid> grids_;
     DisplacementSearch displacements_;
     std::array<std::vector<std::vector<Match>>, copy_directions> matches_;
+    BaseMatches base_matches_;
     std::vector<std::int32_t> predicted_;
     std::vector<float> residual_;
     std::map<BlockShape, std::vector<float>> base_; // costs in the order of forward_image

@@ -85,6 +85,7 @@ void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficie
     const auto count = static_cast<std::size_t>(block.shape.texels());
     out.shape = block.shape;
     out.copies = block.copies;
+    out.fineness = block.fineness;
     out.colour = rotation + 1;
     for (std::size_t plane = 0; plane < 3; ++plane) {
         out.plane[plane].resize(count);

@@ -70,7 +70,9 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
             level_copies ? DisplacementRange{level.along, level.across} : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.copy_rounds = std::max(level.rounds, 1);
+    settings.base_rounds = level.rounds > 2 ? 3 : 2;
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
+    settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);
     if (tools.is_on(CodingTool::refine, level.refinements > 0))
         settings.refinements = std::max(level.refinements, 1);

@@ -19,8 +19,10 @@ struct EffortSettings {
     bool fit_tables = true;     // to the sample, and to all tiles
     bool filter = true;         // decoded tiles, where that is worth it
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
+    bool try_base = true;       // whether tiles have base pictures, likewise
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
     int copy_rounds = 1;        // of the search for blocks that copy
+    int base_rounds = 1;        // of making a base picture
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
     bool second_pass = false;   // decide again under the tables of the first pass
 

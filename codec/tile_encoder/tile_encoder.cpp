@@ -1,5 +1,7 @@
 #include "codec/tile_encoder/tile_encoder.h"
 
+#include "codec/entropy/tile_entropy.h"
+#include "codec/tile_encoder/base_picture.h"
 #include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
@@ -67,7 +69,7 @@ void TileEncoder::encode_filled(TileLevels& out) {
 // Returns what the tile costs: squared steps, a bit being worth lambda of them.
 float TileEncoder::encode_planes(TileLevels& out) {
     search_.choose_blocks(planes_, out);
-    float cost = encode_blocks(out);
+    float cost = encode_blocks(search_, out);
     if (!coding_->predicts || settings_->search.copies.along == 0)
         return cost;
     // What the tile looks like without copies stands for what its blocks could copy; what it then
@@ -82,10 +84,69 @@ float TileEncoder::encode_planes(TileLevels& out) {
             std::swap(out, copies_);
         }
     }
+    kept_base_.levels.clear();
+    if (base_shape(out.shape, coding_->parameters.base) && !out.nonzeros.empty())
+        try_base(out, cost);
     for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
         if (!refine(out, cost))
             break;
+    if (copies_base(out))
+        prepend_base(kept_base_.levels, out);
     return cost;
+}
+
+// Codes a base picture, which decoded_ has then.
+void TileEncoder::encode_base(const TilePlanes& picture) {
+    base_search_.choose_blocks(picture, base_.levels);
+    encode_blocks(base_search_, base_.levels);
+    base_bytes_.clear();
+    encode_levels(base_.levels, {}, *coding_, base_bytes_);
+    base_.cost = settings_->quantizer.lambda * 8 * static_cast<float>(base_bytes_.size());
+    decode_base(base_);
+}
+
+void TileEncoder::decode_base(const Base& base) {
+    TileLevels alone;
+    alone.shape = planes_.shape;
+    prepend_base(base.levels, alone);
+    decoded_.resize_base(base.levels.shape, coding_->planes);
+    for (std::size_t block = 0; block < alone.base_blocks; ++block)
+        reconstruct_block(alone, block, *coding_, scratch_, decoded_);
+}
+
+// A picture that all views copy. How its parts move says what is in its margin: at first as the middle
+// view's own texels match the others.
+void TileEncoder::try_base(TileLevels& out, float& cost) {
+    base_search_.set_fineness(base_fineness(out.shape));
+    BaseDisplacements displacements(out.shape);
+    reconstruct(out, *coding_, scratch_, decoded_);
+    const auto make_picture = [&] {
+        make_base_picture(planes_, coding_->planes, coding_->parameters.base, displacements,
+                          picture_);
+    };
+    make_picture();
+    decoded_.base_shape = picture_.shape;
+    decoded_.base = picture_.plane;
+    search_.find_displacements(decoded_, displacements);
+    for (int round = 0; round < settings_->base_rounds; ++round) {
+        make_picture();
+        encode_base(picture_);
+        if (!search_.choose_base_copies(decoded_, copies_) ||
+            copies_.blocks.size() + base_.levels.blocks.size() > max_leaves)
+            break;
+        displacements.take(copies_);
+        const float with_base = encode_copies(copies_);
+        if (with_base < cost) {
+            cost = with_base;
+            std::swap(out, copies_);
+            std::swap(kept_base_, base_);
+        }
+    }
+    if (copies_base(out)) {
+        std::swap(base_, kept_base_);
+        decode_base(base_);
+        kept_base_ = base_;
+    }
 }
 
 // The search goes by estimates. Coding the tree that it chose, and each block's quarters and
@@ -103,7 +164,7 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
         return false;
     copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
     apply_edits(refinement.edits, copies_);
-    if (copies_.blocks.size() > max_leaves)
+    if (copies_.blocks.size() + kept_base_.levels.blocks.size() > max_leaves)
         return false;
     const float refined = encode_copies(copies_);
     if (refined >= cost)
@@ -114,11 +175,12 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
 }
 
 // Returns the tile's cost, as encode_copies does.
-float TileEncoder::encode_blocks(TileLevels& out) {
+float TileEncoder::encode_blocks(BlockSearch& search, TileLevels& out) {
     last_rotation_ = 1;
     float cost = 0;
     for (const Block& block : out.blocks)
-        cost += encode_block(block, {}, out) + settings_->quantizer.lambda * usual_split_bits;
+        cost +=
+            encode_block(search, block, {}, out) + settings_->quantizer.lambda * usual_split_bits;
     return cost;
 }
 
@@ -149,7 +211,7 @@ float TileEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
     sort_levels(out);
     if (!copies_anything(out.predictions))
         out.forget_copies();
-    return cost;
+    return cost + (copies_base(out) ? base_.cost : 0);
 }
 
 // After a block was coded at `cost`: would it be cheaper in four, or with its siblings as one?
@@ -218,14 +280,14 @@ void TileEncoder::consider_merge(const TileLevels& tile, const Siblings& sibling
 float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
     trial_.clear();
     const int rotation_before = last_rotation_;
-    const float chosen = encode_block(block, prediction, trial_);
+    const float chosen = encode_block(search_, block, prediction, trial_);
     if (!prediction.copies())
         return chosen;
     const float copied = chosen + settings_->quantizer.lambda * usual_prediction_bits;
     const int rotation_after = last_rotation_;
     last_rotation_ = rotation_before;
     other_trial_.clear();
-    const float own = encode_block(block, {}, other_trial_);
+    const float own = encode_block(search_, block, {}, other_trial_);
     if (own < copied) {
         std::swap(trial_, other_trial_);
         prediction = {};
@@ -236,9 +298,9 @@ float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
 }
 
 // Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
-float TileEncoder::encode_block(const Block& block, const BlockPrediction& prediction,
-                                TileLevels& out) {
-    search_.transform_block(block, prediction, decoded_, coefficients_);
+float TileEncoder::encode_block(BlockSearch& search, const Block& block,
+                                const BlockPrediction& prediction, TileLevels& out) {
+    search.transform_block(block, prediction, decoded_, coefficients_);
     const TileLevels::Mark mark = out.mark();
     // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
     // orthogonal: costs relative to it would not compare.

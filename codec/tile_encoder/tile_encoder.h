@@ -20,7 +20,8 @@ public:
     TileEncoder(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
                 const EffortSettings& settings)
         : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
-          search_(coding, costs, settings.search), quantizer_(coding, costs, settings.quantizer) {}
+          search_(coding, costs, settings.search), base_search_(coding, costs, settings.search),
+          quantizer_(coding, costs, settings.quantizer) {}
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
@@ -31,7 +32,15 @@ public:
 private:
     void encode_filled(TileLevels& out);
     float encode_planes(TileLevels& out);
-    float encode_blocks(TileLevels& out);
+    float encode_blocks(BlockSearch& search, TileLevels& out);
+    // A base picture, coded as a tile of its own, and what its bits cost.
+    struct Base {
+        TileLevels levels;
+        float cost = 0;
+    };
+    void encode_base(const TilePlanes& picture);
+    void decode_base(const Base& base);
+    void try_base(TileLevels& out, float& cost);
     // What coding the blocks of a tree says about those that it could have instead.
     struct Refinement {
         std::vector<TreeEdit> edits; // of each block
@@ -47,16 +56,19 @@ private:
     void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
     float encode_best(const Block& block, BlockPrediction& prediction);
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
-    float encode_block(const Block& block, const BlockPrediction& prediction, TileLevels& out);
+    float encode_block(BlockSearch& search, const Block& block, const BlockPrediction& prediction,
+                       TileLevels& out);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
     const ColourCoding* colour_;
     const EffortSettings* settings_;
     int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
-    BlockSearch search_;
+    BlockSearch search_, base_search_;
     BlockQuantizer quantizer_;
-    TilePlanes planes_, decoded_;
+    TilePlanes planes_, decoded_, picture_, decoded_picture_;
+    Base base_, kept_base_; // in hand; of the cheapest way found
+    std::vector<std::byte> base_bytes_;
     DontCare dont_care_;
     ReconstructScratch scratch_;
     BlockCoefficients coefficients_, rotated_;

@@ -22,6 +22,7 @@ enum class CodingTool : std::uint8_t {
     fitted_tables,
     grids,
     smooth,
+    base,
     refine,
     filter,
     dense_tables,
@@ -33,7 +34,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
     {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
@@ -49,6 +50,8 @@ inline constexpr std::array<CodingToolInfo, 13> coding_tools = {{
      "... learnt from a dense start, too, where a trial finds it better"},
     {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
     {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
+    {CodingTool::base, "base",
+     "base pictures that all views copy, where a trial finds that they pay"},
     {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
     {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
 }};

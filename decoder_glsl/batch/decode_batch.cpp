@@ -41,6 +41,8 @@ BatchBuilder::Size BatchBuilder::empty_size() {
 // Of a tile's values, kept for its copies or the filter.
 std::uint32_t BatchBuilder::value_words(const TreeSize& tree, std::uint64_t texels) const {
     const bool keeps = !tree.copies.empty() || tables_.filters();
+    if (tree.base)
+        texels += static_cast<std::uint64_t>(tree.base->texels());
     return keeps ? static_cast<std::uint32_t>(texels) * tables_.value_words() : 0;
 }
 
@@ -69,7 +71,7 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
     PayloadParts parts;
     const auto tree_of = [&](std::span<const std::byte> segment) {
         return tree_size(segment, shape, tables_.code_tables(), static_cast<int>(tables_.planes()),
-                         tables_.predicts());
+                         tables_.predicts(), tables_.base());
     };
     TreeSize tree;
     bool sound = split_payload(payload, shape.texels(), parts).ok() &&
@@ -140,12 +142,12 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
     }
     const bool predicted = !tree.copies.empty();
     const std::uint32_t values = value_words(tree, static_cast<std::uint64_t>(shape.texels()));
-    tile_words_.insert(tile_words_.end(),
-                       {tables_.shape_id(shape), first_segment,
-                        static_cast<std::uint32_t>(parts.segments.size()), place.x, place.y,
-                        place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_, tree.blocks,
-                        predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
-                        values > 0 ? values_ : tsr_none});
+    tile_words_.insert(
+        tile_words_.end(),
+        {tables_.shape_id(shape), first_segment, static_cast<std::uint32_t>(parts.segments.size()),
+         place.x, place.y, place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_,
+         tree.blocks, predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
+         values > 0 ? values_ : tsr_none, tree.base ? tables_.shape_id(*tree.base) : tsr_none});
     copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
     values_ += values;
     waves_ = std::max(waves_, tree.waves);

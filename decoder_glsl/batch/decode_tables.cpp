@@ -65,6 +65,11 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     for (const auto& table : tables.prediction)
         put_symbols(table, words, at++, 1);
     put(tables.displacement, tsr_t_displacement);
+    put_symbols(tables.base, words, tsr_t_base, 1);
+    at = tsr_t_from_base;
+    for (const auto& table : tables.from_base)
+        put_symbols(table, words, at++, 1);
+    put_symbols(tables.base_displacement, words, tsr_t_base_displacement, tsr_symbol_words);
     at = tsr_t_displacement_kind;
     for (const auto& table : tables.displacement_kind)
         put_symbols(table, words, at++, 1);
@@ -76,6 +81,10 @@ void put_transform_tables(Words& words) {
         for (const auto& row : rotation_matrix(i))
             for (const std::int32_t x : row)
                 words[at++] = signed_word(x);
+    at = tsr_t_base_filter;
+    for (const auto& taps : base_filter)
+        for (const std::int8_t tap : taps)
+            words[at++] = signed_word(tap);
     at = tsr_t_basis;
     for (int n = 1; n <= max_tile_side; ++n) {
         if (n == max_frequencies + 1)
@@ -121,6 +130,8 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
     words[tsr_t_predicts] = coding.prediction;
     words[tsr_t_smooth] = coding.smooth_copies;
+    words[tsr_t_base_pictures] = coding.base.on;
+    words[tsr_t_base_margin] = coding.base.margin;
     put_filter(coding, desc.type, words);
     words[tsr_t_correction_step] = 2u * coding.correction_error + 1;
     for (std::size_t i = 0; i < 4; ++i)
@@ -183,8 +194,12 @@ void DecodeTables::add_shapes(const TileGrid& grid) {
     for (const auto u : sides[0])
         for (const auto v : sides[1])
             for (const auto s : sides[2])
-                for (const auto t : sides[3])
-                    add_subtree({{u, v, s, t}});
+                for (const auto t : sides[3]) {
+                    const BlockShape tile{{u, v, s, t}};
+                    add_subtree(tile);
+                    if (const auto base = base_shape(tile, base_))
+                        add_subtree(*base);
+                }
 }
 
 Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
@@ -197,6 +212,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
     tables.predicts_ = coding.prediction;
+    tables.base_ = coding.base;
     tables.filters_ = coding.filter.is_on();
     tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());

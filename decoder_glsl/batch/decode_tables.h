@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/container_reader.h"
+#include "format/tile/base_picture.h"
 #include "format/tile/block.h"
 #include "format/tile/code_tables.h"
 
@@ -28,6 +29,7 @@ public:
     const CodeTables& code_tables() const { return *code_tables_; }
     bool has_corrections() const { return has_corrections_; }
     bool predicts() const { return predicts_; }
+    const BasePictures& base() const { return base_; }
     bool filters() const { return filters_; }
     // Whether tiles may need room for their values, for copies or the filter.
     bool keeps_values() const { return predicts_ || filters_; }
@@ -42,6 +44,7 @@ private:
     std::map<BlockShape, std::uint32_t> ids_;
     std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
+    BasePictures base_;
     bool has_corrections_ = false, predicts_ = false, filters_ = false, half_ = false;
 };
 

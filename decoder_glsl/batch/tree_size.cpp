@@ -27,31 +27,43 @@ std::uint32_t items_of(const BlockShape& shape, int planes, int support_s, int s
 class TreeCounter {
 public:
     TreeCounter(std::span<const std::byte> segment, const CodeTables& tables, int planes,
-                bool predicts)
-        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts) {}
+                bool predicts, const BasePictures& base)
+        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts), base_(base) {}
 
     // False for a tree that the format forbids.
     bool count(const BlockShape& tile) {
         const auto node = [](Split) {};
-        const auto leaf = [&](const Block& block) {
+        const auto add = [&](const Block& block) {
             size.items += items_of(block.shape, planes_, block.shape.n[2], block.shape.n[3]);
-            return ++size.blocks <= max_leaves && (!predicts_ || predict(block));
+            blocks_.push_back(block);
+            predictions_.emplace_back();
+            return ++size.blocks <= max_leaves;
+        };
+        if (const auto base = base_shape(tile, base_); base && tables_.base.decode(rans_) != 0) {
+            size.base = base;
+            if (!decode_split_tree(rans_, tables_, base_root(*base), node, add))
+                return false;
+        }
+        base_blocks_ = blocks_.size();
+        const auto leaf = [&](const Block& block) {
+            return add(block) && (!predicts_ || predict(block));
         };
         return decode_split_tree(rans_, tables_, Block{{0, 0, 0, 0}, tile, 0, 0}, node, leaf);
     }
 
     // What the blocks copy, if any does.
     void count_copies(const BlockShape& tile) {
-        if (!copies_anything(predictions_))
+        if (!copies_anything(predictions_) && !size.base)
             return;
-        const CopyDepths depths = copy_depths(tile, blocks_, predictions_);
+        const CopyDepths depths = copy_depths(tile, blocks_, predictions_, base_blocks_);
         size.too_deep = depths.largest > max_copy_depth;
         size.waves = 1 + static_cast<std::uint32_t>(depths.largest);
         for (std::size_t i = 0; i < blocks_.size(); ++i)
-            size.copies.push_back(copy_word(predictions_[i], depths.depth[i]));
+            size.copies.push_back(i < base_blocks_ ? base_word(tile)
+                                                   : copy_word(predictions_[i], depths.depth[i]));
     }
 
-    TreeSize size{.blocks = 0, .items = 0};
+    TreeSize size{.blocks = 0, .base = {}, .items = 0};
 
 private:
     // See tsr_copy_words.
@@ -62,28 +74,35 @@ private:
                std::uint32_t{static_cast<std::uint8_t>(d.v)} << 24;
     }
 
+    // Of a block of the base picture.
+    static std::uint32_t base_word(const BlockShape& tile) {
+        return tsr_copy_of_base | static_cast<std::uint32_t>(base_fineness(tile)) << 16;
+    }
+
     // False for a prediction that the format forbids.
     bool predict(const Block& block) {
-        blocks_.push_back(block);
-        return decode_prediction(rans_, tables_, block, memory_, predictions_.emplace_back());
+        return decode_prediction(rans_, tables_, size.base ? &base_ : nullptr, block, memory_,
+                                 predictions_.back());
     }
 
     RansDecoder rans_;
     const CodeTables& tables_;
     const int planes_;
     const bool predicts_;
+    const BasePictures& base_;
     PredictionMemory memory_;
-    std::vector<Block> blocks_; // with their predictions, where the file has them
+    std::size_t base_blocks_ = 0;
+    std::vector<Block> blocks_; // with their predictions, those of the base picture first
     std::vector<BlockPrediction> predictions_;
 };
 
 } // namespace
 
 TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
-                   const CodeTables& tables, int planes, bool predicts) {
+                   const CodeTables& tables, int planes, bool predicts, const BasePictures& base) {
     // A tile that turns out damaged is drawn as one block of nothing.
     const std::uint32_t background = items_of(tile, planes, 1, 1);
-    TreeCounter counter(segment, tables, planes, predicts);
+    TreeCounter counter(segment, tables, planes, predicts, base);
     if (!counter.count(tile))
         return {.items = background};
     counter.count_copies(tile);

@@ -28,6 +28,10 @@ const int tsr_t_shapes = 17;    // word of the first shape record
 const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
 const int tsr_t_smooth = 19;    // 1: smooth copies
 const int tsr_t_filtered = 20;  // 1: a filter
+const int tsr_t_base_pictures = 21; // 1: tiles may have one
+const int tsr_t_base_margin = 22;
+const int tsr_t_base = 23;      // [1] words c[1] | c[2] << 16
+const int tsr_t_from_base = 24; // [2] likewise
 const int tsr_t_zero = 32;      // frequencies of 0: [2][2][7][6][16]
 const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
 const int tsr_t_magnitude = 2720;    // [2][2][66] symbol tables
@@ -44,7 +48,9 @@ const int tsr_t_displacement_kind = 18374; // [2] words c[1] | c[2] << 16
 const int tsr_t_copying_length = 18376;    // [9] tsr_t_first_length of blocks that copy something
 const int tsr_t_wide_basis = 18484;        // b(n, k, x) of n = 33..64, the coded frequencies only
 const int tsr_t_filter = 68148;      // of planes 0..3, for each of 3 rings: slope | strength << 16
-const int tsr_t_end = 68160;         // shape records and their scans follow
+const int tsr_t_base_displacement = 68160; // [1]
+const int tsr_t_base_filter = 68172; // [8][6] signed
+const int tsr_t_end = 68220;         // shape records and their scans follow
 
 // A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
 // neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
@@ -83,7 +89,7 @@ const int tsr_b_copies_at = 21;  // what the blocks of predicted tiles copy
 const int tsr_b_values_at = 22;  // in the work buffer: values that tiles keep
 const int tsr_batch_words = 32;
 
-const int tsr_tile_words = 12;
+const int tsr_tile_words = 13;
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
 const int tsr_tile_segments = 2;
@@ -96,10 +102,16 @@ const int tsr_tile_blocks = 8;      // its first block record, counted in record
 const int tsr_tile_block_room = 9;  // records
 const int tsr_tile_copies = 10; // word of its first copy record, from tsr_b_copies_at; none: not predicted
 const int tsr_tile_values = 11; // word of its values, from tsr_b_values_at; or none
+const int tsr_tile_base = 12;   // shape of its base picture; or none
 
 // A copy record, one a block of a predicted tile (FORMAT.md 4.6).
-// 1 along s, 2 along t | depth << 8 | displacement in half texels, signed bytes: u << 16 | v << 24.
+// 1 along s, 2 along t, 3 the base picture | depth << 8 | displacement in half texels, of the base in
+// eighths, signed bytes: u << 16 | v << 24. Or, of a block of the base picture, 4 | fineness << 16.
 const int tsr_copy_words = 1;
+const uint tsr_copy_of_base = 4u;
+// Depths of the root of a base picture's split tree, see TsrNode: none spatial, more angular ones than a
+// tile has.
+const uint tsr_depths_of_base = 0x1000u;
 
 const int tsr_segment_words = 7;
 const int tsr_seg_tile = 0;
@@ -142,8 +154,8 @@ const int tsr_place_shape = 22;
 const int tsr_max_shapes = 1024;
 // An item is a run of positions of one block: tile << 12 | block, then its first position and the
 // number of positions << 16. Every item but a block's last covers 64 texels or more, so a tile has at
-// most its blocks + (65,536 - blocks) / 64.
-const int tsr_max_items = 5056;
+// most its blocks + (69,632 - blocks) / 64, with those of a base picture.
+const int tsr_max_items = 5120;
 const int tsr_item_words = 2;
 
 const uint tsr_damage_tree = 1u;

@@ -6,12 +6,14 @@
 #include "buffers.glsl"
 
 // The coefficient of a level, at most 2^26 either way; 0 is no level.
-int tsr_dequantize(uint level, uint scale, int offset_at) {
+//
+// `finer`: subtracted from the scale's exponent.
+int tsr_dequantize(uint level, uint scale, int finer, int offset_at) {
     uint magnitude = level & 0xFFFFFu;
     if (magnitude == 0u)
         return 0;
     uint mantissa = scale & 0xFFFFu;
-    int exponent = int(scale >> 16) - 128;
+    int exponent = int(scale >> 16) - 128 - finer;
     uint offset = tsr_table(offset_at + (magnitude > 1u ? 1 : 0));
     uint product = magnitude * mantissa - ((mantissa * offset) >> 6);
     uint value = 0u;
@@ -105,15 +107,20 @@ void tsr_order_level(uint slot) {
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
     uint shape = tsr_shape_of(tsr_work_word(block + uint(tsr_k_place)));
     bool rotated = colour != 0 && own_plane < 3u;
-    int scales = tsr_s_scales + axes;
+    // Steps of 2^(-k / 2) times the file's, in blocks of a base picture (FORMAT.md 4.1).
+    uint copies = tsr_copy(tile, own_key & 0xFFFu);
+    int k = (copies & tsr_copy_of_base) != 0u ? int((copies >> 16) & 15u) : 0;
+    int finer = (k + 1) >> 1;
+    int scales = tsr_s_scales + min(axes + (k & 1), 4);
     ivec3 x = ivec3(0);
     if (first_here && own_plane == 3u)
-        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + 15), tsr_t_offsets + 2);
+        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + 15), finer, tsr_t_offsets + 2);
     else if (first_here) {
-        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + (rotated ? 20 : 0)), tsr_t_offsets);
-        x.y = tsr_dequantize(found.y, tsr_shape(shape, scales + (rotated ? 20 : 5)),
+        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + (rotated ? 20 : 0)), finer,
+                             tsr_t_offsets);
+        x.y = tsr_dequantize(found.y, tsr_shape(shape, scales + (rotated ? 20 : 5)), finer,
                              tsr_t_offsets + 2);
-        x.z = tsr_dequantize(found.z, tsr_shape(shape, scales + (rotated ? 20 : 10)),
+        x.z = tsr_dequantize(found.z, tsr_shape(shape, scales + (rotated ? 20 : 10)), finer,
                              tsr_t_offsets + 2);
     }
     if (rotated)

@@ -31,6 +31,7 @@ struct TsrTarget {
     uint multipliers; // word of the tile's corrections, or none
     uint values;      // word of its kept values, or none
     ivec4 sides;      // of the tile
+    ivec2 base_sides; // of its base picture; 0, if it has none
     int step;         // of corrections
 };
 
@@ -52,6 +53,9 @@ TsrTarget tsr_target(uint tile) {
     uint values = tsr_tile(tile, tsr_tile_values);
     t.values = damaged || values == tsr_none ? tsr_none : tsr_header(tsr_b_values_at) + values;
     t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
+    uint base = tsr_tile(tile, tsr_tile_base);
+    ivec4 base_sides = tsr_sides_of(base);
+    t.base_sides = base == tsr_none ? ivec2(0) : ivec2(base_sides.x, base_sides.y);
     t.step = int(tsr_table(tsr_t_correction_step));
     return t;
 }
@@ -86,8 +90,17 @@ uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
     return target.values +
            uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
 }
-uint tsr_value_stride(TsrTarget target) {
+uint tsr_tile_texels(TsrTarget target) {
     return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
+}
+uint tsr_value_stride(TsrTarget target) {
+    return tsr_tile_texels(target) + uint(target.base_sides.x * target.base_sides.y);
+}
+// Likewise of its base picture: the values follow the tile's in each part. (u, v) or the edge.
+uint tsr_base_value_at(TsrTarget target, int u, int v) {
+    return target.values + tsr_tile_texels(target) +
+           uint(clamp(v, 0, max(target.base_sides.y - 1, 0)) * target.base_sides.x +
+                clamp(u, 0, max(target.base_sides.x - 1, 0)));
 }
 
 // As the image's format, it is known when a shader is compiled.
@@ -135,9 +148,9 @@ ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) 
                                      clamp(v, 0, target.sides.y - 1), s, t));
 }
 
-void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, int u, int v, int s, int t) {
+// `at`: the value's first word.
+void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, uint at) {
     int planes = format.planes;
-    uint at = tsr_value_at(target, u, v, s, t);
     uint stride = tsr_value_stride(target);
     uvec4 word = uvec4(value);
     if (!tsr_half_values(format)) {

@@ -266,10 +266,35 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
     return sum;
 }
 
+// What the base picture shows at a texel of the tile (FORMAT.md 4.6).
+ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
+    int x = (s - (item.target.sides.z - 1) / 2) * (int(item.copies << 8u) >> 24);
+    int y = (t - (item.target.sides.w - 1) / 2) * (int(item.copies) >> 24);
+    int margin = int(tsr_table(tsr_t_base_margin));
+    int i = u + margin + (x >> 3) - 2;
+    int j = v + margin + (y >> 3) - 2;
+    int along_u = tsr_t_base_filter + (x & 7) * 6;
+    int along_v = tsr_t_base_filter + (y & 7) * 6;
+    ivec4 sum = ivec4(512);
+    for (int b = 0; b < 6; ++b) {
+        TSR_LOOP;
+        ivec4 row = ivec4(2);
+        for (int a = 0; a < 6; ++a)
+            row += int(tsr_table(along_u + a)) *
+                   tsr_value_in(item.format, item.target,
+                                tsr_base_value_at(item.target, i + a, j + b));
+        sum += int(tsr_table(along_v + b)) * (row >> 2);
+    }
+    return sum >> 10;
+}
+
 // The values of a texel of a predicted tile: with what its block copies, clamped, and kept for others.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     ivec4 copied = ivec4(0);
-    if ((item.copies & 3u) != 0u) {
+    bool of_base = (item.copies & tsr_copy_of_base) != 0u;
+    if ((item.copies & 3u) == 3u) {
+        copied = tsr_from_base(item, u, v, s, t);
+    } else if ((item.copies & 3u) != 0u) {
         bool along_s = (item.copies & 3u) == 1u;
         int steps = along_s ? s - item.origin.z + 1 : t - item.origin.w + 1;
         int from_s = along_s ? max(item.origin.z - 1, 0) : s;
@@ -280,7 +305,9 @@ ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     }
     int limit = tsr_value_limit(item.format);
     ivec4 value = clamp(values + copied, -limit, limit - 1);
-    tsr_keep_value(item.format, item.target, value, u, v, s, t);
+    tsr_keep_value(item.format, item.target, value,
+                   of_base ? tsr_base_value_at(item.target, u, v)
+                           : tsr_value_at(item.target, u, v, s, t));
     return value;
 }
 
@@ -316,7 +343,7 @@ void tsr_sum_t(TsrItem item, int lane) {
 #ifdef TSR_PREDICTED_TILES
             if (item.target.values != tsr_none) {
                 ivec4 value = tsr_predicted(item, values, u, v, in_s, in_t);
-                if (item.format.filtered)
+                if (item.format.filtered || (item.copies & tsr_copy_of_base) != 0u)
                     continue;
                 codes = tsr_codes(item.format, value);
             } else

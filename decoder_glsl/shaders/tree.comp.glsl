@@ -29,8 +29,8 @@ TsrNode tsr_child(TsrNode parent, int split, uint child) {
     return node;
 }
 
-void tsr_pass_component(TSR_INOUT(TsrRans) r, int table) {
-    int token = tsr_symbol(r, uint(tsr_t_displacement + table * tsr_symbol_words));
+void tsr_pass_difference(TSR_INOUT(TsrRans) r, uint table) {
+    int token = tsr_symbol(r, table);
     if (token > 0) {
         tsr_raw(r, token - 1);
         tsr_raw(r, 1);
@@ -39,8 +39,8 @@ void tsr_pass_component(TSR_INOUT(TsrRans) r, int table) {
 
 void tsr_pass_displacement(TSR_INOUT(TsrRans) r, int direction) {
     if (tsr_symbol3(r, uint(tsr_t_displacement_kind + direction)) == 2) {
-        tsr_pass_component(r, direction);
-        tsr_pass_component(r, 1 - direction);
+        tsr_pass_difference(r, uint(tsr_t_displacement + direction * tsr_symbol_words));
+        tsr_pass_difference(r, uint(tsr_t_displacement + (1 - direction) * tsr_symbol_words));
     }
 }
 
@@ -60,6 +60,23 @@ void tsr_pass_prediction(TSR_INOUT(TsrRans) r, uint place, TSR_INOUT(bool) copie
         tsr_pass_displacement(r, along_s && symbol == 1 ? 0 : 1);
 }
 
+// Reads past whether a leaf copies the base picture, and by how much. Returns the first.
+bool tsr_pass_base(TSR_INOUT(TsrRans) r, bool before) {
+    bool copies = tsr_symbol3(r, uint(tsr_t_from_base + (before ? 1 : 0))) != 0;
+    if (copies)
+        tsr_pass_difference(r, uint(tsr_t_base_displacement));
+    return copies;
+}
+
+// Reads whether a tile has a base picture, where it can have one.
+bool tsr_has_base(TSR_INOUT(TsrRans) r, ivec4 sides) {
+    int more = 2 * int(tsr_table(tsr_t_base_margin));
+    if (tsr_table(tsr_t_base_pictures) == 0u || sides.z * sides.w < 4 ||
+        max(sides.x, sides.y) + more > tsr_max_spatial_side)
+        return false;
+    return tsr_symbol3(r, uint(tsr_t_base)) != 0;
+}
+
 void tsr_decode_tree(uint tile) {
     if (tile >= tsr_header(tsr_b_tiles))
         return;
@@ -70,11 +87,19 @@ void tsr_decode_tree(uint tile) {
     stack[0].place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
     stack[0].depths = 0u;
     int waiting = 1;
+    uint base = tsr_tile(tile, tsr_tile_base);
+    bool has_base = tsr_has_base(r, tsr_sides_of(tsr_tile(tile, tsr_tile_shape))) && base != tsr_none;
+    if (has_base) { // its tree comes first
+        stack[1].place = tsr_first_place(base);
+        stack[1].depths = tsr_depths_of_base;
+        waiting = 2;
+    }
     uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint blocks = 0u;
     uint nodes = 0u;
     bool predicts = tsr_table(tsr_t_predicts) != 0u;
     bool copies = false;
+    bool copies_base = false;
     for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {
         TSR_LOOP;
         TsrNode node = stack[waiting - 1];
@@ -89,7 +114,11 @@ void tsr_decode_tree(uint tile) {
             waiting -= 1;
             tsr_set_work(tsr_block_at(tile, blocks), node.place);
             blocks += 1u;
-            if (predicts)
+            if (!predicts || node.depths >= tsr_depths_of_base)
+                continue;
+            if (has_base)
+                copies_base = tsr_pass_base(r, copies_base);
+            if (!copies_base)
                 tsr_pass_prediction(r, node.place, copies);
             continue;
         }

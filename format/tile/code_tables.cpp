@@ -59,6 +59,10 @@ CodeTables::CodeTables(const Parameters& parameters) {
     build_next(prediction, prediction_kinds - 1);
     build_next(displacement_kind, displacement_kinds - 1);
     build_next(displacement, displacement_tokens - 1);
+    build(base, parameters.data() + base_offset, 1);
+    next = parameters.data() + from_base_offset;
+    build_next(from_base, 1);
+    build(base_displacement, next, displacement_tokens - 1);
 }
 
 } // namespace tessera

@@ -136,7 +136,10 @@ constexpr int displacement_kind_offset = prediction_offset + prediction_paramete
 constexpr int displacement_kind_parameters = 2 * (displacement_kinds - 1);
 constexpr int displacement_offset = displacement_kind_offset + displacement_kind_parameters;
 constexpr int displacement_parameters = displacement_classes * (displacement_tokens - 1);
-constexpr int parameter_count = displacement_offset + displacement_parameters;
+constexpr int base_offset = displacement_offset + displacement_parameters;
+constexpr int from_base_offset = base_offset + 1;
+constexpr int base_displacement_offset = from_base_offset + 2;
+constexpr int parameter_count = base_displacement_offset + displacement_tokens - 1;
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -155,6 +158,11 @@ constexpr bool is_of_copies(int parameter) {
         if (parameter >= offset + count / 2 && parameter < offset + count)
             return true;
     return parameter >= prediction_offset;
+}
+
+// Likewise of tiles with base pictures.
+constexpr bool is_of_bases(int parameter) {
+    return parameter >= base_offset;
 }
 
 // Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class
@@ -197,6 +205,10 @@ struct CodeTables {
     std::array<SymbolTable<prediction_kinds>, prediction_contexts> prediction;
     std::array<SymbolTable<displacement_kinds>, 2> displacement_kind; // [along s, along t]
     std::array<SymbolTable<displacement_tokens>, displacement_classes> displacement;
+    SymbolTable<2> base; // of a tile: whether it has a base picture
+    std::array<SymbolTable<2>, 2>
+        from_base; // [the block before copies it]: whether a block copies it
+    SymbolTable<displacement_tokens> base_displacement;
 };
 
 // Built-in defaults: what files start from and what small files use as they are.

@@ -38,7 +38,8 @@ std::uint8_t fit(double stops, double goes) {
 
 // Whether section CODE has a parameter; the others are the defaults.
 bool holds(const CodingParameters& coding, std::size_t parameter) {
-    return coding.prediction || !is_of_copies(static_cast<int>(parameter));
+    const int i = static_cast<int>(parameter);
+    return (coding.prediction || !is_of_copies(i)) && (coding.base.on || !is_of_bases(i));
 }
 
 // Calls visit(which parameter, goes on) for every decision, and sign(bit).
@@ -91,8 +92,11 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
         put(parameter, 1);
     put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u) |
             (coding.dependent ? 4u : 0u) | (coding.smooth_copies ? 8u : 0u) |
-            (coding.filter.is_on() ? 16u : 0u),
+            (coding.filter.is_on() ? 16u : 0u) | (coding.base.on ? 32u : 0u) |
+            (coding.base.v_against_u ? 64u : 0u),
         1);
+    if (coding.base.on)
+        put(coding.base.margin, 1);
     if (coding.filter.is_on())
         for (const auto& rings : coding.filter.ring)
             for (const FilterRing& ring : rings) {
@@ -147,7 +151,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
             return damaged("difference model out of range");
     const unsigned flags = get(1);
-    if (flags > 31)
+    if (flags > 127)
         return damaged("unknown flags");
     coding.colour_rotation = (flags & 1) != 0;
     coding.prediction = (flags & 2) != 0;
@@ -155,8 +159,19 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     coding.smooth_copies = (flags & 8) != 0;
     if (coding.smooth_copies && !coding.prediction)
         return damaged("smooth copies without predictions");
+    coding.base.on = (flags & 32) != 0;
+    coding.base.v_against_u = (flags & 64) != 0;
+    if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
+        return damaged("base pictures without predictions, or their direction without them");
+    if (coding.base.on) {
+        if (bytes.size() <= at)
+            return damaged("too short");
+        coding.base.margin = static_cast<std::uint8_t>(get(1));
+        if (coding.base.margin > max_base_margin)
+            return damaged("margin of base pictures out of range");
+    }
     if ((flags & 16) != 0) {
-        if (bytes.size() < fixed_bytes + filter_bytes)
+        if (bytes.size() < at + filter_bytes)
             return damaged("too short");
         for (auto& rings : coding.filter.ring)
             for (FilterRing& ring : rings) {

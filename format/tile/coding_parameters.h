@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/status.h"
+#include "format/tile/base_picture.h"
 #include "format/tile/code_tables.h"
 #include "format/tile/dequantizer.h"
 #include "format/tile/scan_order.h"
@@ -20,6 +21,7 @@ struct CodingParameters {
     bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
     bool prediction = false;      // blocks say what they copy (required feature 4)
     bool smooth_copies = false; // copies go through the smooth filter of 4.6; with prediction only
+    BasePictures base;          // with prediction only
     TileFilter filter;          // of the decoded tile
     bool dependent = false;     // levels depend on the ones before: format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};

@@ -6,7 +6,8 @@
 namespace tessera {
 namespace {
 
-int decode_component(RansDecoder& rans, const SymbolTable<displacement_tokens>& table) {
+// A difference of displacements, or of their components.
+int decode_difference(RansDecoder& rans, const SymbolTable<displacement_tokens>& table) {
     const int token = table.decode(rans);
     if (token == 0)
         return 0;
@@ -24,14 +25,25 @@ bool decode_displacement(RansDecoder& rans, const CodeTables& tables, int direct
         std::array<int, 2> at = {memory.known(direction, 0).u, memory.known(direction, 0).v};
         for (int component = 0; component < 2; ++component) {
             int& value = at[static_cast<std::size_t>(component)];
-            value += decode_component(rans, tables.displacement[static_cast<std::size_t>(
-                                                displacement_class(direction, component))]);
+            value += decode_difference(rans, tables.displacement[static_cast<std::size_t>(
+                                                 displacement_class(direction, component))]);
             if (value < -max_displacement || value > max_displacement)
                 return false;
         }
         out = {static_cast<std::int8_t>(at[0]), static_cast<std::int8_t>(at[1])};
     }
     memory.remember(direction, out);
+    return true;
+}
+
+// Of a block that copies the base picture.
+bool decode_base_displacement(RansDecoder& rans, const CodeTables& tables, const BasePictures& base,
+                              PredictionMemory& memory, Displacement& out) {
+    const int d = memory.base_displacement() + decode_difference(rans, tables.base_displacement);
+    if (d < -max_displacement || d > max_displacement)
+        return false;
+    memory.remember_base_displacement(d);
+    out = base_displacement(base, d);
     return true;
 }
 
@@ -55,9 +67,17 @@ bool copies_anything(std::span<const BlockPrediction> predictions) {
                        [](const BlockPrediction& prediction) { return prediction.copies(); });
 }
 
-bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block& block,
-                       PredictionMemory& memory, BlockPrediction& out) {
+bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const BasePictures* base,
+                       const Block& block, PredictionMemory& memory, BlockPrediction& out) {
     out = {};
+    if (base != nullptr) {
+        const bool copies = tables.from_base[memory.copied_base()].decode(rans) != 0;
+        memory.remember_base(copies);
+        if (copies) {
+            out.from = CopyFrom::base;
+            return decode_base_displacement(rans, tables, *base, memory, out.displacement);
+        }
+    }
     const int context = memory.context_of(block);
     if (context < 0)
         return true;
@@ -72,7 +92,7 @@ bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const Block&
 }
 
 CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
-                       std::span<const BlockPrediction> predictions) {
+                       std::span<const BlockPrediction> predictions, std::size_t base_blocks) {
     // Cells of the angular tree come in the order of their paths, t before s: the views before a
     // cell along s or t lie in cells that come earlier, whatever their sizes.
     std::array<std::uint32_t, max_tile_side> path_s{}, path_t{};
@@ -91,7 +111,7 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
     CopyDepths result;
     result.order.resize(blocks.size());
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-        keys[i] = key(blocks[i]);
+        keys[i] = i < base_blocks ? 0 : 1 + key(blocks[i]);
         result.order[i] = static_cast<std::uint16_t>(i);
     }
     std::sort(result.order.begin(), result.order.end(), [&](std::uint16_t a, std::uint16_t b) {
@@ -109,6 +129,8 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
     };
     result.depth.resize(blocks.size());
     for (const std::uint16_t i : result.order) {
+        if (i < base_blocks)
+            continue; // depth 0, and no view of the tile
         const Block& block = blocks[i];
         const int s = block.origin[2], s_end = s + block.shape.n[2];
         const int t = block.origin[3], t_end = t + block.shape.n[3];
@@ -117,6 +139,8 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
             depth = 1 + deepest(s - 1, s, t, t_end);
         else if (predictions[i].from == CopyFrom::along_t && t > 0)
             depth = 1 + deepest(s, s_end, t - 1, t);
+        else if (predictions[i].copies_base())
+            depth = 1;
         result.largest = std::max(result.largest, depth);
         result.depth[i] = static_cast<std::uint8_t>(std::min(depth, max_copy_depth + 1));
         for (int y = t; y < t_end; ++y)

@@ -40,13 +40,12 @@ TEST(Prediction, RandomTilesRoundTripThroughTheEntropyCoder) {
         if (i % 2 == 1)
             parameters.parameters = test::random_parameters(random);
         parameters.prediction = true;
+        parameters.base = {.on = i % 3 == 0, .margin = 2, .v_against_u = false};
         const TileCoding coding(parameters, SampleType::unorm8, 3);
         const BlockShape shape = test::shape_of(random.range(1, 32), random.range(1, 32),
                                                 random.range(1, 8), random.range(1, 8));
-        TileLevels levels =
-            test::RandomTile(random, coding, {.split = 0.8, .density = 0.05, .magnitude_bits = 3})
-                .make(shape);
-        test::RandomPredictions(random, 0.6).add_to(levels);
+        const TileLevels levels = test::random_predicted_tile(
+            random, coding, {.split = 0.8, .density = 0.05, .magnitude_bits = 3}, shape, 0.6);
         for (std::size_t block = 0; block < levels.blocks.size(); ++block)
             copies += levels.copies(block);
         Bytes payload;
@@ -159,12 +158,13 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     options.rate = {RateTarget::Kind::quality, 42}; // above, it is noise that is coded
     options.tile_extent = {16, 16, 4, 4};
     options.effort = usual_effort;
+    options.tools = "-base";
     options.threads = 1;
     const EncodedFile smooth = encode_file_of(source, options);
     EXPECT_TRUE(smooth.parameters.smooth_copies);
     options.threads = 3;
     EXPECT_EQ(encode_file_of(source, options).file, smooth.file);
-    options.tools = "-smooth";
+    options.tools = "-base,-smooth";
     const EncodedFile plain = encode_file_of(source, options);
     EXPECT_FALSE(plain.parameters.smooth_copies);
     EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
@@ -186,6 +186,7 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = usual_effort;
+    options.tools = "-base";
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
     options.effort = test::quick_effort; // without copies there is nothing to smooth
     options.tools = "+smooth";
@@ -216,6 +217,37 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
         // A fifth at the same PSNR; a dB is worth 15 % of the bytes and more.
         EXPECT_LT(static_cast<double>(report[1].file_bytes),
                   0.8 * static_cast<double>(report[0].file_bytes) * (1 + 0.15 * more));
+    }
+}
+
+TEST(EncodeCopies, OfABasePictureAreFoundWhereTheyPayInTheirDirection) {
+    for (const bool against : {false, true}) {
+        // Half a texel a view; along t the other way in the second one.
+        test::MemoryTexture source = moving_picture({1, 0}, {0, against ? -1 : 1}, {24, 24, 5, 5});
+        EncodeOptions options;
+        options.rate = {RateTarget::Kind::quality, 60};
+        options.tile_extent = {24, 24, 5, 5};
+        options.effort = usual_effort;
+        options.threads = 1;
+        const EncodedFile with = encode_file_of(source, options);
+        EXPECT_TRUE(with.parameters.base.on);
+        EXPECT_EQ(with.parameters.base.v_against_u, against);
+        options.tools = "-base";
+        const EncodedFile without = encode_file_of(source, options);
+        EXPECT_FALSE(without.parameters.base.on);
+        EXPECT_GT(with.report.psnr, without.report.psnr);
+        EXPECT_LT(10 * with.report.file_bytes, 9 * without.report.file_bytes);
+
+        const auto bytes = wrap_memory(with.file);
+        const auto decoder = Decoder::open(*bytes);
+        ASSERT_TRUE(decoder.ok()) << decoder.status().message();
+        const Box4 whole = Box4::whole(decoder->desc().size);
+        Bytes texels(decoder->desc().box_bytes(whole));
+        ASSERT_TRUE(decoder->decode_box(whole, texels).ok());
+        std::string error;
+        const auto expected = tessera_reference::decode(with.file, error);
+        ASSERT_TRUE(expected) << error;
+        EXPECT_EQ(texels, expected->texels);
     }
 }
 

@@ -145,7 +145,10 @@ TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
               shaders::tsr_t_prediction);
     EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
               shaders::tsr_t_filter);
-    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_end);
+    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_base_displacement);
+    EXPECT_EQ(shaders::tsr_t_base_displacement + shaders::tsr_symbol_words,
+              shaders::tsr_t_base_filter);
+    EXPECT_EQ(shaders::tsr_t_base_filter + base_unit * base_taps, shaders::tsr_t_end);
 }
 
 // ---- Any bytes at all.
@@ -176,6 +179,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
         parameters.prediction = true;
         parameters.smooth_copies = number % 4 >= 2;
+        parameters.base = {.on = number % 2 == 0, .margin = 3, .v_against_u = number % 4 == 0};
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, false)));
     }
@@ -189,11 +193,10 @@ Bytes random_payload(Random& random, const ShaderOracle& file, std::uint64_t til
     for (std::int32_t& multiplier : map)
         multiplier = random.chance(0.05) ? random.range(-3, 3) : 0;
     const double split = coding.predicts ? 0.8 : 0.5;
-    TileLevels levels =
-        RandomTile(random, coding, {.split = split, .density = 0.05, .magnitude_bits = 12})
-            .make(shape);
-    if (coding.predicts)
-        RandomPredictions(random, 0.7).add_to(levels);
+    const RandomTileOptions options{.split = split, .density = 0.05, .magnitude_bits = 12};
+    const TileLevels levels = coding.predicts
+                                  ? random_predicted_tile(random, coding, options, shape, 0.7)
+                                  : RandomTile(random, coding, options).make(shape);
     Bytes payload;
     encode_levels(levels,
                   coding.predicts ? std::vector<Bytes>()

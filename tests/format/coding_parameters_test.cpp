@@ -40,6 +40,10 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     coding.colour_rotation = random.chance(0.5);
     coding.prediction = random.chance(0.5);
     coding.smooth_copies = coding.prediction && random.chance(0.5);
+    if (coding.prediction && random.chance(0.5))
+        coding.base = {.on = true,
+                       .margin = static_cast<std::uint8_t>(random.range(0, max_base_margin)),
+                       .v_against_u = random.chance(0.5)};
     coding.dependent = random.chance(0.5);
     if (random.chance(0.5))
         coding.filter = random_filter(random);
@@ -50,7 +54,8 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
         weight = static_cast<std::uint8_t>(random.range(1, 255));
     coding.correction_error = static_cast<std::uint16_t>(random.range(0, 65535));
     for (int i = 0; i < parameter_count; ++i)
-        if (random.chance(changed) && (coding.prediction || !is_of_copies(i)))
+        if (random.chance(changed) && (coding.prediction || !is_of_copies(i)) &&
+            (coding.base.on || !is_of_bases(i)))
             coding.parameters[static_cast<std::size_t>(i)] =
                 static_cast<std::uint8_t>(random.range(0, 63));
     return coding;
@@ -82,6 +87,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->colour_rotation, want.colour_rotation);
         EXPECT_EQ(got->prediction, want.prediction);
         EXPECT_EQ(got->smooth_copies, want.smooth_copies);
+        EXPECT_EQ(got->base, want.base);
         EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->filter, want.filter);
         EXPECT_EQ(got->offsets, want.offsets);
@@ -102,18 +108,52 @@ TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
             parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
             ++left_out;
         }
-    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16); // FORMAT.md 3.5
+    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16 + 1 + 2 + 8); // FORMAT.md 3.5
     EXPECT_EQ(write_coding_parameters(coding).size(), write_coding_parameters({}).size());
-    coding.prediction = true;
+    coding.prediction = coding.base.on = true;
     const Result<CodingParameters> got = read_coding_parameters(write_coding_parameters(coding));
     ASSERT_TRUE(got) << got.status().message();
     EXPECT_EQ(got->parameters, coding.parameters);
 }
 
+TEST(CodingParameters, ThoseOfBasePicturesAreLeftOutWithoutThem) {
+    CodingParameters coding;
+    coding.prediction = true;
+    const std::size_t bytes = write_coding_parameters(coding).size();
+    for (int i = 0; i < parameter_count; ++i)
+        if (is_of_bases(i))
+            coding.parameters[static_cast<std::size_t>(i)] = 63;
+    EXPECT_EQ(write_coding_parameters(coding).size(), bytes);
+    coding.base.on = true;
+    EXPECT_GT(write_coding_parameters(coding).size(), bytes);
+}
+
+TEST(CodingParameters, BasePicturesHaveASmallMarginAndNeedPredictions) {
+    constexpr std::size_t flags = 23, margin = 24;
+    CodingParameters coding;
+    coding.prediction = true;
+    coding.base = {.on = true, .margin = 31, .v_against_u = true};
+    Bytes bytes = write_coding_parameters(coding);
+    EXPECT_TRUE(read_coding_parameters(bytes));
+    bytes[margin] = std::byte{32};
+    EXPECT_FALSE(read_coding_parameters(bytes));
+    bytes[margin] = std::byte{31};
+    for (const int value : {32, 96, 66, 128 | 34}) {
+        bytes[flags] = static_cast<std::byte>(value);
+        EXPECT_FALSE(read_coding_parameters(bytes)) << value;
+    }
+    bytes[flags] = std::byte{34};
+    const Result<CodingParameters> got = read_coding_parameters(bytes);
+    ASSERT_TRUE(got) << got.status().message();
+    EXPECT_EQ(got->base, (BasePictures{.on = true, .margin = 31, .v_against_u = false}));
+    bytes.resize(margin);
+    EXPECT_FALSE(read_coding_parameters(bytes));
+}
+
 TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     constexpr std::size_t flags = 23;
     Bytes bytes = write_coding_parameters({});
-    for (const int value : {8, 12, 32, 64}) {
+    for (const int value : {8, 12, 128}) {
         bytes[flags] = static_cast<std::byte>(value);
         EXPECT_FALSE(read_coding_parameters(bytes)) << value;
     }

@@ -9,6 +9,7 @@ std::vector<Bytes> seeds() {
     changed.colour_rotation = true;
     changed.prediction = true;
     changed.smooth_copies = true;
+    changed.base = {.on = true, .margin = 4, .v_against_u = true};
     changed.dependent = true;
     changed.correction_error = 3;
     changed.filter.ring[0][1] = {-5, 9};
@@ -26,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return 0;
     const auto again = read_coding_parameters(write_coding_parameters(*coding));
     fuzz::require(again && again->parameters == coding->parameters && again->step == coding->step &&
-                      again->filter == coding->filter,
+                      again->filter == coding->filter && again->base == coding->base,
                   "coding parameters change when written again");
     const CodeTables tables(coding->parameters);
     for (const std::uint16_t zero : tables.zero)

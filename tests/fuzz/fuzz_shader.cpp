@@ -42,6 +42,9 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     parameters.colour_rotation = setting % 4 >= 2;
     parameters.prediction = predictions;
     parameters.smooth_copies = predictions && setting % 3 == 1;
+    if (predictions && setting % 2 == 0)
+        parameters.base = {
+            .on = true, .margin = static_cast<std::uint8_t>(setting), .v_against_u = setting == 2};
     parameters.dependent = setting % 2 == 1;
     if (setting % 4 == 1)
         parameters.filter = {{{{{{40, 8}, {-127, 255}, {127, 1}}}, {{{3, 3}, {0, 1}, {90, 200}}}}}};
@@ -125,12 +128,11 @@ Bytes random_payload(test::Random& random, const ShaderOracle& oracle, std::uint
         map[map.size() / 3] += 70000;
         streams = encode_corrections(map, shape, coding.planes, coding.tables);
     }
-    TileLevels levels =
-        test::RandomTile(random, coding,
-                         {.split = 0.6, .density = 0.05, .empty = 0.5, .magnitude_bits = 20})
-            .make(shape);
-    if (coding.predicts)
-        test::RandomPredictions(random, 0.6).add_to(levels);
+    const test::RandomTileOptions options{
+        .split = 0.6, .density = 0.05, .empty = 0.5, .magnitude_bits = 20};
+    const TileLevels levels = coding.predicts
+                                  ? test::random_predicted_tile(random, coding, options, shape, 0.6)
+                                  : test::RandomTile(random, coding, options).make(shape);
     Bytes payload;
     encode_levels(levels, streams, coding, payload);
     return payload;

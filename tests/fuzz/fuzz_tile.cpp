@@ -4,7 +4,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
-#include "tests/support/random_tile.h"
+#include "tests/support/random_predictions.h"
 
 #include <memory>
 
@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::array<std::array<std::uint8_t, 4>, 5> shapes = {
     {{7, 5, 3, 2}, {8, 8, 8, 8}, {32, 32, 8, 8}, {1, 1, 1, 1}, {17, 9, 5, 3}}};
+
+constexpr int settings_count = 12; // the last four with predictions
 
 struct Setting {
     std::unique_ptr<TileCoding> coding;
@@ -24,8 +26,13 @@ const std::vector<Setting>& settings() {
     static const std::vector<Setting> all = [] {
         std::vector<Setting> made;
         test::Random random(5);
-        for (int i = 0; i < 8; ++i) {
+        for (int i = 0; i < settings_count; ++i) {
             CodingParameters parameters;
+            parameters.prediction = i >= 8;
+            parameters.smooth_copies = i == 9;
+            if (i >= 9)
+                parameters.base = {
+                    .on = true, .margin = static_cast<std::uint8_t>(i - 9), .v_against_u = i == 10};
             for (StepCode& step : parameters.step)
                 step =
                     i == 3 ? StepCode{(max_step_exponent << 11) | 2047} : StepCode::nearest(4 + i);
@@ -54,7 +61,7 @@ const std::vector<Setting>& settings() {
 }
 
 BlockShape shape_of_input(unsigned first) {
-    return {shapes[first / 8 % shapes.size()]};
+    return {shapes[first / settings_count % shapes.size()]};
 }
 
 } // namespace
@@ -62,12 +69,13 @@ BlockShape shape_of_input(unsigned first) {
 std::vector<Bytes> seeds() {
     std::vector<Bytes> all;
     test::Random random(6);
-    for (unsigned first = 0; first < 40; ++first) {
-        const TileCoding& coding = *settings()[first % 8].coding;
+    for (unsigned first = 0; first < settings_count * shapes.size(); ++first) {
+        const TileCoding& coding = *settings()[first % settings_count].coding;
         const BlockShape shape = shape_of_input(first);
+        const test::RandomTileOptions options{.split = 0.5, .density = 0.02, .empty = 0.5};
         const TileLevels tile =
-            test::RandomTile(random, coding, {.split = 0.5, .density = 0.02, .empty = 0.5})
-                .make(shape);
+            coding.predicts ? test::random_predicted_tile(random, coding, options, shape, 0.6)
+                            : test::RandomTile(random, coding, options).make(shape);
         std::vector<std::vector<std::byte>> corrections;
         if (first % 3 == 0) {
             CorrectionMap map(static_cast<std::size_t>(shape.texels() * coding.planes));
@@ -87,7 +95,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace tessera;
     if (size == 0)
         return 0;
-    const fuzz::Setting& setting = fuzz::settings()[data[0] % 8];
+    const fuzz::Setting& setting = fuzz::settings()[data[0] % fuzz::settings_count];
     const BlockShape shape = fuzz::shape_of_input(data[0]);
     // A copy of the exact size, so that the address sanitizer sees a read past the end.
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
@@ -101,8 +109,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const TileLevels& levels = setting.decoder->levels();
     fuzz::require(levels.blocks.size() <= max_leaves, "too many blocks");
     int covered = 0;
-    for (const Block& block : levels.blocks)
-        covered += block.shape.texels();
+    for (std::size_t i = levels.base_blocks; i < levels.blocks.size(); ++i)
+        covered += levels.blocks[i].shape.texels();
     fuzz::require(covered == shape.texels(), "blocks do not tile the tile");
     return 0;
 }

@@ -543,7 +543,7 @@ private:
 constexpr uint8_t default_parameter_list[] = {
 #include "tests/reference/default_parameters.inc"
 };
-constexpr size_t parameter_count = 5798;
+constexpr size_t parameter_count = 5809;
 static_assert(std::size(default_parameter_list) == parameter_count);
 
 struct Step {
@@ -561,6 +561,8 @@ struct Code {
     bool has_predictions = false;
     bool dependent = false;
     bool smooth_copies = false;
+    std::optional<int> base_margin; // of files with base pictures
+    bool v_against_u = false;
     struct Ring {
         int strength = 0, reach = 1;
     };
@@ -576,6 +578,9 @@ struct Code {
     Table prediction[6];
     Table displacement_kind[2];
     Table displacement[2];
+    Table base;
+    Table from_base[2];
+    Table base_displacement;
 };
 
 uint32_t frequency(int p) {
@@ -626,7 +631,7 @@ Code read_code(Bytes section) {
         d[i] = frequency(u8(section, 20 + i));
     }
     const int flags = u8(section, 23);
-    require(flags <= 31, "CODE: flags");
+    require(flags <= 127, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.dependent = flags & 4;
@@ -634,6 +639,14 @@ Code read_code(Bytes section) {
     require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
 
     size_t at = 24;
+    code.v_against_u = flags & 64;
+    if (flags & 32) {
+        require(section.size() > at, "CODE: cut short");
+        code.base_margin = u8(section, at++);
+        require(*code.base_margin <= 31, "CODE: margin");
+    }
+    require(code.has_predictions || !code.base_margin, "CODE: flag 5 without flag 1");
+    require(code.base_margin || !code.v_against_u, "CODE: flag 6 without flag 5");
     if (flags & 16) {
         require(section.size() >= at + 12, "CODE: cut short");
         code.filter.emplace();
@@ -658,7 +671,8 @@ Code read_code(Bytes section) {
         // Those of copying blocks: half of zero, magnitude and first_length, and all from prediction on.
         const bool of_copies = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
                                (i >= 5181 && i < 5298) || i >= 5766;
-        if (of_copies && !code.has_predictions) {
+        const bool of_bases = i >= 5798;
+        if ((of_copies && !code.has_predictions) || (of_bases && !code.base_margin)) {
             parameters.push_back(value);
             continue;
         }
@@ -710,6 +724,10 @@ Code read_code(Bytes section) {
         t = table(2, 3);
     for (Table& t : code.displacement)
         t = table(8, 9);
+    code.base = table(1, 2);
+    for (Table& t : code.from_base)
+        t = table(1, 2);
+    code.base_displacement = table(8, 9);
     return code;
 }
 
@@ -826,13 +844,15 @@ Scan make_scan(const Vector4& n, const std::array<int, 4>& weight) {
 }
 
 struct Block {
-    Vector4 begin; // in the tile
+    Vector4 begin; // in the tile, or in its base picture
     Vector4 size;
+    bool of_base = false;
+    bool copies_base = false;
     int rotation = -1;                  // -1: plain
     std::optional<size_t> copies_along; // 0 s, 1 t
     std::array<int, 2> displacement{};  // du, dv, where it copies
     int depth = -1;                     // 4.6; -1: not known yet
-    bool copies() const { return copies_along.has_value(); }
+    bool copies() const { return copies_along.has_value() || copies_base; }
     // Levels in scan order, a vector as long as the coded length for each plane.
     std::array<std::vector<int32_t>, 4> levels;
 };
@@ -857,7 +877,11 @@ public:
     std::vector<uint16_t> decode(Bytes bytes, const Vector4& size);
 
 private:
-    void read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a, int b);
+    void read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a, int b,
+                         bool of_base = false);
+    void read_base_tree(Stream& stream);
+    int read_difference(Stream& stream, const Table& table);
+    std::array<int64_t, 4> predicted_from_base(const Block& block, const Vector4& in_tile) const;
     void read_prediction(Stream& stream, Block& block);
     int depth_of(Block& block);
     std::array<int64_t, 4> predicted(const Block& block, const Vector4& at) const;
@@ -883,6 +907,10 @@ private:
     std::vector<Block> blocks_;
     int64_t nodes_ = 0;
     bool last_block_copied_ = false; // of those with a prediction symbol
+    bool has_base_ = false, last_copied_base_ = false;
+    int last_base_displacement_ = 0;
+    Vector4 base_size_{};
+    std::array<std::vector<int64_t>, 4> base_values_;
     std::array<std::array<std::array<int, 2>, 2>, 2>
         displacement_{}; // [direction][last, the one before]
     bool predicted_tile_ = false;
@@ -898,14 +926,26 @@ const Scan& TileDecoder::scan_of(const Vector4& n) {
     return found != scans_.end() ? found->second : (scans_[n] = make_scan(n, code_.scan_weight));
 }
 
+// 3.4. The tile's base picture, if it can have one and does.
+void TileDecoder::read_base_tree(Stream& stream) {
+    if (!code_.base_margin || size_[2] * size_[3] < 4)
+        return;
+    base_size_ = {size_[0] + 2 * *code_.base_margin, size_[1] + 2 * *code_.base_margin, 1, 1};
+    if (base_size_[0] > 64 || base_size_[1] > 64)
+        return;
+    has_base_ = stream.symbol(code_.base) == 1;
+    if (has_base_)
+        read_split_tree(stream, {0, 0, 0, 0}, base_size_, 0, 5, true);
+}
+
 void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a,
-                                  int b) {
+                                  int b, bool of_base) {
     ++nodes_;
     const int split = stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
-        blocks_.push_back({begin, size, -1, {}, {}, -1, {}});
-        if (code_.has_predictions)
+        blocks_.push_back({begin, size, of_base, false, -1, {}, {}, -1, {}});
+        if (code_.has_predictions && !of_base)
             read_prediction(stream, blocks_.back());
         return;
     }
@@ -921,12 +961,32 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
                 child_size[axis] = part == 0 ? half : size[axis] - half;
             }
             if (product(child_size) > 0)
-                read_split_tree(stream, child_begin, child_size, a + (split == 1),
-                                b + (split == 2));
+                read_split_tree(stream, child_begin, child_size, a + (split == 1), b + (split == 2),
+                                of_base);
         }
 }
 
+int TileDecoder::read_difference(Stream& stream, const Table& table) {
+    const int k = stream.symbol(table);
+    if (k == 0)
+        return 0;
+    const int m = static_cast<int>(stream.raw(k - 1));
+    const int magnitude = (1 << (k - 1)) + m;
+    return stream.raw(1) ? -magnitude : magnitude;
+}
+
 void TileDecoder::read_prediction(Stream& stream, Block& block) {
+    if (has_base_) {
+        block.copies_base = stream.symbol(code_.from_base[last_copied_base_]) == 1;
+        last_copied_base_ = block.copies_base;
+        if (block.copies_base) {
+            last_base_displacement_ += read_difference(stream, code_.base_displacement);
+            require(std::abs(last_base_displacement_) <= 127, "tile: displacement");
+            const int d = last_base_displacement_;
+            block.displacement = {d, code_.v_against_u ? -d : d};
+            return;
+        }
+    }
     const bool s_before = block.begin[2] > 0, t_before = block.begin[3] > 0;
     if (!s_before && !t_before)
         return;
@@ -942,12 +1002,8 @@ void TileDecoder::read_prediction(Stream& stream, Block& block) {
     std::array<int, 2> d = known[kind == 1 ? 1 : 0];
     if (kind == 2)
         for (size_t component = 0; component < 2; ++component) {
-            const int k = stream.symbol(code_.displacement[component == direction ? 0 : 1]);
-            if (k == 0)
-                continue;
-            const int m = static_cast<int>(stream.raw(k - 1));
-            const int magnitude = (1 << (k - 1)) + m;
-            d[component] += stream.raw(1) ? -magnitude : magnitude;
+            d[component] +=
+                read_difference(stream, code_.displacement[component == direction ? 0 : 1]);
             require(std::abs(d[component]) <= 127, "tile: displacement");
         }
     if (d != known[0]) {
@@ -963,10 +1019,12 @@ int TileDecoder::depth_of(Block& block) {
     if (block.depth >= 0)
         return block.depth;
     int depth = 0;
-    if (block.copies()) {
+    if (block.copies_base) {
+        depth = 1;
+    } else if (block.copies()) {
         const size_t axis = 2 + *block.copies_along, other = 3 - *block.copies_along;
         for (Block& from : blocks_)
-            if (from.begin[axis] < block.begin[axis] &&
+            if (!from.of_base && from.begin[axis] < block.begin[axis] &&
                 from.begin[axis] + from.size[axis] >= block.begin[axis] &&
                 from.begin[other] < block.begin[other] + block.size[other] &&
                 from.begin[other] + from.size[other] > block.begin[other])
@@ -976,7 +1034,40 @@ int TileDecoder::depth_of(Block& block) {
     return block.depth = depth;
 }
 
-// The prediction of a texel, in place `at` of a block that copies.
+// The prediction of a texel of the tile that is in a block that copies the base picture.
+std::array<int64_t, 4> TileDecoder::predicted_from_base(const Block& block,
+                                                        const Vector4& in_tile) const {
+    static const int W[8][6] = {{0, 0, 64, 0, 0, 0},    {1, -5, 62, 8, -2, 0},
+                                {2, -9, 58, 17, -4, 0}, {2, -9, 49, 28, -7, 1},
+                                {2, -9, 39, 39, -9, 2}, {1, -7, 28, 49, -9, 2},
+                                {0, -4, 17, 58, -9, 2}, {0, -2, 8, 62, -5, 1}};
+    const int x = (in_tile[2] - (size_[2] - 1) / 2) * block.displacement[0];
+    const int y = (in_tile[3] - (size_[3] - 1) / 2) * block.displacement[1];
+    const int m = *code_.base_margin;
+    const auto i = static_cast<int>(in_tile[0] + m + floor_div(x, 8)),
+               j = static_cast<int>(in_tile[1] + m + floor_div(y, 8));
+    const auto f = static_cast<size_t>(x - 8 * floor_div(x, 8)),
+               g = static_cast<size_t>(y - 8 * floor_div(y, 8));
+    std::array<int64_t, 4> result{};
+    for (size_t p = 0; p < static_cast<size_t>(header_.channels); ++p) {
+        const auto R = [&](int b) {
+            int64_t sum = 2;
+            for (int a = 0; a < 6; ++a) {
+                const Vector4 at = {std::clamp(i + a - 2, 0, base_size_[0] - 1),
+                                    std::clamp(b, 0, base_size_[1] - 1), 0, 0};
+                sum += W[f][a] * base_values_[p][place(at, base_size_)];
+            }
+            return floor_div(sum, 4);
+        };
+        int64_t sum = 512;
+        for (int b = 0; b < 6; ++b)
+            sum += W[g][b] * R(j + b - 2);
+        result[p] = floor_div(sum, 1024);
+    }
+    return result;
+}
+
+// The prediction of a texel, in place `at` of a block that copies from another view.
 std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4& at) const {
     std::array<int64_t, 4> sums{};
     const size_t direction = *block.copies_along;
@@ -1368,8 +1459,15 @@ void TileDecoder::reconstruct(const Block& block) {
         const int longer = static_cast<int>(
             std::count_if(block.size.begin(), block.size.end(), [](int side) { return side > 1; }));
         std::array<Scale, 5> scale;
-        for (int z = 0; z <= longer; ++z)
-            scale[static_cast<size_t>(z)] = make_scale(step, N, z, F, code_.dependent);
+        const int V = size_[2] * size_[3];
+        int k = 0;
+        while (block.of_base && !(std::exp2(2 * k + 1) <= V * V && V * V < std::exp2(2 * k + 3)))
+            ++k;
+        for (int z = 0; z <= longer; ++z) {
+            Scale& own = scale[static_cast<size_t>(z)];
+            own = make_scale(step, N, z + k % 2, F, code_.dependent);
+            own.x -= (k + 1) / 2;
+        }
         for (size_t i = 0; i < block.levels[p].size(); ++i) {
             const int64_t level = block.levels[p][i];
             const int z = static_cast<int>(
@@ -1393,13 +1491,18 @@ void TileDecoder::reconstruct(const Block& block) {
         for (size_t a = 0; a < 4; ++a)
             in_tile[a] = block.begin[a] + at[a];
         std::array<int64_t, 4> from_copy{};
-        if (block.copies()) // 4.6
+        if (block.copies_base) // 4.6
+            from_copy = predicted_from_base(block, in_tile);
+        else if (block.copies())
             from_copy = predicted(block, at);
         for (size_t p = 0; p < planes; ++p) {
             int64_t x = values[p][place(at, block.size)] + from_copy[p];
             if (predicted_tile_)
                 x = std::clamp(x, -value_limit(), value_limit() - 1);
-            plane_values_[p][place(in_tile, size_)] = x;
+            if (block.of_base)
+                base_values_[p][place(in_tile, base_size_)] = x;
+            else
+                plane_values_[p][place(in_tile, size_)] = x;
         }
     });
 }
@@ -1510,14 +1613,17 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
     size_ = size;
     blocks_.clear();
     nodes_ = 0;
-    last_block_copied_ = false;
+    last_block_copied_ = has_base_ = last_copied_base_ = false;
+    last_base_displacement_ = 0;
     displacement_ = {};
     codes_.assign(texels * channels, 0);
     const Payload payload = read_payload(bytes, header_, (texels + 4095) / 4096);
     for (size_t i = 0; i < payload.segments.size(); ++i) {
         Stream stream(payload.segments[i].bytes);
-        if (i == 0)
+        if (i == 0) {
+            read_base_tree(stream);
             read_split_tree(stream, {0, 0, 0, 0}, size, 0, 0);
+        }
         const size_t begin = payload.segments[i].first_block;
         const size_t end =
             i + 1 < payload.segments.size() ? payload.segments[i + 1].first_block : blocks_.size();
@@ -1527,12 +1633,15 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         require(stream.ends_well(), "segment: the stream must end well");
     }
     predicted_tile_ = std::any_of(blocks_.begin(), blocks_.end(),
-                                  [](const Block& block) { return block.copies(); });
+                                  [](const Block& block) { return block.copies(); }) ||
+                      has_base_;
     std::array<std::vector<const Block*>, 16> at_depth;
     for (Block& block : blocks_)
         at_depth[static_cast<size_t>(depth_of(block))].push_back(&block);
-    for (size_t p = 0; p < channels; ++p)
+    for (size_t p = 0; p < channels; ++p) {
         plane_values_[p].assign(texels, 0);
+        base_values_[p].assign(static_cast<size_t>(has_base_ ? product(base_size_) : 0), 0);
+    }
     for (const auto& blocks : at_depth)
         for (const Block* block : blocks)
             reconstruct(*block);

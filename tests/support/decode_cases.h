@@ -83,7 +83,8 @@ inline std::vector<DecodeCase> encoded_cases() {
 }
 
 // A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
-// and, where `copies` is above 0, blocks that copy by that chance. Two thirds of all seeds have a filter.
+// and, where `copies` is above 0, blocks that copy by that chance, of half of the seeds from base
+// pictures, too. Two thirds of all seeds have a filter.
 inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
                               const Extent4& size, const Extent4& tile_extent, double split,
                               double density, int magnitude_bits, double copies = 0) {
@@ -93,6 +94,10 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.colour_rotation = channels >= 3;
     parameters.prediction = copies > 0;
     parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
+    if (copies > 0 && seed % 8 < 4)
+        parameters.base = {.on = true,
+                           .margin = static_cast<std::uint8_t>(random.range(0, 5)),
+                           .v_against_u = random.chance(0.5)};
     parameters.dependent = seed % 2 == 1;
     if (seed % 3 != 0)
         parameters.filter = random_filter(random);
@@ -109,13 +114,12 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     std::vector<Bytes> tiles(grid.tiles());
     for (std::uint64_t i = 0; i < grid.tiles(); ++i)
         if (!random.chance(0.1)) {
-            TileLevels levels =
-                RandomTile(random, coding,
-                           {.split = split, .density = density, .magnitude_bits = magnitude_bits})
-                    .make(tile_shape(grid.box(i)));
-            if (copies > 0)
-                RandomPredictions(random, copies).add_to(levels);
-            encode_levels(levels, {}, coding, tiles[i]);
+            const BlockShape shape = tile_shape(grid.box(i));
+            const RandomTileOptions options{
+                .split = split, .density = density, .magnitude_bits = magnitude_bits};
+            encode_levels(copies > 0 ? random_predicted_tile(random, coding, options, shape, copies)
+                                     : RandomTile(random, coding, options).make(shape),
+                          {}, coding, tiles[i]);
         }
     const auto section = write_coding_parameters(parameters);
     ContainerContents contents;

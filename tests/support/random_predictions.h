@@ -2,29 +2,42 @@
 #pragma once
 
 #include "codec/tile/tile_levels.h"
+#include "codec/tile_encoder/base_picture.h"
 #include "format/tile/prediction.h"
 #include "tests/support/random.h"
+#include "tests/support/random_tile.h"
 
 #include <algorithm>
 
 namespace tessera::test {
 
-// At most 15 deep. Displacements repeat, are small, or reach as far as the format lets them.
+// At most 15 deep, some of the base picture where the tile has one. Displacements repeat, are small, or reach as far as the format lets them.
 class RandomPredictions {
 public:
-    RandomPredictions(Random& random, double chance) : random_(random), chance_(chance) {}
+    RandomPredictions(Random& random, double chance, const BasePictures& base = {})
+        : random_(random), chance_(chance), base_(base) {}
 
-    void add_to(TileLevels& tile) {
+    // `base`: to be the tile's base picture, as a tile of its own; empty, if it is to have none.
+    void add_to(TileLevels& tile, const TileLevels& base = {}) {
         tile.predictions.clear();
         for (const Block& block : tile.blocks)
-            tile.predictions.push_back(prediction_of(block));
+            tile.predictions.push_back(!base.blocks.empty() && random_.chance(chance_ / 2)
+                                           ? prediction_from_base()
+                                           : prediction_of(block));
         // Where copies of copies are too deep, the deepest copy nothing.
         tile.order = limit_copy_depths(tile.shape, tile.blocks, tile.predictions).order;
-        if (!copies_anything(tile.predictions))
+        if (!base.blocks.empty())
+            prepend_base(base, tile);
+        else if (!copies_anything(tile.predictions))
             tile.forget_copies(); // as decoders have it
     }
 
 private:
+    BlockPrediction prediction_from_base() {
+        if (random_.chance(0.5))
+            last_base_ = random_.range(-max_displacement, max_displacement);
+        return {CopyFrom::base, base_displacement(base_, last_base_)};
+    }
     BlockPrediction prediction_of(const Block& block) {
         const int before = (block.origin[2] > 0 ? 1 : 0) + (block.origin[3] > 0 ? 2 : 0);
         BlockPrediction prediction;
@@ -48,7 +61,25 @@ private:
 
     Random& random_;
     const double chance_;
+    const BasePictures base_;
+    int last_base_ = 0;
     Displacement last_;
 };
+
+// A random tile whose blocks copy by that chance, four times out of five with a base picture where the
+// file has them.
+inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding,
+                                        const RandomTileOptions& options, const BlockShape& shape,
+                                        double chance) {
+    const BasePictures& pictures = coding.parameters.base;
+    RandomTile random_tile(random, coding, options);
+    TileLevels tile = random_tile.make(shape), base;
+    if (const auto picture = base_shape(shape, pictures); picture && random.chance(0.8))
+        base = random_tile.make(*picture);
+    if (tile.blocks.size() + base.blocks.size() > max_leaves)
+        base.clear();
+    RandomPredictions(random, chance, pictures).add_to(tile, base);
+    return tile;
+}
 
 } // namespace tessera::test

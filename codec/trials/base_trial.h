@@ -1,0 +1,15 @@
+// Whether a file's tiles may have base pictures (FORMAT.md 3.4), and which, by trial.
+#pragma once
+
+#include "codec/pass/encode_pass.h"
+#include "format/tile/base_picture.h"
+
+namespace tessera {
+
+// Encodes the tiles of the sample that took most bytes again: with base pictures in both directions, and
+// with margins where these pay. What costs least, error and bits together, is chosen. `plain` is a pass
+// over the sample without any.
+Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
+                                          const PassResult& plain);
+
+} // namespace tessera
