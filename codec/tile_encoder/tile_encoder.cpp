@@ -75,7 +75,9 @@ float TileEncoder::encode_planes(TileLevels& out) {
     // What the tile looks like without copies stands for what its blocks could copy; what it then
     // looks like, in a further round, is nearer to the truth. The cheapest of all rounds stays.
     reconstruct(out, *coding_, scratch_, decoded_);
-    for (int round = 0; round < settings_->copy_rounds; ++round) {
+    const bool can_have_base = base_shape(out.shape, coding_->parameters.base).has_value();
+    const int copy_rounds = can_have_base ? 1 : settings_->copy_rounds; // the others bring nothing
+    for (int round = 0; round < copy_rounds; ++round) {
         if (!search_.choose_copies(decoded_, copies_))
             break;
         const float with_copies = encode_copies(copies_);
@@ -85,7 +87,7 @@ float TileEncoder::encode_planes(TileLevels& out) {
         }
     }
     kept_base_.levels.clear();
-    if (base_shape(out.shape, coding_->parameters.base) && !out.nonzeros.empty())
+    if (can_have_base && !out.nonzeros.empty())
         try_base(out, cost);
     for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
         if (!refine(out, cost))
