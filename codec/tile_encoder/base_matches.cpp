@@ -26,10 +26,10 @@ void merge(std::vector<float>& errors, std::array<std::size_t, 4>& count, std::s
                     std::array<std::size_t, 4> to = c;
                     for (const std::size_t a : {axis, axis + 1})
                         to[a] = c[a] / 2;
-                    float* sum = merged.data() + (((to[3] * coarse[2] + to[2]) * coarse[1] + to[1]) *
-                                                      coarse[0] +
-                                                  to[0]) *
-                                                     displacements;
+                    float* sum =
+                        merged.data() +
+                        (((to[3] * coarse[2] + to[2]) * coarse[1] + to[1]) * coarse[0] + to[0]) *
+                            displacements;
                     for (std::size_t i = 0; i < displacements; ++i)
                         sum[i] += from[i];
                 }
@@ -86,9 +86,8 @@ void BaseMatches::measure(const Axes& cells) {
     const auto of_v = cells_of(1), of_s = cells_of(2), of_t = cells_of(3);
     for (std::size_t i = 0; i < displacements; ++i) {
         const int d = static_cast<int>(i) - largest_displacement;
-        predict_plane(whole,
-                      {CopyFrom::base, base_displacement(coding_->parameters.base, d)}, *coding_,
-                      *decoded_, 0, predicted_);
+        predict_plane(whole, {CopyFrom::base, base_displacement(coding_->parameters.base, d)},
+                      *coding_, *decoded_, 0, predicted_);
         std::size_t at = 0;
         for (std::size_t t = 0; t < n[3]; ++t)
             for (std::size_t s = 0; s < n[2]; ++s)

@@ -50,8 +50,8 @@ void make_base_picture(const TilePlanes& tile, int planes, const BasePictures& p
     std::size_t at = 0;
     for (int v = -margin; v < n[1] + margin; ++v)
         for (int u = -margin; u < n[0] + margin; ++u, ++at) {
-            const int d = displacements.at(std::clamp<int>(u, 0, n[0] - 1),
-                                           std::clamp<int>(v, 0, n[1] - 1));
+            const int d =
+                displacements.at(std::clamp<int>(u, 0, n[0] - 1), std::clamp<int>(v, 0, n[1] - 1));
             const Seen s = look(u, n[0], n[2], d);
             const Seen t = look(v, n[1], n[3], pictures.v_against_u ? -d : d);
             const auto from = static_cast<std::size_t>(
@@ -62,9 +62,8 @@ void make_base_picture(const TilePlanes& tile, int planes, const BasePictures& p
 }
 
 bool copies_base(const TileLevels& tile) {
-    return std::any_of(
-        tile.predictions.begin(), tile.predictions.end(),
-        [](const BlockPrediction& prediction) { return prediction.copies_base(); });
+    return std::any_of(tile.predictions.begin(), tile.predictions.end(),
+                       [](const BlockPrediction& prediction) { return prediction.copies_base(); });
 }
 
 void prepend_base(const TileLevels& base, TileLevels& tile) {

@@ -32,7 +32,7 @@ constexpr float rotation_symbol_bits = 3.0f; // of a colour symbol, often the on
 // of it for cheaper than it is.
 constexpr float copy_bits = 12.0f;
 constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
-constexpr int most_base_splits = 1;    // angular ones, above blocks that copy the base picture
+constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
 

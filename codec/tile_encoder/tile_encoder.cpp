@@ -131,6 +131,8 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
     decoded_.base = picture_.plane;
     search_.find_displacements(decoded_, displacements);
     for (int round = 0; round < settings_->base_rounds; ++round) {
+        if (round > 0) // views that copy the base picture are better ones to copy
+            search_.choose_copies(decoded_, copies_);
         make_picture();
         encode_base(picture_);
         if (!search_.choose_base_copies(decoded_, copies_) ||

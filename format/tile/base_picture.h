@@ -13,15 +13,15 @@ namespace tessera {
 
 // What section CODE says of the base pictures of a file.
 struct BasePictures {
-    bool on = false;         // tiles may have one
-    std::uint8_t margin = 0; // texels that it is larger than the tile, on each side
+    bool on = false;          // tiles may have one
+    std::uint8_t margin = 0;  // texels that it is larger than the tile, on each side
     bool v_against_u = false; // displacements along v are the negatives of those along u
     bool operator==(const BasePictures&) const = default;
 };
 constexpr int max_base_margin = 31;
 
-constexpr int base_unit = 8;  // displacements count in parts of a texel a view
-constexpr int base_taps = 6;  // of the texels from 2 before on
+constexpr int base_unit = 8; // displacements count in parts of a texel a view
+constexpr int base_taps = 6; // of the texels from 2 before on
 constexpr int base_first_shift = 2, base_second_shift = 10; // of the sums along u, then along v
 // [displacement mod 8][tap]: Lanczos' kernel of three lobes, in sixty-fourths.
 constexpr std::array<std::array<std::int8_t, base_taps>, base_unit> base_filter = {{
