@@ -15,9 +15,6 @@ std::uint32_t scan_cost(const ScanEntry& e, const BlockShape& shape, const ScanW
     return cost;
 }
 
-// Each axis adds less than 8 of its weights.
-constexpr std::uint32_t most_scan_cost = 4 * 8 * 255;
-
 std::uint8_t position_class_of(std::uint32_t cost) {
     return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
 }
@@ -75,7 +72,11 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
                     }
     };
     // Costs are small: sorted by counting, which keeps the raster order among equals.
-    std::vector<std::uint32_t> place(most_scan_cost + 2);
+    // The last frequency costs most; few shapes come near what weights allow.
+    const ScanEntry last{
+        {static_cast<std::uint8_t>(coded[0] - 1), static_cast<std::uint8_t>(coded[1] - 1),
+         static_cast<std::uint8_t>(coded[2] - 1), static_cast<std::uint8_t>(coded[3] - 1)}};
+    std::vector<std::uint32_t> place(scan_cost(last, shape, weights) + 2);
     for_each_frequency([&](const ScanEntry&, std::uint32_t cost) { ++place[cost + 1]; });
     std::partial_sum(place.begin(), place.end(), place.begin());
     std::vector<ScanEntry> sorted(place.back());
