@@ -3,13 +3,23 @@
 #include "codec/entropy/tile_syntax.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tessera {
 namespace {
 
+std::array<float, probability_total + 1> make_bits() {
+    std::array<float, probability_total + 1> all;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] = static_cast<float>(probability_bits - std::log2(static_cast<double>(i)));
+    return all;
+}
+
+// Every pass asks for thousands.
 float bits(std::uint32_t frequency) {
-    return static_cast<float>(probability_bits - std::log2(static_cast<double>(frequency)));
+    static const auto all = make_bits();
+    return all[frequency];
 }
 
 template <int symbols>
