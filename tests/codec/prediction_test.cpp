@@ -131,7 +131,7 @@ TEST(CopyDepths, SixteenIsRefused) {
 // A picture of fine detail that moves by `u`, `v` half texels a step along s and along t.
 test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
                                    const std::array<int, 2>& along_t,
-                                   const Extent4& size = {32, 32, 8, 8}) {
+                                   const Extent4& size = {24, 24, 8, 8}) {
     const auto picture = [](double x, double y, int c) {
         return 0.5 + 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
                0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);

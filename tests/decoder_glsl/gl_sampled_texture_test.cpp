@@ -61,9 +61,9 @@ double worst_difference(const Judged& judged, const std::vector<glm::vec4>& colo
 constexpr double filter_precision = 2.0 / 512;
 
 // A million find the same worst case.
-TEST_F(GpuSample, AHundredThousandSamplesAgreeWithTheCpu) {
+TEST_F(GpuSample, ManySamplesAgreeWithTheCpu) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 60));
-    const Judged judged = judge(file, 100000);
+    const Judged judged = judge(file, 40000);
     for (const Residency residency : {Residency::on_load, Residency::on_feedback})
         for (const bool filter : {false, true}) {
             SCOPED_TRACE(std::string(name_of(residency)) + (filter ? " filtered" : ""));
@@ -80,7 +80,7 @@ TEST_F(GpuSample, AHundredThousandSamplesAgreeWithTheCpu) {
 TEST_F(GpuSample, EveryTypeAndChannelCount) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            SampledFile file(mixed_file(type, channels, 40, false, {70, 36, 12, 10}));
+            SampledFile file(mixed_file(type, channels, 40, false, {70, 36, 9, 9}));
             const Judged judged = judge(file, 4000);
             const double range = type == SampleType::half16 ? 4 : 1;
             for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
@@ -184,7 +184,7 @@ TEST_F(GpuSample, SaysWhatDoesNotFit) {
         EXPECT_LE(worst_difference(judged, sampled(*texture, judged.probes)), 1.0 / 255);
     }
     EXPECT_EQ(choose_residency(file.reader(), 1ull << 30), Residency::on_load);
-    EXPECT_EQ(choose_residency(file.reader(), 2ull << 20), Residency::on_feedback);
+    EXPECT_EQ(choose_residency(file.reader(), 1ull << 20), Residency::on_feedback);
 }
 
 } // namespace

@@ -163,9 +163,9 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
     std::vector<std::unique_ptr<ShaderOracle>> files;
     unsigned number = 0;
     for (const File& file : {File{{{7, 5, 3, 2}, SampleType::unorm8, 3}, {7, 5, 3, 2}},
-                             File{{{9, 6, 5, 4}, SampleType::half16, 4}, {5, 6, 5, 4}},
+                             File{{{9, 4, 3, 4}, SampleType::half16, 4}, {5, 4, 3, 4}},
                              File{{{1, 1, 1, 1}, SampleType::unorm8, 2}, {1, 1, 1, 1}},
-                             File{{{4, 3, 17, 9}, SampleType::unorm8, 1}, {4, 3, 17, 9}},
+                             File{{{2, 3, 17, 5}, SampleType::unorm8, 1}, {2, 3, 17, 5}},
                              File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}}}) {
         Random random(++number);
         CodingParameters parameters;

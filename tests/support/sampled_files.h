@@ -70,7 +70,7 @@ inline Bytes make_mixed_file(SampleType type, std::uint8_t channels, double qual
 
 // Encoded once.
 inline const Bytes& mixed_file(SampleType type, std::uint8_t channels, double quality,
-                               bool layers = false, const Extent4& size = {80, 40, 20, 12},
+                               bool layers = false, const Extent4& size = {80, 40, 12, 10},
                                const Extent4& tile = {32, 16, 8, 8}) {
     static std::map<std::tuple<SampleType, int, double, bool, Extent4>, Bytes> all;
     Bytes& file = all[{type, channels, quality, layers, size}];

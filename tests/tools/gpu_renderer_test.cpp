@@ -46,7 +46,7 @@ protected:
 
     // A file in small tiles, so that the borders of many cross the picture.
     static std::vector<std::byte> small_tiles(const std::string& scene, int effort) {
-        const auto source = bake(scene, {64, 32, 16, 12}, 1);
+        const auto source = bake(scene, {64, 32, 10, 9}, 1);
         EncodeOptions options;
         options.tile_extent = {16, 8, 8, 8};
         options.effort = effort;
@@ -104,9 +104,9 @@ TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
         ASSERT_TRUE(decoder.ok());
         const auto texels = decoded_source(*decoder);
         const TextureDesc& desc = decoder->desc();
-        const Camera cameras[] = {camera_at(aslant, {45, 120, 90}),
-                                  camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 90, 90}),
-                                  camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 90, 70})};
+        const Camera cameras[] = {camera_at(aslant, {45, 80, 60}),
+                                  camera_at({{0, 10, 0}, {0, 0, 0}}, {45, 60, 60}),
+                                  camera_at({{-4, 0, 0}, {0, 0, 1}}, {70, 60, 48})};
         for (const char* via : {"gpu", "load", "feedback"}) {
             const auto renderer =
                 make_gpu_renderer(decoder->container(), paper_window, grey, {via, 64});
@@ -245,7 +245,7 @@ protected:
         options.description.sphere_radius = 3.5f;
         options.description.surface_map = SurfaceMap::sphere_longitude_latitude;
         options.description.angular_map = AngularMap::hemisphere_alpha_beta;
-        const auto source = bake("gallery", {128, 64, 16, 16}, 1);
+        const auto source = bake("gallery", {128, 64, 12, 12}, 1);
         bytes_ = encoded(*source, options);
     }
     static void TearDownTestSuite() { bytes_ = {}; }
@@ -274,7 +274,7 @@ protected:
     Json frames_of(const std::string& file, const std::string& name,
                    const std::vector<std::string>& more = {}) {
         std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--size",
-                                          "160x120",  "--eye",  "8,3,6",           "--via",
+                                          "96x72",    "--eye",  "8,3,6",           "--via",
                                           "feedback", "--json", "--frames"};
         words.insert(words.end(), more.begin(), more.end());
         const Status status = run(words);
@@ -301,9 +301,9 @@ TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {
     RecordProperty("coarse_psnr", std::to_string(psnr));
     EXPECT_GT(psnr, 20);
     Picture shifted = sharp; // by a tenth of its width
-    std::rotate(shifted.rgb.begin(), shifted.rgb.begin() + 16 * 3, shifted.rgb.end());
+    std::rotate(shifted.rgb.begin(), shifted.rgb.begin() + 10 * 3, shifted.rgb.end());
     EXPECT_GT(psnr, likeness_of(sharp, shifted).psnr + 1);
-    EXPECT_GT(psnr, likeness_of(sharp, blank_picture(160, 120, 128)).psnr + 3);
+    EXPECT_GT(psnr, likeness_of(sharp, blank_picture(96, 72, 128)).psnr + 3);
 }
 
 // Means of all decoded tiles, which need every tile, and those of the level give much the same first
@@ -314,7 +314,7 @@ TEST_F(Sharpening, LevelsReplaceMeansOfAllTiles) {
     ASSERT_TRUE(decoder.ok());
     const ContainerReader& reader = decoder->container();
     const auto texels = decoded_level(*decoder, reader.levels().size() - 1);
-    const Camera camera = camera_at({{8, 3, 6}, {0, 0, 0}}, {45, 160, 120});
+    const Camera camera = camera_at({{8, 3, 6}, {0, 0, 0}}, {45, 96, 72});
     std::vector<Picture> first, last;
     for (const bool from_level : {false, true}) {
         GpuRenderOptions options{"feedback", 64, 0, {}, nullptr, {}};
