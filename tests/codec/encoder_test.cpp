@@ -136,7 +136,7 @@ TEST(SameBytes, ForAnyNumberOfThreads) {
                                            {RateTarget{Kind::bytes, 3000}, 2}}) {
             if (type == SampleType::half16 && rate.kind != Kind::quality)
                 continue;
-            MemoryTexture texture = named_texture(describe({29, 12, 9, 5}, type), "smooth");
+            MemoryTexture texture = named_texture(describe({29, 12, 5, 5}, type), "smooth");
             EncodeOptions options = options_for(rate, effort);
             options.tile_extent = {16, 8, 4, 4};
             options.threads = 1;

@@ -151,8 +151,7 @@ TEST(ChooseNumbers, IsARandomSetThatASeedFixes) {
     EXPECT_LT(choose_numbers(1ull << 40, 1000, 7).back(), 1ull << 40);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) &&                                                              \
-    !defined(__SANITIZE_THREAD__) // whose memory would be measured
+#ifndef TESSERA_SANITIZED // whose memory would be measured
 // Peak memory of the tool itself, in bytes.
 std::uint64_t peak_of(const fs::path& folder, std::vector<std::string> words) {
     words.insert(words.begin(), TESSERA_TOOL);
