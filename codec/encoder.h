@@ -46,7 +46,7 @@ enum class JournalUse {
 constexpr Extent4 tile_by_trial{0, 0, 0, 0};
 
 // What each effort does and costs: codec/DECISIONS.md.
-constexpr int usual_effort = 3, most_effort = 5;
+constexpr int usual_effort = 3, most_effort = 4;
 
 struct EncodeOptions {
     RateTarget rate;

@@ -209,7 +209,7 @@ typedef struct {
     size_t struct_size;
     double rate_value; /* in the unit of rate_kind; 75 */
     int32_t rate_kind; /* tessera_rate; TESSERA_QUALITY */
-    int32_t effort;    /* 0 fastest .. 5 smallest; the default, 3, is the one to use */
+    int32_t effort;    /* 0 fastest .. 4 smallest; the default, 3, is the one to use */
     uint32_t threads;  /* 0 (the default): all cores. Never changes the bytes. */
     /* Largest tile in texels along u, v, s, t: 1 to 64, 64, 32, 32, and at most 65,536 in all;
      * all 0 (the default): the encoder tries. */

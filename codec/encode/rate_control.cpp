@@ -114,13 +114,6 @@ private:
             if (plan_.effort.fit_tables)
                 TESSERA_TRY(learn(plan, trained, parameters));
         }
-        if (plan_.effort.second_pass && plan_.source.cheap_to_reread()) {
-            TESSERA_TRY_ASSIGN(const PassResult first, finished_or(parameters, [&] {
-                                   return run_pass(plan_, parameters, passes_, stage);
-                               }));
-            parameters.parameters = fit_parameters(first.totals.statistics);
-            drop(first); // only its tables were wanted
-        }
         return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, stage); });
     }
 

@@ -29,18 +29,16 @@ struct Level {
     int along, across, rounds; // of the search for copies; 0: no copies, and no filter either
     bool dense_tables;
     int refinements;
-    bool second_pass;
 };
 
 constexpr bool on = true, off = false;
 constexpr std::array<Level, most_effort + 1> levels = {{
-    // grids rotation, dependent, recode; copies; dense tables, refinements, 2nd pass
-    {four, off, off, off, 0, 0, 0, off, 0, off},
-    {seven, on, on, on, 0, 0, 0, off, 0, off},
-    {seven, on, on, on, 8, 4, 1, off, 0, off},
-    {all, on, on, on, 16, 6, 2, on, 1, off},
-    {all, on, on, on, 16, 6, 4, on, 2, off},
-    {all, on, on, on, 24, 10, 4, on, 2, on},
+    // grids rotation, dependent, recode; copies; dense tables, refinements
+    {four, off, off, off, 0, 0, 0, off, 0},
+    {seven, on, on, on, 0, 0, 0, off, 0},
+    {seven, on, on, on, 8, 4, 1, off, 0},
+    {all, on, on, on, 16, 6, 2, on, 1},
+    {all, on, on, on, 24, 10, 4, on, 2},
 }};
 // Where a tool switch brings copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -70,7 +68,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
             level_copies ? DisplacementRange{level.along, level.across} : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.copy_rounds = std::max(level.rounds, 1);
-    settings.base_rounds = level.rounds > 2 ? 3 : 2;
+    settings.base_rounds = std::clamp(level.rounds, 1, 3);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);
@@ -78,7 +76,6 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
         settings.refinements = std::max(level.refinements, 1);
     else
         settings.refinements = 0;
-    settings.second_pass = level.second_pass && settings.fit_tables;
     return settings;
 }
 

@@ -24,7 +24,6 @@ struct EffortSettings {
     int copy_rounds = 1;        // of the search for blocks that copy
     int base_rounds = 1;        // of making a base picture
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
-    bool second_pass = false;   // decide again under the tables of the first pass
 
     // Precondition: effort 0..most_effort (codec/encoder.h).
     static EffortSettings of(int effort, const ToolSwitches& tools = {});

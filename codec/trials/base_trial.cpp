@@ -1,6 +1,5 @@
 #include "codec/trials/base_trial.h"
 
-#include "codec/texels/sample_tiles.h"
 #include "codec/trials/heavy_tiles.h"
 
 #include <array>
@@ -9,45 +8,65 @@
 namespace tessera {
 namespace {
 
+// A look at few tiles at a low effort says in which direction they pay, if in any: baked textures, which
+// gain 0.2 %, are not to pay for more.
 constexpr std::size_t tiles_for_direction = 2, tiles_for_margin = 8;
-// Below this gain they are not worth twice the encoding time: baked textures gain 0.2 %.
-constexpr double least_gain = 0.01;
-constexpr std::array<std::uint8_t, 3> margins = {0, 4, 8};
+constexpr int quick_effort_of_bases = 2;
+// Below this gain they are not worth twice the encoding time. Camera grids gain 20 % and more.
+constexpr double least_gain = 0.01, least_quick_gain = 0.04;
+constexpr std::array<std::uint8_t, 2> margins = {4, 8};
+
+// The cheapest of `candidates`; none, if it costs no less than `least`, which becomes its cost.
+Result<BasePictures> cheapest(const HeavyTiles& tiles, CodingParameters parameters,
+                              std::span<const BasePictures> candidates, double& least) {
+    BasePictures best;
+    for (const BasePictures& pictures : candidates) {
+        if (!tiles.can_have(pictures))
+            continue;
+        parameters.base = pictures;
+        TESSERA_TRY_ASSIGN(const double cost, tiles.cost(parameters));
+        if (cost < least) {
+            least = cost;
+            best = pictures;
+        }
+    }
+    return best;
+}
+
+Result<BasePictures> choose_direction(const EncodePlan& plan, const Sample& sample,
+                                      const PassResult& plain) {
+    std::array<BasePictures, 2> directions{};
+    for (const bool v_against_u : {false, true})
+        directions[v_against_u] = {.on = true, .margin = 0, .v_against_u = v_against_u};
+    EncodePlan quick = plan;
+    quick.effort = EffortSettings::of(quick_effort_of_bases, plan.tools).for_samples();
+    const HeavyTiles tiles(quick, sample, plain, tiles_for_direction);
+    if (!tiles.can_have(directions[0]))
+        return BasePictures{};
+    TESSERA_TRY_ASSIGN(double least, tiles.cost(plain.walked));
+    least *= 1 - least_quick_gain;
+    return cheapest(tiles, plain.walked, directions, least);
+}
 
 } // namespace
 
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain) {
-    BasePictures best;
-    const auto choose = [&](std::size_t tiles, std::span<const BasePictures> candidates) -> Status {
-        const HeavyTiles heavy(plan, sample, plain, tiles);
-        double least = (1 - least_gain) * heavy.plain_cost();
-        best = {};
-        for (const BasePictures& pictures : candidates) {
-            if (!heavy.can_have(pictures))
-                continue;
-            CodingParameters parameters = plain.walked;
-            parameters.base = pictures;
-            TESSERA_TRY_ASSIGN(const double cost, heavy.cost(parameters));
-            if (cost < least) {
-                least = cost;
-                best = pictures;
-            }
-        }
-        return {};
-    };
-    std::array<BasePictures, 2> directions{};
-    for (const bool v_against_u : {false, true})
-        directions[v_against_u] = {.on = true, .margin = 0, .v_against_u = v_against_u};
-    TESSERA_TRY(choose(tiles_for_direction, directions));
-    if (!best.on)
-        return best;
-    std::array<BasePictures, margins.size()> candidates;
-    candidates.fill(best);
+    TESSERA_TRY_ASSIGN(const BasePictures direction, choose_direction(plan, sample, plain));
+    if (!direction.on)
+        return direction;
+    const HeavyTiles tiles(plan, sample, plain, tiles_for_margin);
+    double least = (1 - least_gain) * tiles.plain_cost();
+    TESSERA_TRY_ASSIGN(const BasePictures narrow,
+                       cheapest(tiles, plain.walked, std::span(&direction, 1), least));
+    if (!narrow.on)
+        return narrow;
+    std::array<BasePictures, margins.size()> wide;
+    wide.fill(direction);
     for (std::size_t i = 0; i < margins.size(); ++i)
-        candidates[i].margin = margins[i];
-    TESSERA_TRY(choose(tiles_for_margin, candidates));
-    return best;
+        wide[i].margin = margins[i];
+    TESSERA_TRY_ASSIGN(const BasePictures wider, cheapest(tiles, plain.walked, wide, least));
+    return wider.on ? wider : narrow;
 }
 
 } // namespace tessera

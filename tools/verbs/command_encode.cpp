@@ -128,7 +128,7 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
         "  cat scene.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > "
         "x.tess\n"
-        "  tessera encode views/ -o views.tess --max-error 2 --effort 5\n"
+        "  tessera encode views/ -o views.tess --max-error 2 --effort 4\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);
 }

@@ -126,7 +126,7 @@ std::string rounded(const std::string& text) {
 }
 
 // Control characters of a file's strings must not reach the terminal.
-// How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 5"; "" where it does not say.
+// How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 3"; "" where it does not say.
 std::string made_text(const Metadata& metadata) {
     std::string text;
     const auto add = [&](const char* key, const char* before) {

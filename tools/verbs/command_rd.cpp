@@ -73,7 +73,7 @@ void declare_rates(CLI::App& c, RdOptions& o) {
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
     c.add_option("--efforts", o.efforts,
-                 "Efforts 0..5 that it is measured at (3, and a point each at 0 and 5)")
+                 "Efforts 0..4 that it is measured at (3, and a point each at 0 and 4)")
         ->delimiter(',')
         ->check(CLI::Range(0, most_effort));
     c.add_option("--tools", o.tools,
@@ -133,7 +133,7 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
         "  tessera rd scene.tess -o report --quick\n"
         "  tessera rd composed --texture-size 128x64x32x32 -o report\n"
         "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
-        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 0,3,5\n"
+        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 0,3,4\n"
         "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera\n"
         "  tessera rd --views composed -o report",
         declare, run);
