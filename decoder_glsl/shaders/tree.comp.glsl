@@ -87,14 +87,16 @@ void tsr_decode_tree(uint tile) {
     stack[0].place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
     stack[0].depths = 0u;
     int waiting = 1;
+    uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint base = tsr_tile(tile, tsr_tile_base);
-    bool has_base = tsr_has_base(r, tsr_sides_of(tsr_tile(tile, tsr_tile_shape))) && base != tsr_none;
-    if (has_base) { // its tree comes first
+    bool has_base = tsr_has_base(r, tsr_sides_of(tsr_tile(tile, tsr_tile_shape)));
+    if (has_base && base == tsr_none) {
+        room = 0u; // the host found that a tree is not one: the tile is damaged
+    } else if (has_base) { // its tree comes first
         stack[1].place = tsr_first_place(base);
         stack[1].depths = tsr_depths_of_base;
         waiting = 2;
     }
-    uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint blocks = 0u;
     uint nodes = 0u;
     bool predicts = tsr_table(tsr_t_predicts) != 0u;
