@@ -131,7 +131,7 @@ TEST(SameBytes, ForAnyNumberOfThreads) {
     for (const SampleType type : types)
         for (const auto& [rate, effort] : {std::pair{RateTarget{Kind::quality, 70}, 0},
                                            {RateTarget{Kind::quality, 90}, 3},
-                                           {RateTarget{Kind::quality, 50}, 5},
+                                           {RateTarget{Kind::quality, 50}, most_effort},
                                            {RateTarget{Kind::max_error, 1}, 1},
                                            {RateTarget{Kind::bytes, 3000}, 2}}) {
             if (type == SampleType::half16 && rate.kind != Kind::quality)

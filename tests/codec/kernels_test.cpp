@@ -1,6 +1,7 @@
 // Every set of kernels gives the same; the inverse transform meets IEEE 1180.
 #include "codec/kernels/forward_dct.h"
 #include "codec/kernels/kernels.h"
+#include "format/tile/base_picture.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 #include "tests/support/slow_dct.h"
@@ -228,6 +229,37 @@ TEST_F(KernelPaths, CopiesAreEqual) {
             kernels_avx2.add_copies(rows, filter, n, b.data());
             ASSERT_EQ(a, b) << filter << " " << n;
         }
+}
+
+TEST_F(KernelPaths, CopiesOfBasePicturesAreEqual) {
+    Random random(21);
+    constexpr std::size_t most = max_tile_side;
+    for (const auto& weights : base_filter)
+        for (const int shift : {base_first_shift, base_second_shift})
+            for (int n = 1; n <= max_tile_side; ++n) {
+                std::vector<std::vector<std::int32_t>> texels(base_taps);
+                const std::int32_t* rows[base_taps];
+                // As large as values of halves are, and their sums along u.
+                const int limit = shift == base_first_shift ? 1 << 18 : 25 << 18;
+                for (std::size_t tap = 0; tap < base_taps; ++tap) {
+                    for (int i = 0; i < n; ++i)
+                        texels[tap].push_back(random.chance(0.2)
+                                                  ? (random.chance(0.5) ? -limit : limit - 1)
+                                                  : random.range(-limit, limit - 1));
+                    rows[tap] = texels[tap].data();
+                }
+                std::vector<std::int32_t> a(most, 5), b(most, 5);
+                kernels_scalar.six_taps(rows, weights.data(), shift, n, a.data());
+                kernels_avx2.six_taps(rows, weights.data(), shift, n, b.data());
+                ASSERT_EQ(a, b) << shift << " " << n;
+                for (std::size_t i = 0; i < most; ++i) {
+                    std::int64_t sum = std::int64_t{1} << (shift - 1);
+                    for (std::size_t tap = 0; i < static_cast<std::size_t>(n) && tap < base_taps;
+                         ++tap)
+                        sum += std::int64_t{weights[tap]} * texels[tap][i];
+                    ASSERT_EQ(a[i], i < static_cast<std::size_t>(n) ? sum >> shift : 5);
+                }
+            }
 }
 
 TEST_F(KernelPaths, ColourStoresAreEqual) {
