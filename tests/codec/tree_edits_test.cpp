@@ -127,7 +127,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 55};
         options.effort = usual_effort;
-        options.tools = refined ? "+refine" : "-refine";
+        options.tools = refined ? "-base,+refine" : "-base,-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();
         return report ? report->psnr : 0.0;
