@@ -61,7 +61,9 @@ public:
           texels_(texel_count(plan.grid.size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
-        if (!plan.effort.try_base || plan.colour.corrections)
+        // A surface's directions are no views that are alike but for parallax.
+        if (!plan.effort.try_base || plan.colour.corrections ||
+            plan.options.description.proxy == Proxy::mesh)
             base_ = BasePictures{};
         if (!plan.effort.filter || plan.colour.corrections)
             filter_ = TileFilter{};
