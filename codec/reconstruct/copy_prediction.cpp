@@ -8,11 +8,27 @@
 namespace tessera {
 namespace {
 
-// One view of a plane that is copied from, moved by whole and half texels.
+// One view of a plane that is copied from.
+struct View {
+    const std::int32_t* texels;
+    int width, height;
+
+    // n texels from (u, v) on; texels outside are those at the edge. `buffer` has room for them.
+    const std::int32_t* row(int u, int v, int n, std::int32_t* buffer) const {
+        const std::int32_t* line = texels + std::clamp(v, 0, height - 1) * width;
+        if (u >= 0 && u + n <= width)
+            return line + u;
+        for (int i = 0; i < n; ++i)
+            buffer[i] = line[std::clamp(u + i, 0, width - 1)];
+        return buffer;
+    }
+};
+
+// One that is moved by whole and half texels.
 class MovedView {
 public:
     MovedView(const std::int32_t* view, const BlockShape& tile, int half_u, int half_v, bool smooth)
-        : view_(view), width_(tile.n[0]), height_(tile.n[1]), u_(half_u >> 1), v_(half_v >> 1),
+        : view_{view, tile.n[0], tile.n[1]}, u_(half_u >> 1), v_(half_v >> 1),
           filter_(copy_filter(smooth, half_u, half_v)), before_(smooth ? 1 : 0),
           first_(smooth && (half_v & 1) == 0 ? 0 : 1), last_(smooth || (half_v & 1) != 0 ? 2 : 1) {}
 
@@ -20,25 +36,15 @@ public:
     void add_row(int u, int v, int n, std::int32_t* sums) {
         const std::int32_t* rows[3] = {};
         for (int i = first_; i <= last_; ++i)
-            rows[i] = row(u + u_ - before_, v + v_ - 1 + i, before_ + n + 1,
-                          buffer_[static_cast<std::size_t>(i)].data()) +
+            rows[i] = view_.row(u + u_ - before_, v + v_ - 1 + i, before_ + n + 1,
+                                buffer_[static_cast<std::size_t>(i)].data()) +
                       before_;
         kernels().add_copies(rows, filter_, n, sums);
     }
 
 private:
-    // n texels from (u, v) on; texels outside the tile are those at its edge.
-    const std::int32_t* row(int u, int v, int n, std::int32_t* buffer) const {
-        const std::int32_t* line = view_ + std::clamp(v, 0, height_ - 1) * width_;
-        if (u >= 0 && u + n <= width_)
-            return line + u;
-        for (int i = 0; i < n; ++i)
-            buffer[i] = line[std::clamp(u + i, 0, width_ - 1)];
-        return buffer;
-    }
-
-    const std::int32_t* const view_;
-    const int width_, height_, u_, v_, filter_;
+    const View view_;
+    const int u_, v_, filter_;
     const int before_, first_, last_; // texels before the first, rows: what the filter reads
     std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
@@ -47,7 +53,7 @@ private:
 class BasePlane {
 public:
     BasePlane(const std::vector<std::int32_t>& plane, const BlockShape& shape)
-        : plane_(plane), width_(shape.n[0]), height_(shape.n[1]) {}
+        : view_{plane.data(), shape.n[0], shape.n[1]} {}
 
     // What follows are the nu x nv texels at (u, v) and (du, dv) eighths away from there.
     void move(int u, int v, int nu, int nv, int du, int dv) {
@@ -57,7 +63,8 @@ public:
         static_assert(base_unit == 1 << 3);
         std::array<const std::int32_t*, base_taps> from;
         for (int i = 0; i < nv + base_taps - 1; ++i) {
-            const std::int32_t* row = row_at(first_u, first_v + i, nu + base_taps - 1);
+            const std::int32_t* row =
+                view_.row(first_u, first_v + i, nu + base_taps - 1, edge_.data());
             for (std::size_t tap = 0; tap < base_taps; ++tap)
                 from[tap] = row + tap;
             kernels().six_taps(from.data(), along_u.data(), base_first_shift, nu,
@@ -75,18 +82,7 @@ public:
 private:
     static constexpr int before = 2; // texels before the one that a tap of its own stands for
 
-    // n texels from (u, v) on; texels outside are those at the edge.
-    const std::int32_t* row_at(int u, int v, int n) {
-        const std::int32_t* line = plane_.data() + std::clamp(v, 0, height_ - 1) * width_;
-        if (u >= 0 && u + n <= width_)
-            return line + u;
-        for (int i = 0; i < n; ++i)
-            edge_[static_cast<std::size_t>(i)] = line[std::clamp(u + i, 0, width_ - 1)];
-        return edge_.data();
-    }
-
-    const std::vector<std::int32_t>& plane_;
-    const int width_, height_;
+    const View view_;
     const std::array<std::int8_t, base_taps>* along_v_ = nullptr;
     std::array<std::int32_t, max_tile_side + base_taps> edge_;
     std::array<std::array<std::int32_t, max_tile_side>, max_tile_side + base_taps> rows_;
@@ -143,11 +139,8 @@ void for_each_base_row(const Block& block, const BlockPrediction& prediction,
 // First texel of a row of a block, in a plane of the picture it is a part of.
 std::int32_t* row_of(const Block& block, const BlockShape& picture, int s, int t, int v,
                      std::vector<std::int32_t>& plane) {
-    return plane.data() +
-           (((block.origin[3] + t) * picture.n[2] + block.origin[2] + s) * picture.n[1] +
-            block.origin[1] + v) *
-               picture.n[0] +
-           block.origin[0];
+    return plane.data() + plane_index(picture, block.origin[0], block.origin[1] + v,
+                                      block.origin[2] + s, block.origin[3] + t);
 }
 
 void clamp_block(const Block& block, const BlockShape& picture, std::int32_t limit,

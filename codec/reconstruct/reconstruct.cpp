@@ -81,10 +81,8 @@ void inverse_transform(const Support& support, const BlockShape& shape,
 
 // First texel of a block's rows for its (s, t), in a plane of the tile.
 int row_start(const Block& block, const BlockShape& tile, int s, int t) {
-    return (((block.origin[3] + t) * tile.n[2] + block.origin[2] + s) * tile.n[1] +
-            block.origin[1]) *
-               tile.n[0] +
-           block.origin[0];
+    return plane_index(tile, block.origin[0], block.origin[1], block.origin[2] + s,
+                       block.origin[3] + t);
 }
 
 void store_block(const Block& block, const std::int32_t* values, int shift, const BlockShape& tile,

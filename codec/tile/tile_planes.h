@@ -22,6 +22,11 @@ struct ColourCoding {
     bool corrections = false; // tiles may end with corrections (required feature 1)
 };
 
+// Where a texel of a picture or tile stands in its planes.
+inline int plane_index(const BlockShape& shape, int u, int v, int s, int t) {
+    return ((t * shape.n[2] + s) * shape.n[1] + v) * shape.n[0] + u;
+}
+
 // One array a plane, tile order t, s, v, u with u fastest; in 2^-value_bits of a code.
 struct TilePlanes {
     BlockShape shape;

@@ -54,8 +54,8 @@ void make_base_picture(const TilePlanes& tile, int planes, const BasePictures& p
                 displacements.at(std::clamp<int>(u, 0, n[0] - 1), std::clamp<int>(v, 0, n[1] - 1));
             const Seen s = look(u, n[0], n[2], d);
             const Seen t = look(v, n[1], n[3], pictures.v_against_u ? -d : d);
-            const auto from = static_cast<std::size_t>(
-                ((t.view * n[2] + s.view) * n[1] + t.texel) * n[0] + s.texel);
+            const auto from =
+                static_cast<std::size_t>(plane_index(tile.shape, s.texel, t.texel, s.view, t.view));
             for (std::size_t plane = 0; plane < static_cast<std::size_t>(planes); ++plane)
                 picture.plane[plane][at] = tile.plane[plane][from];
         }

@@ -296,18 +296,19 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
                          coding_.parameters.smooth_copies);
     for (int a = 1; a <= angular_depths_; ++a)
         try_copies(a, reconstructed);
-    for (Grid& grid : grids_) {
-        grid.copied_cost = grid.cost;
-        grid.copied = grid.prediction;
-    }
+    if (coding_.parameters.base.on)
+        for (Grid& grid : grids_) {
+            grid.copied_cost = grid.cost;
+            grid.copied = grid.prediction;
+        }
     return emit_tree(out);
 }
 
 bool BlockSearch::choose_base_copies(const TilePlanes& reconstructed, TileLevels& out) {
     if (!can_copy())
         return false;
-    reset_choices();
     for (Grid& grid : grids_) {
+        grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
         grid.cost = grid.copied_cost;
         grid.prediction = grid.copied;
     }

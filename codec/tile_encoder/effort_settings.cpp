@@ -68,7 +68,6 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
             level_copies ? DisplacementRange{level.along, level.across} : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.copy_rounds = std::max(level.rounds, 1);
-    settings.base_rounds = std::clamp(level.rounds, 1, 3);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);

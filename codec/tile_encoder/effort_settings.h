@@ -22,7 +22,6 @@ struct EffortSettings {
     bool try_base = true;       // whether tiles have base pictures, likewise
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
     int copy_rounds = 1;        // of the search for blocks that copy
-    int base_rounds = 1;        // of making a base picture
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
 
     // Precondition: effort 0..most_effort (codec/encoder.h).

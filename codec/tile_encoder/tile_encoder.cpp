@@ -17,6 +17,8 @@ constexpr float usual_split_bits = 1.3f; // of a block's share of the split tree
 constexpr float more_blocks_bits = 1.0f; // of a quarter, beside what encode_best sees
 constexpr int smallest_to_split = 8;     // side of a block, as the search goes down to 4
 
+constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings nothing
+
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
 
 // Levels in the order of the blocks, as a decoder reads them.
@@ -86,14 +88,14 @@ float TileEncoder::encode_planes(TileLevels& out) {
             std::swap(out, copies_);
         }
     }
-    kept_base_.levels.clear();
+    base_.levels.clear();
     if (can_have_base && !out.nonzeros.empty())
         try_base(out, cost);
     for (int round = 0; round < settings_->refinements && !out.nonzeros.empty(); ++round)
         if (!refine(out, cost))
             break;
     if (copies_base(out))
-        prepend_base(kept_base_.levels, out);
+        prepend_base(base_.levels, out);
     return cost;
 }
 
@@ -104,14 +106,14 @@ void TileEncoder::encode_base(const TilePlanes& picture) {
     base_bytes_.clear();
     encode_levels(base_.levels, {}, *coding_, base_bytes_);
     base_.cost = settings_->quantizer.lambda * 8 * static_cast<float>(base_bytes_.size());
-    decode_base(base_);
+    decode_base();
 }
 
-void TileEncoder::decode_base(const Base& base) {
+void TileEncoder::decode_base() {
     TileLevels alone;
     alone.shape = planes_.shape;
-    prepend_base(base.levels, alone);
-    decoded_.resize_base(base.levels.shape, coding_->planes);
+    prepend_base(base_.levels, alone);
+    decoded_.resize_base(base_.levels.shape, coding_->planes);
     for (std::size_t block = 0; block < alone.base_blocks; ++block)
         reconstruct_block(alone, block, *coding_, scratch_, decoded_);
 }
@@ -130,7 +132,8 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
     decoded_.base_shape = picture_.shape;
     decoded_.base = picture_.plane;
     search_.find_displacements(decoded_, displacements);
-    for (int round = 0; round < settings_->base_rounds; ++round) {
+    Base kept;
+    for (int round = 0; round < std::min(settings_->copy_rounds, most_base_rounds); ++round) {
         if (round > 0) // views that copy the base picture are better ones to copy
             search_.choose_copies(decoded_, copies_);
         make_picture();
@@ -143,14 +146,12 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
         if (with_base < cost) {
             cost = with_base;
             std::swap(out, copies_);
-            std::swap(kept_base_, base_);
+            std::swap(kept, base_);
         }
     }
-    if (copies_base(out)) {
-        std::swap(base_, kept_base_);
-        decode_base(base_);
-        kept_base_ = base_;
-    }
+    std::swap(base_, kept);
+    if (copies_base(out))
+        decode_base();
 }
 
 // The search goes by estimates. Coding the tree that it chose, and each block's quarters and
@@ -168,7 +169,7 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
         return false;
     copies_.predictions.resize(copies_.blocks.size()); // forgotten where nothing copies
     apply_edits(refinement.edits, copies_);
-    if (copies_.blocks.size() + kept_base_.levels.blocks.size() > max_leaves)
+    if (copies_.blocks.size() + base_.levels.blocks.size() > max_leaves)
         return false;
     const float refined = encode_copies(copies_);
     if (refined >= cost)

@@ -39,7 +39,7 @@ private:
         float cost = 0;
     };
     void encode_base(const TilePlanes& picture);
-    void decode_base(const Base& base);
+    void decode_base();
     void try_base(TileLevels& out, float& cost);
     // What coding the blocks of a tree says about those that it could have instead.
     struct Refinement {
@@ -66,8 +66,8 @@ private:
     int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
     BlockSearch search_, base_search_;
     BlockQuantizer quantizer_;
-    TilePlanes planes_, decoded_, picture_, decoded_picture_;
-    Base base_, kept_base_; // in hand; of the cheapest way found
+    TilePlanes planes_, decoded_, picture_;
+    Base base_; // in hand; in the end that of the cheapest way found, if it has one
     std::vector<std::byte> base_bytes_;
     DontCare dont_care_;
     ReconstructScratch scratch_;

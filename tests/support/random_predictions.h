@@ -11,7 +11,8 @@
 
 namespace tessera::test {
 
-// At most 15 deep, some of the base picture where the tile has one. Displacements repeat, are small, or reach as far as the format lets them.
+// At most 15 deep, some of the base picture where the tile has one. Displacements repeat, are small, or
+// reach as far as the format lets them.
 class RandomPredictions {
 public:
     RandomPredictions(Random& random, double chance, const BasePictures& base = {})
