@@ -1,5 +1,6 @@
 // Tables learnt from two starts, on textures of noise, where it matters.
 #include "codec/encoder.h"
+#include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 
@@ -31,6 +32,7 @@ double excess(bool dense_tables, double quality) {
     test::MemoryTexture texture = white_noise();
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
+    options.effort = test::quick_effort; // noise has nothing that a longer search would find
     options.tools = dense_tables ? "+dense-tables" : "-dense-tables";
     test::Bytes file;
     const auto report = encode_memory(texture, file, options);

@@ -1,6 +1,7 @@
 // The sixteen texels, against the second implementation and against what a fold must give.
 #include "format/surface_mesh.h"
 #include "tests/reference/spec_mesh_sampling.h"
+#include "tests/support/angular_maps.h"
 #include "tests/support/random_rays.h"
 
 #include <algorithm>
@@ -13,9 +14,6 @@ namespace {
 
 using namespace test;
 namespace reference = tessera_reference;
-
-constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
-constexpr AngularMap mirror = AngularMap::octahedral_mirrored;
 
 using Weights = std::map<std::array<std::uint32_t, 4>, double>;
 
@@ -52,7 +50,7 @@ void expect_as_specified(const Extent4& size, AngularMap map, const SurfaceFrame
 TEST(MeshFootprint, IsThatOfTheSpecification) {
     auto random = generator(7);
     for (const Extent4& size : {Extent4{8, 6, 4, 4}, {5, 3, 3, 2}, {1, 1, 1, 1}, {2, 1, 1, 5}})
-        for (const AngularMap map : {hemisphere, mirror})
+        for (const AngularMap map : {hemisphere, mirrored})
             for (int i = 0; i < 500; ++i) {
                 const SurfaceFrame frame = surface_frame(unit_vector(random));
                 const glm::dvec2 uv{uniform(random, 0, 1), uniform(random, 0, 1)};
@@ -63,7 +61,7 @@ TEST(MeshFootprint, IsThatOfTheSpecification) {
 // At the poles, the folds and the corners of both maps.
 TEST(MeshFootprint, IsThatOfTheSpecificationAtTheEdges) {
     const Extent4 size{4, 4, 4, 6};
-    for (const AngularMap map : {hemisphere, mirror})
+    for (const AngularMap map : {hemisphere, mirrored})
         for (int n = 0; n < 27; ++n)
             for (int k = 0; k < 27; ++k) {
                 const glm::dvec3 normal(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
@@ -79,7 +77,7 @@ TEST(MeshFootprint, IsThatOfTheSpecificationAtTheEdges) {
 
 TEST(MeshFootprint, AddsUpToOneOutsideToo) {
     const Extent4 size{4, 3, 5, 2};
-    for (const AngularMap map : {hemisphere, mirror})
+    for (const AngularMap map : {hemisphere, mirrored})
         for (const double x : {-3.0, 0.0, 1.0, 7.0})
             for (const double y : {-0.1, 0.0, 0.5, 1.0, 1.1}) {
                 double sum = 0;
@@ -102,7 +100,7 @@ TEST(MeshFootprint, EndsAtTheAtlasEdgesAndTheHorizon) {
 
 TEST(MeshFootprint, FoldsOverTheEdgesOfTheMirroredSquare) {
     const auto angles = [](double s, double t) {
-        Weights weights = weights_of(mesh_footprint({1, 1, 4, 8}, mirror, {0.5, 0.5}, {s, t}));
+        Weights weights = weights_of(mesh_footprint({1, 1, 4, 8}, mirrored, {0.5, 0.5}, {s, t}));
         std::erase_if(weights, [](const auto& entry) { return entry.second == 0; });
         return weights;
     };
@@ -134,7 +132,7 @@ TEST(MeshFootprint, IsContinuousAcrossTheFold) {
         frame.ez = n;
         const auto seen = [&](const glm::dvec3& d) {
             return weights_of(
-                mesh_footprint(size, mirror, {0.5, 0.5}, octahedral_place(mirror, frame, d)));
+                mesh_footprint(size, mirrored, {0.5, 0.5}, octahedral_place(mirrored, frame, d)));
         };
         Weights difference = seen(n - step);
         for (const auto& [texel, weight] : seen(n + step))

@@ -1,5 +1,6 @@
 // Directions and the square, there and back, and what happens at every edge of both.
 #include "format/surface_mesh.h"
+#include "tests/support/angular_maps.h"
 #include "tests/support/random_rays.h"
 
 #include <cmath>
@@ -11,8 +12,6 @@ namespace {
 
 using namespace test;
 
-constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
-constexpr AngularMap mirror = AngularMap::octahedral_mirrored;
 constexpr double close = 1e-12;
 
 SurfaceFrame random_frame(std::mt19937_64& random) {
@@ -30,7 +29,7 @@ const SurfaceFrame upright{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}; // ez = (0, 1, 0)
 
 TEST(Octahedral, PlacesAndDirectionsAreInverse) {
     auto random = generator(1);
-    for (const AngularMap map : {hemisphere, mirror})
+    for (const AngularMap map : {hemisphere, mirrored})
         for (int i = 0; i < 2000; ++i) {
             const SurfaceFrame frame = random_frame(random);
             const double s = uniform(random, 0, 1), t = uniform(random, 0, 1);
@@ -42,7 +41,7 @@ TEST(Octahedral, PlacesAndDirectionsAreInverse) {
             EXPECT_NEAR(back.x, s, 1e-9);
             EXPECT_NEAR(back.y, t, 1e-9);
         }
-    for (const AngularMap map : {hemisphere, mirror})
+    for (const AngularMap map : {hemisphere, mirrored})
         for (int i = 0; i < 2000; ++i) {
             const SurfaceFrame frame = random_frame(random);
             glm::dvec3 d = unit_vector(random);
@@ -68,7 +67,7 @@ TEST(Octahedral, HemisphereHasTheNormalInTheMiddleAndTheHorizonOnTheRim) {
 
 TEST(Octahedral, DirectionsIntoTheSurfaceAreTakenForThoseAlongIt) {
     auto random = generator(2);
-    for (const AngularMap map : {hemisphere, mirror})
+    for (const AngularMap map : {hemisphere, mirrored})
         for (int i = 0; i < 500; ++i) {
             const SurfaceFrame frame = random_frame(random);
             glm::dvec3 d = unit_vector(random);
@@ -83,7 +82,7 @@ TEST(Octahedral, DirectionsIntoTheSurfaceAreTakenForThoseAlongIt) {
 TEST(Octahedral, WhatHasNoDirectionIsTakenForTheNormal) {
     for (const glm::dvec3& d : {glm::dvec3{0, -1, 0}, glm::dvec3{0.0}}) {
         expect_place(hemisphere, upright, d, 0.5, 0.5);
-        expect_place(mirror, upright, d, 0.5, 0.5);
+        expect_place(mirrored, upright, d, 0.5, 0.5);
     }
 }
 
@@ -92,7 +91,7 @@ TEST(Octahedral, MirroredSquareHasTheObjectsUpInTheMiddleAndDownAtTheCorners) {
     const auto at = [](const glm::dvec3& r, double s, double t) {
         SurfaceFrame frame;
         frame.ez = r; // seen along the normal: r = d = n
-        expect_place(mirror, frame, r, s, t);
+        expect_place(mirrored, frame, r, s, t);
     };
     at({0, 1, 0}, 0.5, 0.5);
     at({1, 0, 0}, 1, 0.5);
@@ -107,7 +106,7 @@ TEST(Octahedral, MirroredSquareHasTheObjectsUpInTheMiddleAndDownAtTheCorners) {
     at({-half, -half, 0}, 0, 0.75);
     for (const double s : {0.0, 1.0})
         for (const double t : {0.0, 1.0}) {
-            const glm::dvec3 r = octahedral_direction(mirror, upright, s, t);
+            const glm::dvec3 r = octahedral_direction(mirrored, upright, s, t);
             EXPECT_LT(glm::distance(r, glm::dvec3(0, -1, 0)), close);
         }
 }
@@ -118,11 +117,11 @@ TEST(Octahedral, EdgesOfTheMirroredSquareAreTheSameRunTheOtherWay) {
         const SurfaceFrame frame = random_frame(random);
         const double x = uniform(random, 0, 1);
         for (const double edge : {0.0, 1.0}) {
-            EXPECT_LT(glm::distance(octahedral_direction(mirror, frame, edge, x),
-                                    octahedral_direction(mirror, frame, edge, 1 - x)),
+            EXPECT_LT(glm::distance(octahedral_direction(mirrored, frame, edge, x),
+                                    octahedral_direction(mirrored, frame, edge, 1 - x)),
                       close);
-            EXPECT_LT(glm::distance(octahedral_direction(mirror, frame, x, edge),
-                                    octahedral_direction(mirror, frame, 1 - x, edge)),
+            EXPECT_LT(glm::distance(octahedral_direction(mirrored, frame, x, edge),
+                                    octahedral_direction(mirrored, frame, 1 - x, edge)),
                       close);
         }
     }

@@ -2,6 +2,7 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/trace/ray_scene.h"
+#include "tests/support/angular_maps.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/meshes.h"
@@ -14,8 +15,6 @@
 namespace tessera::test {
 namespace {
 
-constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
-constexpr AngularMap mirrored = AngularMap::octahedral_mirrored;
 const glm::dvec3 grey{0.5};
 
 // A box and a ball beside it, partly behind each other. Both wear the same texture.

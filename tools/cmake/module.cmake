@@ -41,13 +41,18 @@ function(tessera_public_headers module)
 endfunction()
 
 # Sources of some folders of the module whose CMakeLists.txt this is. Where CMAKE_UNITY_BUILD is set, as
-# tools/common.sh does, a folder is compiled as one: most of what a file costs is reading its headers.
+# tools/common.sh does, the folders of an argument (io+container) are compiled as one source: most of
+# what a file costs is reading its headers.
 function(tessera_sources variable)
     set(all)
-    foreach(folder IN LISTS ARGN)
-        file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
-        set_source_files_properties(${files} PROPERTIES UNITY_GROUP ${folder})
-        list(APPEND all ${files})
+    foreach(group IN LISTS ARGN)
+        string(REPLACE "+" ";" folders ${group})
+        string(MAKE_C_IDENTIFIER ${group} name)
+        foreach(folder IN LISTS folders)
+            file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+            set_source_files_properties(${files} PROPERTIES UNITY_GROUP ${name})
+            list(APPEND all ${files})
+        endforeach()
     endforeach()
     set(${variable} ${all} PARENT_SCOPE)
 endfunction()

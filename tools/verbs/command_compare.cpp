@@ -89,7 +89,7 @@ std::vector<std::string> missed_thresholds(const CompareCommand& a, const Compar
 }
 
 // null where the textures are the same: JSON has no infinity.
-Json decibels(double db) {
+Json decibels_or_null(double db) {
     return std::isfinite(db) ? Json(db) : Json(nullptr);
 }
 
@@ -110,14 +110,14 @@ Json to_json(const CompareCommand& a, const TextureDesc& desc, const Comparison&
                  {"channels", desc.channels},
                  {"identical", e.differing_samples() == 0},
                  {"differing_samples", e.differing_samples()},
-                 {"psnr", decibels(e.psnr())}};
+                 {"psnr", decibels_or_null(e.psnr())}};
     for (unsigned i = 0; i < desc.channels; ++i)
-        json["psnr_per_channel"][channel_name(desc.channels, i)] = decibels(e.psnr(i));
+        json["psnr_per_channel"][channel_name(desc.channels, i)] = decibels_or_null(e.psnr(i));
     if (desc.type == SampleType::unorm8) {
-        json["psnr_luma"] = decibels(e.psnr_luma());
+        json["psnr_luma"] = decibels_or_null(e.psnr_luma());
     } else {
-        json["psnr_pu21"] = decibels(e.psnr_pu21());
-        json["psnr_log2"] = decibels(e.psnr_log2());
+        json["psnr_pu21"] = decibels_or_null(e.psnr_pu21());
+        json["psnr_log2"] = decibels_or_null(e.psnr_log2());
         json["non_finite_a"] = e.non_finite(0);
         json["non_finite_b"] = e.non_finite(1);
     }
@@ -246,7 +246,7 @@ Status run_beginnings(const CompareCommand& a) {
         Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
         for (const PrefixPoint& p : *points)
             json["beginnings"].push_back({{"bytes", p.bytes},
-                                          {"psnr", decibels(p.psnr)},
+                                          {"psnr", decibels_or_null(p.psnr)},
                                           {"missing_tiles", p.missing_tiles},
                                           {"tiles", p.tiles}});
         print_json(json);
