@@ -81,18 +81,32 @@ Status CoarseFill::texels_of(std::size_t level, const Box4& box, std::span<std::
     return {};
 }
 
-Status CoarseFill::decode(std::uint64_t tile, std::vector<std::byte>& texels) const {
+template <class Use> Status CoarseFill::with_payload(std::uint64_t tile, const Use& use) const {
     const LevelTable& table = container_.level_table();
     const Box4 box = table.box(tile);
-    texels.resize(static_cast<std::size_t>(container_.desc().box_bytes(box)));
     const Result<TileBytes> payload = container_.load_tile(tile);
     Status status = payload.status();
     if (status) {
         TileDecoder decoder(*codings_[table.level_number_of(tile)], colour_);
-        status = decoder.decode(payload->bytes, tile_shape(box), texels);
+        status = use(decoder, payload->bytes, tile_shape(box));
     }
     return status.with_context(container_.name() + ": tile " + std::to_string(tile) + " (texels " +
                                to_string(box) + ")");
+}
+
+Status CoarseFill::decode(std::uint64_t tile, std::vector<std::byte>& texels) const {
+    const Box4 box = container_.level_table().box(tile);
+    texels.resize(static_cast<std::size_t>(container_.desc().box_bytes(box)));
+    return with_payload(
+        tile, [&](TileDecoder& decoder, std::span<const std::byte> payload,
+                  const BlockShape& shape) { return decoder.decode(payload, shape, texels); });
+}
+
+Status CoarseFill::check(std::uint64_t tile) const {
+    return with_payload(tile, [](TileDecoder& decoder, std::span<const std::byte> payload,
+                                 const BlockShape& shape) {
+        return payload.empty() ? Status() : decoder.parse(payload, shape);
+    });
 }
 
 Result<CoarseFill::Texels> CoarseFill::tile_texels(std::size_t level, std::uint64_t number) {

@@ -37,12 +37,16 @@ public:
 
     // The texels of a tile of any level, as stored. Errors: those of loading and decoding it, naming it.
     Status decode(std::uint64_t tile, std::vector<std::byte>& texels) const;
+    // The same errors without the texels: what decodes to levels has texels.
+    Status check(std::uint64_t tile) const;
 
     // Remembers a tile of level 0 that was filled.
     void note(std::uint64_t tile);
     FillReport report() const;
 
 private:
+    // Calls use(decoder, payload, shape) -> Status for the tile; names it in errors.
+    template <class Use> Status with_payload(std::uint64_t tile, const Use& use) const;
     using Texels = std::shared_ptr<const std::vector<std::byte>>;
     Status interpolate(std::size_t level, const Box4& box, std::span<std::byte> out);
     bool is_kept(std::uint64_t tile) const;

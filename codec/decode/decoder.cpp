@@ -219,8 +219,7 @@ Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
 }
 
 Status Decoder::check_tile(std::uint64_t tile) const {
-    std::vector<std::byte> texels;
-    return state_->fill->decode(tile, texels);
+    return state_->fill->check(tile);
 }
 
 FillReport Decoder::fill_report() const {

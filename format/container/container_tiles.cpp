@@ -29,7 +29,8 @@ GroupKey OpenContainer::group_key(std::uint32_t group) const {
             table_.tiles_of(group).count,
             root(group).data,
             root(group + 1).data,
-            header_.page_bytes()};
+            header_.page_bytes(),
+            header_.max_tile_bytes()};
 }
 
 OpenContainer::IndexRange OpenContainer::index_range(std::uint32_t group) const {
@@ -68,6 +69,18 @@ Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t gro
         ContainerRule rule{};
         return read_group(group, rule);
     });
+}
+
+Result<std::vector<std::uint64_t>> OpenContainer::stored_tiles(std::uint32_t group) const {
+    TESSERA_TRY_ASSIGN(const auto index, this->group(group));
+    std::vector<std::uint64_t> tiles;
+    if (index->pages.empty()) // which most groups of a sparse texture are
+        return tiles;
+    const std::uint64_t first = table_.tiles_of(group).first;
+    for (std::size_t i = 0; i + 1 < index->starts.size(); ++i)
+        if (index->starts[i] < index->starts[i + 1])
+            tiles.push_back(first + i);
+    return tiles;
 }
 
 Status OpenContainer::no_such_tile(std::uint64_t tile) const {

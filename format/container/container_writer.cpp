@@ -114,8 +114,9 @@ Status Builder::check() {
     TESSERA_TRY(make_level_table());
     TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
         TESSERA_TRY_ASSIGN(const std::uint64_t length, tile_length(tile));
-        if (length > std::numeric_limits<std::uint32_t>::max())
-            return too_large("tile " + std::to_string(tile) + " has more than 2^32 - 1 bytes");
+        if (length > header_.max_tile_bytes())
+            return too_large("tile " + std::to_string(tile) + " has more than " +
+                             std::to_string(header_.max_tile_bytes()) + " bytes");
         return {};
     }));
     TESSERA_TRY(check_sections());

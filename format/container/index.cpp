@@ -68,8 +68,9 @@ void write_lengths(BitWriter& out, std::span<const std::uint32_t> lengths) {
             write_rice(out, length - 1, k);
 }
 
-// Stops early where the lengths exceed `limit` bytes in sum, and says so with false.
-bool read_lengths(BitReader& in, std::span<std::uint32_t> lengths, std::uint64_t limit) {
+// Stops early where the lengths exceed `limit` bytes in sum or one of them `longest`, and says so.
+Status read_lengths(BitReader& in, std::span<std::uint32_t> lengths, std::uint64_t limit,
+                    std::uint64_t longest) {
     const unsigned k = in.bits(rice_bits);
     const bool has_empty = in.bit();
     for (std::uint32_t& length : lengths)
@@ -79,11 +80,15 @@ bool read_lengths(BitReader& in, std::span<std::uint32_t> lengths, std::uint64_t
             continue;
         const std::uint64_t value = read_rice(in, k);
         if (value >= std::numeric_limits<std::uint32_t>::max() || value + 1 > limit)
-            return false;
+            return invalid("its tiles are longer than the group's share of DATA");
+        if (value + 1 > longest)
+            return invalid("tile " + std::to_string(&length - lengths.data()) +
+                           " of the group claims " + std::to_string(value + 1) +
+                           " bytes; at most " + std::to_string(longest) + " can belong to a tile");
         length = static_cast<std::uint32_t>(value + 1);
         limit -= length;
     }
-    return true;
+    return {};
 }
 
 std::uint32_t record_crc(std::uint64_t identity, std::uint32_t group,
@@ -185,8 +190,7 @@ Result<GroupIndex> read_index_record(std::span<const std::byte> record, const Gr
 
     BitReader reader(body);
     std::vector<std::uint32_t> lengths(key.tiles);
-    if (!read_lengths(reader, lengths, key.data_end - key.data_begin))
-        return invalid("its tiles are longer than the group's share of DATA");
+    TESSERA_TRY(read_lengths(reader, lengths, key.data_end - key.data_begin, key.longest));
     if (!reader.align() || reader.overrun())
         return invalid("its tile lengths are cut off or not filled up with zero bits");
 

@@ -24,7 +24,8 @@ struct GroupKey {
     std::uint32_t tiles = 0;      // 1..256
     std::uint64_t data_begin = 0; // bytes, absolute
     std::uint64_t data_end = 0;
-    std::uint32_t page_bytes = 0; // 16 * page_target
+    std::uint32_t page_bytes = 0;                   // 16 * page_target
+    std::uint64_t longest = std::uint64_t{1} << 32; // bytes of a tile, see FileHeader
 };
 
 // A group's record, decoded. starts[i]..starts[i + 1] are the absolute bytes of the group's tile i.

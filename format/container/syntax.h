@@ -59,6 +59,10 @@ struct FileHeader {
     std::uint32_t crc = 0;
 
     std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }
+    // The most that a tile can take; at most 4.4 MB.
+    std::uint64_t max_tile_bytes() const {
+        return (1u << 18) + 16 * desc.channels * texel_count(tile_extent);
+    }
 };
 
 // An error invalid_file; the caller adds the file's name.

@@ -184,6 +184,17 @@ TEST(IndexRecord, HostileRecordsWithAGoodChecksum) {
     }
 }
 
+TEST(IndexRecord, TilesOfMoreBytesThanATileCanHaveAreRefused) {
+    Record record = make_record({5, 600000, 7});
+    record.key.longest = 600000;
+    EXPECT_TRUE(read_index_record(record.bytes, record.key).ok());
+    record.key.longest = 599999;
+    const auto index = read_index_record(record.bytes, record.key);
+    ASSERT_EQ(index.status().code(), ErrorCode::invalid_file);
+    EXPECT_NE(index.status().message().find("tile 1 of the group claims 600000"), std::string::npos)
+        << index.status().message();
+}
+
 TEST(IndexRecord, WrongContextIsRefused) {
     const Record record = make_record({5, 6, 7});
     const auto refused = [&](auto change) {

@@ -443,6 +443,10 @@ std::vector<Bytes> read_tiles(Bytes file, const Header& header,
     const Section& data = sections.at("DATA");
     const auto group_tiles = make_groups(levels);
     const uint64_t groups = group_tiles.size();
+    uint64_t longest = 16 * header.channels;
+    for (const uint32_t extent : header.tile_extent)
+        longest *= extent;
+    longest += 1u << 18;
     require(root.size() == 12 * (groups + 1), "ROOT: length");
     require(u64(root, 0) == data.offset && u32(root, 8) == 0, "ROOT: entry 0");
     require(u64(root, 12 * groups) == data.offset + data.bytes.size(), "ROOT: end of DATA");
@@ -466,8 +470,10 @@ std::vector<Bytes> read_tiles(Bytes file, const Header& header,
         size_t used = 0;
         const std::vector<uint64_t> lengths = read_lengths(body, n, used);
         uint64_t sum = 0;
-        for (uint64_t length : lengths)
+        for (uint64_t length : lengths) {
+            require(length <= longest, "index record: a tile too long");
             sum += length;
+        }
         require(sum == end - begin, "index record: lengths must add up");
 
         const std::vector<uint64_t> pages = page_sizes(lengths, header.page_target);

@@ -71,10 +71,10 @@ std::vector<std::byte> pattern(std::size_t count) {
     return bytes;
 }
 
-// 600 tiles in a row: 66 of 64 MiB of zeros, and among and behind them what a small texture of 534
-// tiles was coded to.
+// 3,834 tiles in a row: 3,300 of 1.3 MB of zeros, as many as a tile of that extent may have, and among and
+// behind them what a small texture of 534 tiles was coded to.
 TEST_F(LargeFiles, TilesBeyondFourGiB) {
-    constexpr std::uint32_t junk = 66, real = 534;
+    constexpr std::uint32_t junk = 3300, real = 534;
     constexpr std::uint32_t side = 4;
     const TextureDesc small{{real * side, side, side, side}, SampleType::unorm8, 1};
     const auto texels = pattern(small.box_bytes(Box4::whole(small.size)));
@@ -92,14 +92,14 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     ContainerContents contents;
     contents.desc = small;
     contents.desc.size[axis_u] = (junk + real) * side;
-    contents.tile_extent = options.tile_extent;
+    contents.tile_extent = {side, 64, 32, 8};
     contents.colour = from.header().colour;
     contents.background = from.header().background;
     contents.required_features = from.header().required_features;
     contents.codec_parameters = from.codec_parameters();
-    const std::vector<std::byte> zeros(64u << 20);
+    const std::vector<std::byte> zeros((1u << 18) + (1u << 20));
     std::vector<std::byte> tile_bytes;
-    // Tiles 10 to 75 are junk.
+    // Tiles 10 to 3309 are junk.
     contents.tile = [&](std::uint64_t tile) -> Result<std::span<const std::byte>> {
         if (tile >= 10 && tile < 10 + junk)
             return std::span<const std::byte>(zeros);
@@ -118,10 +118,11 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     CountingByteSource counting(**file);
     const auto decoder = Decoder::open(counting);
     ASSERT_TRUE(decoder) << decoder.status().message();
-    const auto far = decoder->container().locate(100);
+    const auto far = decoder->container().locate(junk + 34);
     ASSERT_TRUE(far);
     EXPECT_GT(far->offset, four_gib);
-    for (const std::uint32_t tile : {0u, 9u, 80u, 255u, 256u, 511u, 512u, junk + real - 1}) {
+    for (const std::uint32_t tile :
+         {0u, 9u, junk + 14, junk + 27, junk + 28, junk + 283, junk + 284, junk + real - 1}) {
         const std::uint32_t u = tile * side, small_u = (tile < 10 ? tile : tile - junk) * side;
         const Box4 box{{u, 0, 0, 0}, {u + side, side, side, side}};
         const Box4 same{{small_u, 0, 0, 0}, {small_u + side, side, side, side}};
@@ -141,7 +142,7 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     EXPECT_LT(read, 1u << 20); // no junk
 
     // One flipped bit out there is found where it is, and all the rest is sound.
-    const auto last = decoder->container().locate(550);
+    const auto last = decoder->container().locate(junk + 484);
     ASSERT_TRUE(last);
     const int raw = ::open(at("x.tess").c_str(), O_RDWR);
     std::byte one{};
@@ -151,12 +152,12 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     ::close(raw);
     const auto fresh = ContainerReader::open(**file);
     ASSERT_TRUE(fresh);
-    EXPECT_EQ(fresh->load_tile(550).status().code(), ErrorCode::invalid_file);
-    EXPECT_TRUE(fresh->load_tile(100));
+    EXPECT_EQ(fresh->load_tile(junk + 484).status().code(), ErrorCode::invalid_file);
+    EXPECT_TRUE(fresh->load_tile(junk + 34));
     const auto findings = fresh->validate();
     ASSERT_EQ(findings.size(), 1u);
-    EXPECT_LE(findings[0].first_tile, 550u);
-    EXPECT_GT(findings[0].first_tile + findings[0].tile_count, 550u);
+    EXPECT_LE(findings[0].first_tile, junk + 484);
+    EXPECT_GT(findings[0].first_tile + findings[0].tile_count, junk + 484);
 }
 
 TEST_F(LargeFiles, RawTexelsBeyondFourGiB) {

@@ -53,6 +53,17 @@ Json mesh_json(std::span<const std::byte> stream) {
     return json;
 }
 
+// Json looks for a key before it adds one; those of a file are distinct, and may be 65,536.
+Json metadata_json(const Metadata& metadata) {
+    Json::object_t::Container entries;
+    entries.reserve(metadata.size());
+    for (const auto& [key, value] : metadata)
+        entries.emplace_back(key, value);
+    Json::object_t object;
+    static_cast<Json::object_t::Container&>(object) = std::move(entries);
+    return object;
+}
+
 Json tess_json(const std::string& path, const ContainerReader& file, const TileSummary& tiles) {
     const FileFacts facts = file.facts();
     const TextureDesc& desc = file.desc();
@@ -96,9 +107,7 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
                                     {"length", s.length},
                                     {"required", s.required},
                                     {"known", s.known}});
-    json["metadata"] = Json::object();
-    for (const auto& [key, value] : file.metadata())
-        json["metadata"][key] = value;
+    json["metadata"] = metadata_json(file.metadata());
     return json;
 }
 

@@ -5,9 +5,13 @@
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
+#include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/verbs/command.h"
+
+#include <iterator>
+#include <map>
 
 namespace tessera {
 namespace {
@@ -21,11 +25,44 @@ struct ValidateCommand {
     bool json = false;
 };
 
-bool is_covered(const std::vector<Finding>& findings, std::uint64_t tile) {
-    for (const Finding& f : findings)
-        if (tile >= f.first_tile && tile - f.first_tile < f.tile_count)
-            return true;
-    return false;
+constexpr std::size_t tiles_at_once = 1 << 14;
+
+// The tiles that findings have condemned.
+class CondemnedTiles {
+public:
+    explicit CondemnedTiles(const std::vector<Finding>& findings) {
+        for (const Finding& f : findings) {
+            std::uint64_t& end = ends_[f.first_tile];
+            end = std::max(end, f.first_tile + f.tile_count);
+        }
+        std::uint64_t end = 0;
+        for (auto& [first, range_end] : ends_) // so that a range that begins last ends last
+            end = range_end = std::max(end, range_end);
+    }
+    bool contains(std::uint64_t tile) const {
+        const auto after = ends_.upper_bound(tile);
+        return after != ends_.begin() && tile < std::prev(after)->second;
+    }
+
+private:
+    std::map<std::uint64_t, std::uint64_t> ends_; // of ranges of tiles, by their begin
+};
+
+// Takes groups from `group` on until there is work for a while. Empty tiles are none: a small file
+// claims millions of them. A group without a sound record is among the findings already.
+Result<std::vector<std::uint64_t>>
+next_tiles(const ContainerReader& file, const CondemnedTiles& condemned, std::uint32_t& group) {
+    std::vector<std::uint64_t> tiles;
+    for (; group < file.group_count() && tiles.size() < tiles_at_once; ++group) {
+        TESSERA_TRY(check_interrupt());
+        const auto stored = file.stored_tiles(group);
+        if (stored.ok())
+            std::ranges::copy_if(*stored, std::back_inserter(tiles),
+                                 [&](std::uint64_t tile) { return !condemned.contains(tile); });
+        else if (stored.status().code() != ErrorCode::invalid_file)
+            return stored.status();
+    }
+    return tiles;
 }
 
 // Decodes every tile that the container's findings have not already condemned.
@@ -36,27 +73,31 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
         findings.push_back({rule_tile, true, decoder.status().message(), 0, 0});
         return {};
     }
-    const std::vector<Finding> known = findings;
-    const std::uint64_t tiles = decoder->container().tile_count();
+    const ContainerReader& file = decoder->container();
+    const CondemnedTiles condemned(findings);
     std::mutex mutex;
-    std::uint64_t done = 0;
-    return parallel_for(tiles, threads, [&](std::uint64_t tile) -> Status {
-        TESSERA_TRY(check_interrupt());
-        Status status;
-        if (!is_covered(known, tile)) {
-            const auto received = decoder->container().is_received(tile);
-            status = received.ok() && *received ? decoder->check_tile(tile) : received.status();
-        }
-        if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
-            return status; // says nothing about the file
-        const std::lock_guard lock(mutex);
-        ++done;
-        if (progress)
-            progress("decoding tiles", static_cast<double>(done), static_cast<double>(tiles));
-        if (!status.ok() && findings.size() < max_listed)
-            findings.push_back({rule_tile, true, status.message(), tile, 1});
-        return {};
-    });
+    for (std::uint32_t group = 0; group < file.group_count();) {
+        const std::uint32_t first = group;
+        TESSERA_TRY_ASSIGN(const auto tiles, next_tiles(file, condemned, group));
+        const double share = static_cast<double>(group - first) / static_cast<double>(tiles.size());
+        std::uint64_t done = 0;
+        TESSERA_TRY(parallel_for(tiles.size(), threads, [&](std::uint64_t i) -> Status {
+            TESSERA_TRY(check_interrupt());
+            const auto received = file.is_received(tiles[i]);
+            const Status status =
+                received.ok() && *received ? decoder->check_tile(tiles[i]) : received.status();
+            if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
+                return status; // says nothing about the file
+            const std::lock_guard lock(mutex);
+            if (progress)
+                progress("decoding tiles", first + share * static_cast<double>(++done),
+                         file.group_count());
+            if (!status.ok() && findings.size() < max_listed)
+                findings.push_back({rule_tile, true, status.message(), tiles[i], 1});
+            return {};
+        }));
+    }
+    return {};
 }
 
 void print_findings(const ValidateCommand& a, const std::vector<Finding>& findings, bool valid) {
@@ -74,7 +115,8 @@ void print_findings(const ValidateCommand& a, const std::vector<Finding>& findin
     if (a.texture.quiet)
         return;
     for (const Finding& f : findings)
-        std::printf("%s %02d: %s\n", f.fatal ? "error" : "note", f.number, f.text.c_str());
+        std::printf("%s %02d: %s\n", f.fatal ? "error" : "note", f.number,
+                    printable(f.text).c_str());
     if (valid)
         std::printf("%s: valid\n", a.input.c_str());
 }

@@ -1,0 +1,77 @@
+// Work is bounded by what a file has, not by what it claims: small files that claim much, under a limit
+// of the system's on CPU time.
+#include "format/container/container_writer.h"
+#include "format/container/syntax.h"
+#include "format/tile/coding_parameters.h"
+#include "tests/support/cli_fixture.h"
+
+namespace {
+
+using namespace tessera::test;
+using tessera::ContainerContents;
+
+class ValidateVerb : public CliFixture {
+protected:
+    static constexpr const char* two_seconds = "ulimit -t 2;";
+
+    // A texture of `size` in tiles of 64x64x4x4 of which all are empty.
+    void write_empty(const std::string& name, const tessera::Extent4& size,
+                     const tessera::Metadata& metadata = {}) const {
+        const auto code = tessera::write_coding_parameters({});
+        ContainerContents contents;
+        contents.desc.size = size;
+        contents.tile_extent = {64, 64, 4, 4};
+        contents.codec_parameters = code;
+        contents.metadata = metadata;
+        contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
+        std::vector<std::byte> file;
+        tessera::VectorSink sink(file);
+        const auto written = write_container(contents, sink);
+        ASSERT_TRUE(written.ok()) << written.status().message();
+        spit(at(name), std::string(reinterpret_cast<const char*>(file.data()), file.size()));
+    }
+};
+
+TEST_F(ValidateVerb, EmptyTilesTakeNoTime) {
+    write_empty("empty.tess", {64 * 512, 64 * 512, 4, 4}); // 51 GB of texels
+    EXPECT_LT(fs::file_size(at("empty.tess")), 60'000u);
+    const Outcome o = run("validate empty.tess", two_seconds);
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_EQ(run("info empty.tess", two_seconds).code, 0);
+}
+
+TEST_F(ValidateVerb, ManyKeysOfMetadataAreListedInTheirOrder) {
+    tessera::Metadata metadata;
+    for (int i = 0; i < 65536; ++i)
+        metadata[std::to_string(100000 + i)] = "";
+    write_empty("keys.tess", {64, 64, 4, 4}, metadata);
+    const Outcome o = run("info keys.tess --json", two_seconds);
+    ASSERT_EQ(o.code, 0) << o.err;
+    EXPECT_LT(o.out.find("\"100000\""), o.out.find("\"100001\""));
+    EXPECT_NE(o.out.find("\"165535\""), std::string::npos);
+}
+
+// Levels that do not decode are found, in whatever order groups are stored.
+TEST_F(ValidateVerb, TilesThatDoNotDecodeAreNamed) {
+    const auto code = tessera::write_coding_parameters({});
+    const std::vector<std::byte> noise(9, std::byte{0xA5});
+    ContainerContents contents;
+    contents.desc.size = {300, 1, 1, 1};
+    contents.tile_extent = {1, 1, 1, 1};
+    contents.codec_parameters = code;
+    contents.tile = [&](std::uint64_t tile) {
+        return std::span<const std::byte>(noise).first(tile == 7 || tile == 299 ? 9 : 0);
+    };
+    std::vector<std::byte> file;
+    tessera::VectorSink sink(file);
+    ASSERT_TRUE(write_container(contents, sink).ok());
+    spit(at("x.tess"), std::string(reinterpret_cast<const char*>(file.data()), file.size()));
+    const Outcome o = run("validate x.tess --json");
+    EXPECT_EQ(o.code, 3);
+    const Json json = Json::parse(o.out);
+    ASSERT_EQ(json["findings"].size(), 2u) << o.out;
+    EXPECT_EQ(json["findings"][0]["first_tile"], 7);
+    EXPECT_EQ(json["findings"][1]["first_tile"], 299);
+}
+
+} // namespace
