@@ -62,4 +62,8 @@ private:
     std::string path_, temporary_; // the latter empty: there is nothing to remove
 };
 
+// Removes the temporary files and folders of all outputs that are not committed, in any thread. For a
+// process that ends by _exit() next: whoever begins, finishes or discards an output after this waits for ever.
+void remove_unfinished_outputs();
+
 } // namespace tessera

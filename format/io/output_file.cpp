@@ -1,6 +1,7 @@
 #include "format/output_file.h"
 
 #include "format/io/system_calls.h"
+#include "format/io/unfinished.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -52,6 +53,7 @@ void OutputFile::discard() {
         return;
     ::close(std::exchange(descriptor_, -1));
     ::unlink(temporary_.c_str());
+    forget_unfinished(temporary_);
 }
 
 Result<OutputFile> OutputFile::create(const std::string& path) {
@@ -66,8 +68,10 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
             file.temporary_.append("-").append(std::to_string(attempt));
         file.temporary_ += ".tmp";
         file.descriptor_ = sys::open(file.temporary_.c_str(), create_flags, 0666);
-        if (file.descriptor_ >= 0)
+        if (file.descriptor_ >= 0) {
+            note_unfinished(file.temporary_);
             return file;
+        }
         if (errno != EEXIST)
             return system_error(path, "cannot create " + file.temporary_, errno);
     }
@@ -83,6 +87,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
     file.descriptor_ = sys::open(temporary.c_str(), create_flags, 0666);
     if (file.descriptor_ < 0)
         return system_error(path, "cannot create " + temporary, errno);
+    note_unfinished(temporary);
     return file;
 }
 
@@ -109,10 +114,12 @@ Status OutputFile::commit() {
     std::string what = "cannot finish " + temporary_;
     // Some file systems report a failed write only here.
     int error = sys::close(std::exchange(descriptor_, -1)) < 0 ? errno : 0;
+    const auto held = hold_unfinished();
     if (error == 0 && sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
         error = errno;
         what = "cannot rename " + temporary_ + " to it";
     }
+    forget_unfinished(temporary_);
     if (error == 0)
         return {};
     ::unlink(temporary_.c_str());

@@ -1,4 +1,5 @@
 #include "format/io/system_calls.h"
+#include "format/io/unfinished.h"
 #include "format/output_file.h"
 
 #include <cerrno>
@@ -37,8 +38,10 @@ OutputFolder::~OutputFolder() {
 
 void OutputFolder::discard() {
     std::error_code ignored;
-    if (!temporary_.empty())
-        fs::remove_all(temporary_, ignored);
+    if (temporary_.empty())
+        return;
+    fs::remove_all(temporary_, ignored);
+    forget_unfinished(temporary_);
     temporary_.clear();
 }
 
@@ -47,6 +50,7 @@ Result<OutputFolder> OutputFolder::create(const std::string& path) {
     const std::string temporary = beside(path, ".tmp");
     if (sys::mkdir(temporary.c_str(), 0777) < 0)
         return sys::system_error(path, "cannot create " + temporary, errno);
+    note_unfinished(temporary);
     folder.path_ = path;
     folder.temporary_ = temporary;
     return folder;
@@ -67,6 +71,7 @@ Status OutputFolder::commit() {
     std::error_code ignored;
     const std::string old = beside(path_, ".old");
     const bool replacing = fs::exists(path_, ignored);
+    const auto held = hold_unfinished(); // between the two names there would be no folder
     if (replacing && sys::rename(path_.c_str(), old.c_str()) < 0)
         return sys::system_error(path_, "cannot rename it to " + old, errno);
     if (sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
@@ -75,6 +80,7 @@ Status OutputFolder::commit() {
             fs::rename(old, path_, ignored);
         return sys::system_error(path_, "cannot rename " + temporary_ + " to it", error);
     }
+    forget_unfinished(temporary_);
     temporary_.clear();
     if (replacing)
         fs::remove_all(old, ignored);

@@ -1,7 +1,14 @@
 #include "tools/support/interrupt.h"
 
+#include "format/output_file.h"
+
+#include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <cstring>
 #include <ctime>
+#include <semaphore.h>
+#include <thread>
 #include <unistd.h>
 
 namespace tessera {
@@ -10,15 +17,36 @@ namespace {
 volatile std::sig_atomic_t received = 0;
 volatile std::time_t received_at = 0;
 
+// How long a command may take to end by itself. Calls that cannot be interrupted (a library that
+// decodes a large picture, a file system that does not answer) take longer.
+constexpr std::chrono::milliseconds longest_end{700};
+sem_t first_signal;
+
+// Ends the process when its own way out takes too long: what it leaves behind is the same.
+void watch_for_signal() {
+    while (::sem_wait(&first_signal) != 0 && errno == EINTR) {
+    }
+    std::this_thread::sleep_for(longest_end);
+    remove_unfinished_outputs();
+    const char words[] = "tessera: error: interrupted\n";
+    (void)!::write(STDERR_FILENO, words, std::strlen(words));
+    std::signal(received, SIG_DFL); // so that a shell sees why we ended
+    ::kill(::getpid(), received);
+    for (;;)
+        ::pause();
+}
+
 // A second signal means impatience, but not within the same moment: timeout(1) and shells may
 // deliver one Ctrl-C twice.
 void remember(int signal) {
     const std::time_t now = std::time(nullptr);
     if (received && now > received_at + 1)
         _exit(128 + signal);
-    if (!received)
+    if (!received) {
         received_at = now;
-    received = signal;
+        received = signal;
+        ::sem_post(&first_signal);
+    }
 }
 
 class InterruptibleSource : public TexelSource {
@@ -65,6 +93,17 @@ private:
 } // namespace
 
 void install_signal_handlers() {
+    sigset_t ours, before;
+    sigemptyset(&ours);
+    sigaddset(&ours, SIGINT);
+    sigaddset(&ours, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &ours, &before); // the watcher gets none but the last
+    ::sem_init(&first_signal, 0, 0);
+    try {
+        std::thread(watch_for_signal).detach();
+    } catch (const std::exception&) { // then commands end as soon as they notice
+    }
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
     struct sigaction action = {};
     action.sa_handler = remember;
     sigemptyset(&action.sa_mask);

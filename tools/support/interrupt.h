@@ -8,7 +8,8 @@
 
 namespace tessera {
 
-// SIGINT and SIGTERM are remembered; a later second one ends the program at once. SIGXFSZ and SIGPIPE are
+// SIGINT and SIGTERM are remembered; what has not ended 0.7 s after the first is ended, without its
+// unfinished outputs, and a later second one ends the program at once. Called once. SIGXFSZ and SIGPIPE are
 // ignored: the write fails and says so.
 void install_signal_handlers();
 

@@ -1,0 +1,16 @@
+// Temporary files and folders that must be gone when the process ends, whatever ends it.
+#pragma once
+
+#include <mutex>
+#include <string>
+
+namespace tessera {
+
+// Thread-safe. After remove_unfinished_outputs() (format/output_file.h) they never return.
+void note_unfinished(const std::string& path);
+void forget_unfinished(const std::string& path);
+
+// While held, the process does not end by remove_unfinished_outputs(): for steps that belong together.
+std::unique_lock<std::recursive_mutex> hold_unfinished();
+
+} // namespace tessera
