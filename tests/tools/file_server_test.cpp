@@ -1,5 +1,6 @@
 // What `tessera serve` answers, seen through a plain HTTP conversation and through HttpSource.
 #include "tests/support/test_folder.h"
+#include "tools/http/connection_lobby.h"
 #include "tools/http/file_server.h"
 #include "tools/http/file_server_paths.h"
 #include "tools/http/file_server_ranges.h"
@@ -48,25 +49,35 @@ protected:
         test::spit(base_ / name, bytes);
     }
 
-    // Sends `method target` with the fields and returns all that comes until the connection ends.
-    std::string ask(const std::string& method, const std::string& target,
-                    const std::string& fields = "") const {
+    int connect() const {
         const int connection = ::socket(AF_INET, SOCK_STREAM, 0);
         sockaddr_in address = {};
         address.sin_family = AF_INET;
         address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         EXPECT_EQ(::connect(connection, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-        const std::string request = method + " " + target + " HTTP/1.1\r\nHost: x\r\n" + fields +
-                                    "Connection: close\r\n\r\n";
-        EXPECT_EQ(::send(connection, request.data(), request.size(), 0),
-                  static_cast<ssize_t>(request.size()));
+        return connection;
+    }
+    static void say(int connection, const std::string& text) {
+        ::send(connection, text.data(), text.size(),
+               MSG_NOSIGNAL); // who is not heard any more is answered
+    }
+    // All that comes until the connection ends.
+    static std::string hear(int connection) {
         std::string answer;
         char buffer[4096];
         for (ssize_t got; (got = ::recv(connection, buffer, sizeof buffer, 0)) > 0;)
             answer.append(buffer, static_cast<std::size_t>(got));
         ::close(connection);
         return answer;
+    }
+    // Sends `method target` with the fields and returns all that comes until the connection ends.
+    std::string ask(const std::string& method, const std::string& target,
+                    const std::string& fields = "") const {
+        const int connection = connect();
+        say(connection, method + " " + target + " HTTP/1.1\r\nHost: x\r\n" + fields +
+                            "Connection: close\r\n\r\n");
+        return hear(connection);
     }
 
     static std::string status(const std::string& answer) { return answer.substr(9, 3); }
@@ -114,7 +125,7 @@ TEST_F(Serve, SendsWholeFilesAndParts) {
     EXPECT_EQ(body(head), "");
     EXPECT_EQ(status(ask("GET", "/empty.tess")), "200");
     EXPECT_EQ(status(ask("GET", "/empty.tess", "Range: bytes=0-5\r\n")), "416");
-    EXPECT_EQ(status(ask("POST", "/a.tess", "Content-Length: 0\r\n")), "404");
+    EXPECT_EQ(status(ask("POST", "/a.tess", "Content-Length: 0\r\n")), "405");
 }
 
 TEST_F(Serve, SendsSeveralParts) {
@@ -214,6 +225,78 @@ TEST_F(Serve, LongFilesAreStreamed) {
     EXPECT_EQ(changed.code(), ErrorCode::io);
     EXPECT_NE(changed.message().find("changed on the server"), std::string::npos)
         << changed.message();
+}
+
+// More of them than a server has threads.
+TEST_F(Serve, WhoDripsKeepsNobodyOut) {
+    std::vector<int> bad;
+    for (int i = 0; i < 200; ++i) {
+        bad.push_back(connect());
+        say(bad.back(), i % 2 == 0 ? "GET /a.te" : "");
+    }
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(body(ask("GET", "/a.tess")), "0123456789");
+    for (const int connection : bad)
+        ::close(connection);
+}
+
+TEST_F(Serve, HeadsHaveAnEndAndBodiesAreNotRead) {
+    const int endless = connect();
+    say(endless, "GET /a.tess HTTP/1.1\r\n");
+    for (int i = 0; i < 100; ++i)
+        say(endless, "X-" + std::to_string(i) + ": " + std::string(200, 'x') + "\r\n");
+    EXPECT_EQ(status(hear(endless)), "431");
+    const int post = connect(); // its body never comes
+    say(post, "POST /a.tess HTTP/1.1\r\nContent-Length: 1000000000\r\n\r\nbeginning");
+    EXPECT_EQ(status(hear(post)), "405");
+    const int get = connect(); // a body is no second request
+    say(get, "GET /a.tess HTTP/1.1\r\nContent-Length: 40\r\n\r\nGET /empty.tess HTTP/1.1\r\n\r\n");
+    const std::string answer = hear(get);
+    EXPECT_EQ(status(answer), "200");
+    EXPECT_EQ(answer.find("HTTP", 4), std::string::npos);
+}
+
+TEST_F(Serve, RequestsThatComeTogetherAreAnsweredInOrder) {
+    const int both = connect();
+    say(both, "GET /a.tess HTTP/1.1\r\n\r\nHEAD /empty.tess HTTP/1.1\r\nConnection: close\r\n\r\n");
+    const std::string answer = hear(both);
+    EXPECT_NE(answer.find("0123456789HTTP/1.1 200"), std::string::npos) << answer;
+}
+
+// The one that waits longest makes room; and who stays silent, or takes too long for a head, must go.
+TEST(Lobby, PlacesAndTimesHaveBounds) {
+    LobbyLimits limits;
+    limits.connections = 2;
+    limits.fair_time = std::chrono::milliseconds(30);
+    limits.idle_time = std::chrono::milliseconds(300);
+    limits.workers = 1;
+    ConnectionLobby lobby(limits, [](int socket, const std::string&) {
+        return ::send(socket, "answer", 6, MSG_NOSIGNAL) == 6;
+    });
+    int ends[4];
+    const auto come = [&](int i) {
+        int pair[2];
+        ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
+        ends[i] = pair[0];
+        lobby.admit(pair[1]);
+    };
+    const auto heard = [&](int i) {
+        std::string all(100, ' ');
+        const ssize_t got = ::recv(ends[i], all.data(), all.size(), 0);
+        return all.substr(0, static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    };
+    come(0);
+    come(1);
+    come(2); // nobody has waited long
+    EXPECT_EQ(heard(2).substr(9, 3), "503");
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    come(3);
+    EXPECT_EQ(heard(0).substr(9, 3), "503");
+    ASSERT_EQ(::send(ends[3], "x\r\n\r\n", 5, 0), 5);
+    EXPECT_EQ(heard(3), "answer");
+    EXPECT_EQ(heard(1), ""); // idle
+    for (const int end : ends)
+        ::close(end);
 }
 
 TEST_F(Serve, SaysWhatCannotBe) {

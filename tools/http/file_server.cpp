@@ -3,6 +3,7 @@
 #include "format/byte_source.h"
 #include "tools/http/file_server_paths.h"
 #include "tools/http/file_server_ranges.h"
+#include "tools/http/guarded_server.h"
 #include "tools/http/http_response.h"
 #include "tools/support/parse.h"
 
@@ -20,10 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A connection that is kept open holds a thread.
-constexpr std::size_t threads = 64;
 constexpr std::size_t requests_per_connection = 1'000'000;
-constexpr std::time_t idle_seconds = 2; // then a connection is closed; stopping waits for it
 constexpr std::size_t max_ranges = 64;
 
 // The status that the request's conditions ask for instead of the file; 0: none.
@@ -127,9 +125,7 @@ void answer(const fs::path& root, const httplib::Request& request, const httplib
 class FileServer::Impl {
 public:
     Impl(fs::path root, const FileServerOptions& options) : root_(std::move(root)) {
-        server_.new_task_queue = [] { return new httplib::ThreadPool(threads); };
         server_.set_keep_alive_max_count(requests_per_connection);
-        server_.set_keep_alive_timeout(idle_seconds);
         server_.set_tcp_nodelay(true);
         // Not the library's SO_REUSEPORT, with which two servers share a port and nobody is told.
         server_.set_socket_options([](socket_t socket) {
@@ -138,8 +134,11 @@ public:
         });
         server_.set_pre_routing_handler([this](const httplib::Request& request,
                                                httplib::Response& response) {
-            if (request.method != "GET" && request.method != "HEAD")
-                return httplib::Server::HandlerResponse::Unhandled;
+            if (request.method != "GET" && request.method != "HEAD") {
+                response.status = 405; // before its body would be read
+                response.set_header("Allow", "GET, HEAD");
+                return httplib::Server::HandlerResponse::Handled;
+            }
             // Not const where the library made it; see send_file().
             const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
             answer(root_, request, ranges, response);
@@ -163,6 +162,7 @@ public:
             return;
         server_.stop();
         thread_.join();
+        server_.break_off();
     }
 
     Status listen(const FileServerOptions& options) {
@@ -176,6 +176,7 @@ public:
                                        ": cannot listen there: the port is taken, or the address "
                                        "is not this machine's"};
         url_ = "http://" + host + ":" + std::to_string(port_) + "/";
+        server_.guard();
         thread_ = std::thread([this] {
             server_.listen_after_bind();
             ended_ = true;
@@ -190,7 +191,7 @@ public:
 
 private:
     const fs::path root_;
-    httplib::Server server_;
+    GuardedServer server_;
     std::atomic<bool> ended_{false};
     std::thread thread_;
 };

@@ -1,0 +1,30 @@
+// The HTTP library's server behind a lobby: threads work for requests that are complete only.
+#pragma once
+
+#include "tools/http/connection_lobby.h"
+
+#include <httplib.h>
+#include <memory>
+
+namespace tessera {
+
+// Set handlers, bind, then call guard(), then listen_after_bind(). Bodies of requests are not read; the
+// connection ends behind the answer to a request that has one.
+class GuardedServer : public httplib::Server {
+public:
+    GuardedServer();
+    ~GuardedServer() override;
+
+    // Allows as many connections as the limits and the system's open files do.
+    void guard(LobbyLimits limits = {});
+    // After stop(), or what is being answered will be waited for.
+    void break_off() { lobby_.reset(); }
+
+private:
+    bool process_and_close_socket(socket_t socket) override;
+    bool answer(int socket, const std::string& head);
+
+    std::unique_ptr<ConnectionLobby> lobby_;
+};
+
+} // namespace tessera
