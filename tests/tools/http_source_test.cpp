@@ -500,6 +500,30 @@ TEST(Http, OneFailureEndsABatch) {
     EXPECT_TRUE(read_at(**source, 0, 10).ok());
 }
 
+// However well a server drips, all of it has a time.
+TEST(Http, TimeEndsWhatStillMoves) {
+    const RawServer server(opens_then([](const std::string& head, unsigned number) {
+        Answer answer = good(head, number);
+        answer.pause_at = answer.bytes.size() - 1;
+        return answer;
+    }));
+    HttpOptions options = quick();
+    options.stall_timeout = std::chrono::seconds(60);
+    options.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(400);
+    unsigned told = 0;
+    bool over = false;
+    options.waiting = [&](std::optional<std::uint64_t> bytes) {
+        told += bytes.has_value();
+        over = !bytes;
+    };
+    const auto source = HttpSource::open(server.url(), options);
+    ASSERT_TRUE(source.ok()) << source.status().message();
+    Bytes a(100);
+    expect_error((*source)->read(20'000, a), ErrorCode::io, "time that was allowed");
+    EXPECT_GT(told, 1u);
+    EXPECT_TRUE(over);
+}
+
 // ---------------------------------------------------------------- names
 
 TEST(Http, KnowsUrls) {

@@ -98,6 +98,9 @@ private:
     void step() {
         if (interrupted_by() != 0 && !(waiting_.empty() && active_.empty()))
             fail_all({ErrorCode::runtime, "interrupted"});
+        if (options_.deadline && Clock::now() >= *options_.deadline)
+            fail_all({ErrorCode::io, "the time that was allowed for the network is over; " +
+                                         std::to_string(bytes_) + " bytes have come"});
         drop_failed();
         start_some();
         int running = 0;
@@ -108,6 +111,7 @@ private:
                 finish(message->easy_handle, message->data.result);
         drop_failed();
         start_some();
+        tell_waiting();
         const auto now = Clock::now();
         auto pause = active_.empty() && waiting_.empty() ? idle_poll : longest_poll;
         for (const Job& job : waiting_)
@@ -116,6 +120,13 @@ private:
                                                  std::chrono::ceil<std::chrono::milliseconds>(
                                                      job.not_before - now)));
         poll_ = pause;
+    }
+
+    void tell_waiting() {
+        const bool waits = !(active_.empty() && waiting_.empty());
+        if (options_.waiting && (waits || told_))
+            options_.waiting(waits ? std::optional<std::uint64_t>(bytes_) : std::nullopt);
+        told_ = waits;
     }
 
     int poll_milliseconds() const { return static_cast<int>(poll_.count()); }
@@ -211,6 +222,7 @@ private:
     std::condition_variable ended_;
     std::list<Job> waiting_, active_;
     bool stopping_ = false;
+    bool told_ = false;                         // that something waits
     std::chrono::milliseconds poll_{idle_poll}; // of the thread alone
     std::thread thread_;
 };

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +30,11 @@ struct HttpOptions {
     unsigned in_flight = 6; // requests at a time, of all threads together; 1..64
     unsigned redirects = 5; // most to follow for one request; to http and https only, never from
                             // https to http
+    // When everything must have come; after that all requests fail, and are not tried again.
+    std::optional<std::chrono::steady_clock::time_point> deadline;
+    // Called on the transfers' thread some times a second while requests are in flight: bytes of bodies
+    // so far; and once with nothing when none is any more.
+    std::function<void(std::optional<std::uint64_t> bytes)> waiting;
     // The certificates that https:// trusts, a PEM file; empty: those of the system.
     std::string ca_file;
     // A server that knows no ranges sends the whole file: refused when it is longer than this.

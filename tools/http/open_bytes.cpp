@@ -1,6 +1,8 @@
 #include "tools/http/open_bytes.h"
 
+#include "tools/support/network_limits.h"
 #include "tools/support/parse.h"
+#include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #ifdef TESSERA_HTTP
 #include "tools/http/http_source.h"
@@ -8,6 +10,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstdlib>
 
 namespace tessera {
@@ -15,7 +18,15 @@ namespace {
 
 Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 #ifdef TESSERA_HTTP
+    static const auto start = std::chrono::steady_clock::now(); // of the command's first request
+    const NetworkLimits& limits = network_limits();
     HttpOptions options;
+    options.stall_bytes = limits.lowest_rate;
+    if (limits.total_seconds > 0)
+        options.deadline = start + std::chrono::duration_cast<std::chrono::milliseconds>(
+                                       std::chrono::duration<double>(limits.total_seconds));
+    if (!limits.quiet)
+        options.waiting = show_waiting;
     if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // as curl itself has it
         options.ca_file = bundle;
     TESSERA_TRY_ASSIGN(auto source, HttpSource::open(url, options));

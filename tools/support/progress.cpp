@@ -1,8 +1,12 @@
 #include "tools/support/progress.h"
 
+#include "tools/support/parse.h"
+
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <unistd.h>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -30,11 +34,39 @@ std::string time_left(double elapsed, double fraction) {
 
 } // namespace
 
+namespace {
+std::atomic<int> shown{0}; // objects that may draw
+} // namespace
+
+void show_waiting(std::optional<std::uint64_t> bytes) {
+    static Clock::time_point start = Clock::time_point::max(), last;
+    static bool drawn = false;
+    const auto now = Clock::now();
+    if (!bytes) {
+        if (std::exchange(drawn, false) && shown == 0)
+            std::fputs("\r\x1b[K", stderr);
+        start = Clock::time_point::max();
+        return;
+    }
+    start = std::min(start, now);
+    if (shown > 0 || seconds(now - start) < 1 || seconds(now - last) < again_after ||
+        !isatty(STDERR_FILENO))
+        return;
+    last = now;
+    drawn = true;
+    std::fprintf(stderr, "\rtessera: waiting for the server, %.0f s, %s have come\x1b[K",
+                 seconds(now - start), human_bytes(*bytes).c_str());
+    std::fflush(stderr);
+}
+
 Progress::Progress(std::string title, bool quiet)
     : title_(std::move(title)), visible_(!quiet && isatty(STDERR_FILENO)),
-      stage_start_(Clock::now()), last_(stage_start_) {}
+      stage_start_(Clock::now()), last_(stage_start_) {
+    shown += visible_;
+}
 
 Progress::~Progress() {
+    shown -= visible_;
     if (drawn_)
         std::fputs("\r\x1b[K", stderr);
 }

@@ -4,9 +4,15 @@
 #include "codec/encoder.h" // ProgressFunction
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 namespace tessera {
+
+// A line on the terminal of how much has come from a network so far, in the second and later seconds of
+// waiting and while no Progress is there; nothing: it is cleared. One caller at a time.
+void show_waiting(std::optional<std::uint64_t> bytes);
 
 class Progress {
 public:

@@ -1,6 +1,7 @@
 // Options that say what a texture is, shared by the verbs that read one.
 #pragma once
 
+#include "tools/support/network_limits.h"
 #include "tools/support/parse.h"
 #include "tools/support/texture_hints.h"
 
@@ -29,7 +30,8 @@ inline void add_threads_options(CLI::App& app, TextureArguments& a) {
     app.add_option("--threads", a.threads, "Threads; 0: all cores. Never changes the result")
         ->check(CLI::Range(0u, 1024u))
         ->capture_default_str();
-    app.add_flag("--quiet,-q", a.quiet, "No progress and no summary, errors only");
+    app.add_flag("--quiet,-q", a.quiet, "No progress and no summary, errors only")
+        ->each([](const std::string&) { network_limits().quiet = true; });
 }
 
 inline void add_texture_options(CLI::App& app, TextureArguments& a) {

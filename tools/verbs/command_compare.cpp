@@ -336,6 +336,7 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         add_texture_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<CompareCommand>(
         app, chosen, "compare", "Measure how far two textures are apart",

@@ -129,6 +129,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
         add_memory_option(c, a.memory);
         c.add_flag("--json", a.json, "Print what was written as JSON");
         add_threads_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<DecodeCommand>(
         app, chosen, "decode", "Write the texels of a .tess file, whole or in part",

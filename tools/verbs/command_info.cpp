@@ -245,6 +245,7 @@ void add_info_command(CLI::App& app, Invocation& chosen) {
                    "Take the beginning of a .tess, as a broken download leaves it");
         c.add_flag("--json", a.json, "Print JSON");
         add_texture_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<InfoCommand>(
         app, chosen, "info", "Say everything about a file but its texels",

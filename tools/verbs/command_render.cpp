@@ -384,6 +384,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
                    "for URLs, unless --quiet");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<RenderCommand>(
         app, chosen, "render", "Draw what an observer sees of the textured surface",

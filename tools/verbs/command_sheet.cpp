@@ -102,6 +102,7 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
             ->capture_default_str();
         add_fill_options(c, a.texture.decode);
         add_texture_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<SheetCommand>(
         app, chosen, "sheet", "A PNG of some views and angular images, or of pictures side by side",

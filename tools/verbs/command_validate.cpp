@@ -170,6 +170,7 @@ void add_validate_command(CLI::App& app, Invocation& chosen) {
                    "Check what is there of a file whose end is missing");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
+        add_network_options(c);
     };
     add_verb<ValidateCommand>(
         app, chosen, "validate", "Check everything a reader relies on",
