@@ -76,6 +76,9 @@ struct EncodeOptions {
     ProgressFunction progress;
     // Asked from several threads, now and then; once it says true the encoder stops with "interrupted".
     std::function<bool()> cancelled;
+    // Asked once the texels have been read for the last time and nothing has been written: an error, such as
+    // that they changed meanwhile, ends the encode with it, and its journal is of no more use.
+    std::function<Status()> confirm;
     JournalUse journal = JournalUse::none; // of encode_file
     // What messages begin with: about the texels, such as the name of their file, and about a rate that
     // cannot be met, such as an option; "": nothing.

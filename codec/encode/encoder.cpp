@@ -137,6 +137,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, latest));
     const ContainerContents contents = contents_of(parts);
     TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
+    if (options.confirm)
+        TESSERA_TRY(options.confirm());
     TESSERA_TRY(write(contents));
 
     EncodeReport report;
@@ -183,7 +185,9 @@ Result<EncodeReport> encode_with_journal(TexelSource& source, const std::string&
             return file.commit();
         });
     // Options that cannot be met cannot be met by going on either.
-    const bool hopeless = report.status().code() == ErrorCode::bad_argument && journal->begun();
+    const bool hopeless = !report.ok() && journal->begun() &&
+                          (report.status().code() == ErrorCode::bad_argument ||
+                           (options.confirm && !options.confirm().ok()));
     if (report || hopeless)
         journal->remove();
     else if (journal->can_resume())

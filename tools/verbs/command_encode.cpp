@@ -11,6 +11,8 @@
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
 
+#include <algorithm>
+
 namespace tessera {
 namespace {
 
@@ -37,6 +39,19 @@ std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a
         for (auto& fact : source_facts(a.mask.path, "mask"))
             facts.push_back(std::move(fact));
     return facts;
+}
+
+// A file that another program writes meanwhile gives texels of two textures.
+Status check_unchanged(const EncodeCommand& a, const std::string& name,
+                       const std::vector<std::pair<std::string, std::string>>& before) {
+    const auto now = facts_of(a);
+    const auto differs = std::ranges::mismatch(before, now);
+    if (differs.in1 == before.end() && differs.in2 == now.end())
+        return {};
+    const std::string what = differs.in1 != before.end()
+                                 ? differs.in1->first + ", which was " + differs.in1->second
+                                 : differs.in2->first;
+    return {ErrorCode::io, name + ": changed while it was being read (" + what + "); run again"};
 }
 
 // The mesh that is asked for, else that of a .tess, which then is the proxy.
@@ -81,6 +96,9 @@ Status run(const EncodeCommand& a) {
     options.mask = mask->get();
     options.source_name = name_of_input(a, input);
     options.source_facts = facts_of(a);
+    options.confirm = [&a, name = options.source_name, before = options.source_facts] {
+        return check_unchanged(a, name, before);
+    };
     const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
         options.progress = progress.function();
@@ -109,6 +127,7 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
             ->required();
         add_texture_options(c, a.texture);
+        add_network_options(c);
         add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
         c.add_option(
