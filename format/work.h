@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -57,8 +58,12 @@ Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, 
         }
     };
     std::vector<std::jthread> threads;
-    for (std::size_t w = 1; w < workers.size() && w < count; ++w)
-        threads.emplace_back([&run, &workers, w] { run(workers[w], false); });
+    threads.reserve(workers.size());
+    try {
+        for (std::size_t w = 1; w < workers.size() && w < count; ++w)
+            threads.emplace_back([&run, &workers, w] { run(workers[w], false); });
+    } catch (const std::system_error&) { // fewer threads do, too
+    }
     run(workers[0], true);
     threads.clear();
     return first_error;

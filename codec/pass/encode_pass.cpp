@@ -178,6 +178,36 @@ void make_free_finite(TileTexels& source, const TextureDesc& desc) {
                 desc.type, ignored);
 }
 
+// Whether the half at `at` is a NaN or infinite.
+bool is_not_finite(const std::byte* at) {
+    return (std::to_integer<unsigned>(at[1]) & 0x7C) == 0x7C;
+}
+
+// "texel u 3, v 0, s 1, t 2, channel 0 is NaN" of the first in the order of the box; "" without one.
+std::string first_not_finite(std::span<const std::byte> texels, const Box4& box,
+                             const TextureDesc& desc) {
+    if (desc.type == SampleType::unorm8)
+        return "";
+    for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
+        if (!is_not_finite(&texels[i]))
+            continue;
+        const Extent4 extent = box.extent();
+        std::size_t left = i / 2 / desc.channels;
+        Extent4 at{};
+        for (const Axis axis : {axis_s, axis_t, axis_u, axis_v}) {
+            at[axis] = box.begin[axis] + static_cast<std::uint32_t>(left % extent[axis]);
+            left /= extent[axis];
+        }
+        const bool nan =
+            (std::to_integer<unsigned>(texels[i + 1]) & 0x03) != 0 || texels[i] != std::byte{0};
+        return "texel u " + std::to_string(at[axis_u]) + ", v " + std::to_string(at[axis_v]) +
+               ", s " + std::to_string(at[axis_s]) + ", t " + std::to_string(at[axis_t]) +
+               ", channel " + std::to_string(i / 2 % desc.channels) +
+               (nan ? " is NaN" : " is infinite");
+    }
+    return "";
+}
+
 Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, CodedTile& tile) {
     TESSERA_TRY(check_cancelled(plan.options));
     const TextureDesc& desc = plan.colour.desc;
@@ -185,10 +215,11 @@ Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, Co
     TESSERA_TRY(plan.source.read(box, source.texels));
     TESSERA_TRY(read_mask(plan.mask, box, source.matters));
     make_free_finite(source, desc);
+    const std::string first = plan.options.strict ? first_not_finite(source.texels, box, desc) : "";
     make_finite(source.texels, desc.type, tile);
-    if (plan.options.strict && tile.nan_count + tile.infinity_count > 0)
+    if (!first.empty())
         return about_texels(plan, {ErrorCode::invalid_file,
-                                   "the texels " + to_string(box) + " hold " +
+                                   first + "; the texels " + to_string(box) + " hold " +
                                        std::to_string(tile.nan_count) + " NaN and " +
                                        std::to_string(tile.infinity_count) +
                                        " infinite samples (without --strict they are replaced)"});
@@ -202,7 +233,7 @@ void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts
         return;
     for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
         const unsigned high = std::to_integer<unsigned>(texels[i + 1]);
-        if ((high & 0x7C) != 0x7C)
+        if (!is_not_finite(&texels[i]))
             continue;
         const bool infinite = (high & 0x03) == 0 && texels[i] == std::byte{0};
         ++(infinite ? counts.infinity_count : counts.nan_count);

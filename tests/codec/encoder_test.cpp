@@ -9,9 +9,11 @@
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
 #include "tests/support/round_trips.h"
+#include "tests/support/test_folder.h"
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <gtest/gtest.h>
 
 namespace tessera::test {
@@ -251,10 +253,33 @@ TEST(SpecialValues, NonFiniteSamplesAreCountedAndReplaced) {
     Bytes out;
     const Result<EncodeReport> refused = encode_memory(texture, out, options);
     EXPECT_EQ(refused.status().code(), ErrorCode::invalid_file);
+    EXPECT_NE(refused.status().message().find("is infinite"), std::string::npos)
+        << refused.status().message();
     EXPECT_TRUE(out.empty());
     for (std::size_t i = 0; i < 6; ++i)
         put_half(texture.texels, 40 * i + 3, 0x3C00);
     EXPECT_TRUE(encode_memory(texture, out, options));
+}
+
+// As an input that another program changed while it was read.
+TEST(Encoder, AnErrorOfConfirmationLeavesNothing) {
+    const TextureDesc desc = describe({9, 7, 3, 2}, SampleType::unorm8);
+    MemoryTexture texture = named_texture(desc, "smooth");
+    const auto folder = test::make_test_folder("confirm");
+    const std::string path = (folder / "x.tess").string();
+    EncodeOptions options = options_for({Kind::quality, 50});
+    options.effort = 0;
+    options.confirm = [] { return Status(ErrorCode::io, "it changed"); };
+    for (const JournalUse use : {JournalUse::none, JournalUse::start}) {
+        options.journal = use;
+        const auto report = encode_file(texture, path, options);
+        EXPECT_EQ(report.status().message(), "it changed");
+        EXPECT_TRUE(std::filesystem::is_empty(folder));
+    }
+    Bytes out;
+    EXPECT_EQ(encode_memory(texture, out, options).status().code(), ErrorCode::io);
+    EXPECT_TRUE(out.empty());
+    std::filesystem::remove_all(folder);
 }
 
 TEST(SpecialValues, NonFiniteCountsDoNotGrowWithPasses) {

@@ -135,10 +135,26 @@ const char* channel_name(unsigned channels, unsigned c) {
     return c == 0 ? "Y" : "A";
 }
 
+// C0 and DEL; and C1, U+0080 to U+009F, which UTF-8 spells C2 80 to C2 9F, and whose bytes alone are
+// controls to a terminal that knows no UTF-8.
 std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127)
-            c = ' ';
+    std::size_t inside = 0; // bytes left of a UTF-8 sequence
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto c = static_cast<unsigned char>(text[i]);
+        const bool continues = c >= 0x80 && c < 0xC0;
+        const bool is_c1 = continues && c < 0xA0 &&
+                           (inside == 0 || static_cast<unsigned char>(text[i - 1]) == 0xC2);
+        if (c < 0x20 || c == 0x7F || is_c1) {
+            text[i] = ' ';
+            if (is_c1 && inside > 0)
+                text[i - 1] = ' ';
+        }
+        inside = continues ? inside - std::min<std::size_t>(inside, 1)
+                           : (c >= 0xF0   ? 3
+                              : c >= 0xE0 ? 2
+                              : c >= 0xC0 ? 1
+                                          : 0);
+    }
     return text;
 }
 

@@ -9,6 +9,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace tessera {
 
@@ -74,6 +75,10 @@ template <class Body> Status guard_exr(const std::string& path, const Body& body
         return e.status;
     } catch (const std::bad_alloc&) {
         return {ErrorCode::runtime, path + ": out of memory"};
+    } catch (
+        const std::system_error& e) { // of a thread of OpenEXR's, which says nothing of the file
+        return {ErrorCode::runtime,
+                path + ": a thread cannot be started: " + e.code().message() + "; try --threads"};
     } catch (const std::exception& e) {
         std::string reason = e.what();
         for (char& c : reason)

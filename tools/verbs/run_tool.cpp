@@ -54,7 +54,7 @@ int report(const std::string& verb, const Status& status) {
     if (status.ok())
         return 0;
     std::fprintf(stderr, "tessera%s%s: error: %s\n", verb.empty() ? "" : " ", verb.c_str(),
-                 status.message().c_str());
+                 printable(status.message()).c_str()); // which may quote a file
     const ErrorCode code = status.code();
     return static_cast<int>(code == ErrorCode::over_budget ? ErrorCode::unsupported : code);
 }
