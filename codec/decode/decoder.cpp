@@ -48,7 +48,8 @@ Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) 
     TESSERA_TRY_ASSIGN(auto codings, level_codings(container).with_context(source.name()));
     const FileHeader& header = container.header();
     const ColourCoding colour{header.desc, header.colour, header.background,
-                              (header.required_features & feature_corrections) != 0};
+                              (header.required_features & feature_corrections) != 0,
+                              (header.required_features & feature_stored) != 0};
     std::unique_ptr<State> state(
         new State{nullptr, std::move(container), colour, std::move(codings), nullptr});
     state->fill =

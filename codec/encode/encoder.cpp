@@ -41,6 +41,21 @@ struct FileParts {
             tile -= levels[level].tiles.size();
         return {levels[level].tiles, *levels[level].payloads, tile};
     }
+
+    // Whether a tile is as long as its texels, which makes it a stored one.
+    bool has_stored_tiles() const {
+        const auto any = [this](const Extent4& size, const std::vector<CodedTile>& tiles) {
+            const TileGrid grid(size, plan.grid.tile_extent());
+            for (std::uint64_t i = 0; i < tiles.size(); ++i)
+                if (tiles[i].payload_bytes == plan.colour.desc.box_bytes(grid.box(i)))
+                    return true;
+            return false;
+        };
+        return any(plan.grid.size(), pass.tiles) ||
+               std::ranges::any_of(levels, [&any](const CoarseLevel& level) {
+                   return any(level.entry.size, level.tiles);
+               });
+    }
 };
 
 // The coarse levels of the pass that was looked at last: rate control asks for the size of the file
@@ -69,7 +84,8 @@ ContainerContents contents_of(const FileParts& parts) {
     contents.colour = plan.colour.transform;
     contents.background = plan.colour.background;
     contents.required_features = (plan.colour.corrections ? feature_corrections : 0) |
-                                 (parts.pass.parameters.prediction ? feature_prediction : 0);
+                                 (parts.pass.parameters.prediction ? feature_prediction : 0) |
+                                 (parts.has_stored_tiles() ? feature_stored : 0);
     if (plan.options.layers)
         contents.page_bytes = layered_page_bytes;
     contents.codec_parameters = parts.coding;
@@ -106,7 +122,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         {desc,
          desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
          {},
-         options.rate.kind == RateTarget::Kind::max_error},
+         options.rate.kind == RateTarget::Kind::max_error,
+         true},
         effort,
         nullptr,
         options.mask,

@@ -26,8 +26,9 @@ struct Worker {
 
 // Coding state of a pass and its workers.
 struct Crew {
-    Crew(const EncodePlan& encode_plan, const CodingParameters& parameters)
-        : plan(encode_plan), coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
+    Crew(const EncodePlan& encode_plan, const CodingParameters& parameters, bool sample)
+        : plan(encode_plan), of_sample(sample),
+          coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
           costs(coding.tables) {
         for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
             workers.push_back({TileEncoder(coding, costs, plan.colour, plan.effort),
@@ -46,6 +47,7 @@ struct Crew {
                   FilterStatistics* filter = nullptr) const;
 
     const EncodePlan& plan;
+    const bool of_sample;
     const bool verifies = !plan.effort.recode; // recoding has its own check
     const TileCoding coding;
     const BitCosts costs;
@@ -96,21 +98,29 @@ Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, C
     if (plan.colour.corrections &&
         find_corrections(texels, worker.decoded, desc, error, worker.corrections)) {
         apply_corrections(worker.corrections, desc, error, worker.decoded);
-        count_corrections(worker.corrections, shape, coding.planes, worker.statistics);
     } else {
         worker.corrections.clear();
     }
-    measure_error(texels, worker.decoded, desc.type, tile);
-    tile.texel_crc = crc32c(worker.decoded);
-    count_symbols(worker.levels, coding, worker.statistics);
     worker.payload.clear();
     encode_levels(worker.levels,
                   worker.corrections.empty()
                       ? std::vector<std::vector<std::byte>>{}
                       : encode_corrections(worker.corrections, shape, coding.planes, coding.tables),
                   coding, worker.payload);
+    const bool is_stored = worker.payload.size() >= texels.size();
+    if (is_stored) {
+        copy_stored(texels, desc.type, worker.decoded);
+        worker.payload = worker.decoded;
+    }
+    if (!is_stored || of_sample) { // tables fitted to a sample may do better
+        count_symbols(worker.levels, coding, worker.statistics);
+        if (!worker.corrections.empty())
+            count_corrections(worker.corrections, shape, coding.planes, worker.statistics);
+    }
+    measure_error(texels, worker.decoded, desc.type, tile);
+    tile.texel_crc = crc32c(worker.decoded);
     tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
-    if (!verifies || !plan.options.verify)
+    if (is_stored || !verifies || !plan.options.verify)
         return {};
     // These bytes go to the file as they are: they must hold the levels that were measured.
     TESSERA_TRY(worker.decoder.parse(worker.payload, shape));
@@ -155,6 +165,8 @@ Status count_journaled(Crew& crew, JournalTiles& journal) {
                 journal.forget(tile);
                 return {};
             }
+            if (worker.decoder.is_stored())
+                return {};
             count_symbols(worker.decoder.levels(), crew.coding, worker.statistics);
             if (!worker.decoder.corrections().empty())
                 count_corrections(worker.decoder.corrections(), shape, crew.coding.planes,
@@ -368,7 +380,7 @@ Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             unsigned number, const char* stage) {
-    Crew crew(plan, parameters);
+    Crew crew(plan, parameters, false);
     std::vector<CodedTile> tiles(plan.grid.tiles());
     std::shared_ptr<TileStore> payloads;
     const JournalTiles* journaled = nullptr;
@@ -412,7 +424,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample, FilterStatistics* filter) {
-    Crew crew(plan, parameters);
+    Crew crew(plan, parameters, true);
     std::vector<CodedTile> tiles(sample.boxes.size());
     // Summed in the order of the tiles, whichever thread had which.
     std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);

@@ -33,6 +33,8 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
             const BlockShape shape = tile_shape(box);
             TESSERA_TRY(pass.payloads->get(i, worker.payload));
             TESSERA_TRY(worker.from.parse(worker.payload, shape));
+            if (worker.from.is_stored())
+                return payloads->put(i, tile, worker.payload);
             worker.payload.clear();
             const CorrectionMap& corrections = worker.from.corrections();
             encode_levels(worker.from.levels(),
@@ -40,11 +42,15 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
                               ? std::vector<std::vector<std::byte>>{}
                               : encode_corrections(corrections, shape, planes, after.tables),
                           after, worker.payload);
+            worker.texels.resize(plan.colour.desc.box_bytes(box));
+            if (worker.payload.size() >= worker.texels.size()) {
+                worker.from.render(worker.from.levels(), corrections, worker.texels);
+                worker.payload = worker.texels;
+            }
             tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
             TESSERA_TRY(payloads->put(i, tile, worker.payload));
             if (!plan.options.verify)
                 return {};
-            worker.texels.resize(plan.colour.desc.box_bytes(box));
             const Status decoded = worker.check.decode(worker.payload, shape, worker.texels);
             if (!decoded.ok() || crc32c(worker.texels) != tile.texel_crc)
                 return about_texels(

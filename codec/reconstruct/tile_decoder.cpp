@@ -1,5 +1,7 @@
 #include "codec/reconstruct/tile_decoder.h"
 
+#include "format/samples.h"
+
 namespace tessera {
 
 BlockShape tile_shape(const Box4& box) {
@@ -10,7 +12,17 @@ BlockShape tile_shape(const Box4& box) {
     return shape;
 }
 
+void copy_stored(std::span<const std::byte> samples, SampleType type, std::span<std::byte> texels) {
+    for (std::size_t at = 0; at < samples.size(); at += sample_bytes(type))
+        store_sample(&texels[at],
+                     code_sample(sample_code(load_sample(&samples[at], type), type), type), type);
+}
+
 Status TileDecoder::parse(std::span<const std::byte> payload, const BlockShape& shape) {
+    is_stored_ = colour_->stored && payload.size() == static_cast<std::size_t>(shape.texels()) *
+                                                          colour_->desc.texel_bytes();
+    if (is_stored_)
+        payload = {}; // which is a tile of one block without levels
     TESSERA_TRY(split_payload(payload, shape.texels(), parts_));
     if (!parts_.corrections.empty() && !colour_->corrections)
         return {ErrorCode::invalid_file, "corrections in a file whose header has none"};
@@ -30,6 +42,10 @@ void TileDecoder::render(const TileLevels& levels, const CorrectionMap& correcti
 Status TileDecoder::decode(std::span<const std::byte> payload, const BlockShape& shape,
                            std::span<std::byte> texels) {
     TESSERA_TRY(parse(payload, shape));
+    if (is_stored_) {
+        copy_stored(payload, colour_->desc.type, texels);
+        return {};
+    }
     render(levels_, corrections_, texels);
     return {};
 }

@@ -30,6 +30,8 @@ public:
     Status parse(std::span<const std::byte> payload, const BlockShape& shape);
     const TileLevels& levels() const { return levels_; }
     const CorrectionMap& corrections() const { return corrections_; }
+    // Whether the last payload was a stored tile: it has no levels and no corrections.
+    bool is_stored() const { return is_stored_; }
     // Of the last decode() or render(), filtered.
     const TilePlanes& planes() const { return planes_; }
 
@@ -39,11 +41,16 @@ private:
     PayloadParts parts_;
     TileLevels levels_;
     CorrectionMap corrections_;
+    bool is_stored_ = false;
     ReconstructScratch scratch_;
     FilterScratch filter_scratch_;
     TilePlanes planes_;
 };
 
 BlockShape tile_shape(const Box4& box);
+
+// The samples of a stored tile as they decode (FORMAT.md 3.2): those that have a code as they are, but -0
+// as 0.
+void copy_stored(std::span<const std::byte> samples, SampleType type, std::span<std::byte> texels);
 
 } // namespace tessera

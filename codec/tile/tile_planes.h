@@ -20,6 +20,7 @@ struct ColourCoding {
     ColourTransform transform = ColourTransform::none;
     std::array<std::uint16_t, 4> background{};
     bool corrections = false; // tiles may end with corrections (required feature 1)
+    bool stored = false;      // tiles may be stored (required feature 5)
 };
 
 // Where a texel of a picture or tile stands in its planes.

@@ -39,16 +39,19 @@ BatchBuilder::Size BatchBuilder::empty_size() {
 }
 
 // Of a tile's values, kept for its copies or the filter.
-std::uint32_t BatchBuilder::value_words(const TreeSize& tree, std::uint64_t texels) const {
-    const bool keeps = !tree.copies.empty() || tables_.filters();
+std::uint32_t BatchBuilder::value_words(const Entry& entry, std::uint64_t texels) const {
+    const TreeSize& tree = entry.tree;
+    const bool keeps = !tree.copies.empty() || (tables_.filters() && !entry.is_stored);
     if (tree.base)
         texels += static_cast<std::uint64_t>(tree.base->texels());
     return keeps ? static_cast<std::uint32_t>(texels) * tables_.value_words() : 0;
 }
 
 // What a tile adds to the sizes of its batch.
-BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSize& tree,
-                                         std::size_t bytes, std::uint64_t texels) const {
+BatchBuilder::Size BatchBuilder::size_of(const Entry& entry, std::size_t bytes,
+                                         std::uint64_t texels) const {
+    const PayloadParts& parts = entry.parts;
+    const TreeSize& tree = entry.tree;
     std::uint64_t raw = 0;
     for (const auto& segment : parts.segments)
         raw += levels_bound(segment.bytes.size());
@@ -56,7 +59,7 @@ BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSi
     Size size;
     size.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
                       std::uint64_t{tree.items} * tsr_item_words + parts.segments.size() +
-                      corrections + 2 * raw + value_words(tree, texels);
+                      corrections + 2 * raw + value_words(entry, texels);
     size.coefficients = raw;
     size.words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
                  parts.corrections.size() * tsr_correction_words + raw / raw_chunk +
@@ -64,29 +67,39 @@ BatchBuilder::Size BatchBuilder::size_of(const PayloadParts& parts, const TreeSi
     return size;
 }
 
-bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
-                       const TexelPlace& place) {
-    const BlockShape shape = shape_of(grid_.box(tile));
-    const auto texels = static_cast<std::uint64_t>(shape.texels());
-    PayloadParts parts;
+BatchBuilder::Entry BatchBuilder::entry_of(std::span<const std::byte> payload,
+                                           const BlockShape& shape) const {
+    Entry entry;
+    PayloadParts& parts = entry.parts;
     const auto tree_of = [&](std::span<const std::byte> segment) {
         return tree_size(segment, shape, tables_.code_tables(), static_cast<int>(tables_.planes()),
                          tables_.predicts(), tables_.base());
     };
-    TreeSize tree;
-    bool sound = split_payload(payload, shape.texels(), parts).ok() &&
-                 (parts.corrections.empty() || tables_.has_corrections());
-    if (sound) {
-        tree = tree_of(parts.segments[0].bytes);
-        sound = !tree.too_deep;
+    entry.is_stored =
+        tables_.has_stored_tiles() &&
+        payload.size() == static_cast<std::size_t>(shape.texels()) * tables_.texel_bytes();
+    if (!entry.is_stored) {
+        entry.is_sound = split_payload(payload, shape.texels(), parts).ok() &&
+                         (parts.corrections.empty() || tables_.has_corrections());
+        if (entry.is_sound)
+            entry.tree = tree_of(parts.segments[0].bytes);
+        entry.is_sound = entry.is_sound && !entry.tree.too_deep;
     }
-    if (!sound) {
-        payload = {};
+    if (!entry.is_sound || entry.is_stored) {
         parts.corrections.clear();
         parts.segments.assign(1, {});
-        tree = tree_of({});
+        entry.tree = tree_of({});
     }
-    const Size cost = size_of(parts, tree, payload.size(), texels);
+    return entry;
+}
+
+bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
+                       const TexelPlace& place) {
+    const BlockShape shape = shape_of(grid_.box(tile));
+    const Entry entry = entry_of(payload, shape);
+    if (!entry.is_sound)
+        payload = {};
+    const Size cost = size_of(entry, payload.size(), static_cast<std::uint64_t>(shape.texels()));
     const Size after{size_.work_words + cost.work_words, size_.coefficients + cost.coefficients,
                      size_.words + cost.words};
     if (!tiles_.empty() &&
@@ -94,16 +107,17 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
          after.coefficients > limits_.coefficients || after.words > limits_.words))
         return false;
     size_ = after;
-    if (!sound)
+    if (!entry.is_sound)
         damaged_.push_back(tile);
-    add_records(parts, tree, payload, shape, place);
+    add_records(entry, payload, shape, place);
     tiles_.push_back(tile);
     return true;
 }
 
-void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
-                               std::span<const std::byte> payload, const BlockShape& shape,
-                               const TexelPlace& place) {
+void BatchBuilder::add_records(const Entry& entry, std::span<const std::byte> payload,
+                               const BlockShape& shape, const TexelPlace& place) {
+    const PayloadParts& parts = entry.parts;
+    const TreeSize& tree = entry.tree;
     const auto slot = static_cast<std::uint32_t>(tiles_.size());
     const auto base = static_cast<std::uint32_t>(payloads_.size());
     const auto byte_of = [&](std::span<const std::byte> part) {
@@ -141,13 +155,14 @@ void BatchBuilder::add_records(const PayloadParts& parts, const TreeSize& tree,
                                                                static_cast<std::uint32_t>(i)});
     }
     const bool predicted = !tree.copies.empty();
-    const std::uint32_t values = value_words(tree, static_cast<std::uint64_t>(shape.texels()));
+    const std::uint32_t values = value_words(entry, static_cast<std::uint64_t>(shape.texels()));
     tile_words_.insert(
         tile_words_.end(),
         {tables_.shape_id(shape), first_segment, static_cast<std::uint32_t>(parts.segments.size()),
          place.x, place.y, place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_,
          tree.blocks, predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
-         values > 0 ? values_ : tsr_none, tree.base ? tables_.shape_id(*tree.base) : tsr_none});
+         values > 0 ? values_ : tsr_none, tree.base ? tables_.shape_id(*tree.base) : tsr_none,
+         entry.is_stored ? base : tsr_none});
     copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
     values_ += values;
     waves_ = std::max(waves_, tree.waves);

@@ -67,12 +67,17 @@ private:
         std::uint64_t work_words, coefficients, words;
     };
     static Size empty_size();
-    std::uint32_t value_words(const TreeSize& tree, std::uint64_t texels) const;
-    Size size_of(const PayloadParts& parts, const TreeSize& tree, std::size_t bytes,
-                 std::uint64_t texels) const;
-    void add_records(const PayloadParts& parts, const TreeSize& tree,
-                     std::span<const std::byte> payload, const BlockShape& shape,
-                     const TexelPlace& place);
+    // A tile as its batch has it: a stored one as one block without levels.
+    struct Entry {
+        PayloadParts parts;
+        TreeSize tree;
+        bool is_stored = false, is_sound = true;
+    };
+    Entry entry_of(std::span<const std::byte> payload, const BlockShape& shape) const;
+    std::uint32_t value_words(const Entry& entry, std::uint64_t texels) const;
+    Size size_of(const Entry& entry, std::size_t bytes, std::uint64_t texels) const;
+    void add_records(const Entry& entry, std::span<const std::byte> payload,
+                     const BlockShape& shape, const TexelPlace& place);
 
     const DecodeTables& tables_;
     const TileGrid& grid_;

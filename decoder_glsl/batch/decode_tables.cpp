@@ -211,6 +211,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     DecodeTables tables;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
+    tables.has_stored_tiles_ = (header.required_features & feature_stored) != 0;
     tables.predicts_ = coding.prediction;
     tables.base_ = coding.base;
     tables.filters_ = coding.filter.is_on();

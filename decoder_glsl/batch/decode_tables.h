@@ -28,6 +28,7 @@ public:
     unsigned planes() const { return planes_; }
     const CodeTables& code_tables() const { return *code_tables_; }
     bool has_corrections() const { return has_corrections_; }
+    bool has_stored_tiles() const { return has_stored_tiles_; }
     bool predicts() const { return predicts_; }
     const BasePictures& base() const { return base_; }
     bool filters() const { return filters_; }
@@ -35,6 +36,7 @@ public:
     bool keeps_values() const { return predicts_ || filters_; }
     // Words that the kept values of a texel take (shaders/layout.glsl).
     unsigned value_words() const { return half_ ? planes_ : (planes_ + 1) / 2; }
+    unsigned texel_bytes() const { return half_ ? 2 * planes_ : planes_; }
 
 private:
     void add_shapes(const TileGrid& grid);
@@ -45,7 +47,8 @@ private:
     std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
     BasePictures base_;
-    bool has_corrections_ = false, predicts_ = false, filters_ = false, half_ = false;
+    bool has_corrections_ = false, has_stored_tiles_ = false, predicts_ = false, filters_ = false,
+         half_ = false;
 };
 
 } // namespace tessera

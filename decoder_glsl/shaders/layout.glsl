@@ -89,7 +89,7 @@ const int tsr_b_copies_at = 21;  // what the blocks of predicted tiles copy
 const int tsr_b_values_at = 22;  // in the work buffer: values that tiles keep
 const int tsr_batch_words = 32;
 
-const int tsr_tile_words = 13;
+const int tsr_tile_words = 14;
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
 const int tsr_tile_segments = 2;
@@ -103,6 +103,7 @@ const int tsr_tile_block_room = 9;  // records
 const int tsr_tile_copies = 10; // word of its first copy record, from tsr_b_copies_at; none: not predicted
 const int tsr_tile_values = 11; // word of its values, from tsr_b_values_at; or none
 const int tsr_tile_base = 12;   // shape of its base picture; or none
+const int tsr_tile_stored = 13; // byte of a stored tile's first sample, of the payload area; or none
 
 // A copy record, one a block of a predicted tile (FORMAT.md 4.6).
 // 1 along s, 2 along t, 3 the base picture | depth << 8 | displacement in half texels, of the base in

@@ -30,6 +30,7 @@ struct TsrTarget {
     uvec2 stride;
     uint multipliers; // word of the tile's corrections, or none
     uint values;      // word of its kept values, or none
+    uint stored;      // byte of its first sample, where it is stored, or none
     ivec4 sides;      // of the tile
     ivec2 base_sides; // of its base picture; 0, if it has none
     int step;         // of corrections
@@ -52,6 +53,7 @@ TsrTarget tsr_target(uint tile) {
                         : tsr_header(tsr_b_multipliers_at) + multipliers;
     uint values = tsr_tile(tile, tsr_tile_values);
     t.values = damaged || values == tsr_none ? tsr_none : tsr_header(tsr_b_values_at) + values;
+    t.stored = damaged ? tsr_none : tsr_tile(tile, tsr_tile_stored);
     t.sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
     uint base = tsr_tile(tile, tsr_tile_base);
     ivec4 base_sides = tsr_sides_of(base);
@@ -69,11 +71,16 @@ uvec3 tsr_place(TsrTarget target, int u, int v) {
                                 fold.y * target.folds_u + fold.x);
 }
 
+// The number of a texel in its tile (FORMAT.md part 2).
+uint tsr_texel_number(TsrTarget target, int u, int v, int s, int t) {
+    return uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
+}
+
 ivec4 tsr_corrected(TsrFormat format, TsrTarget target, ivec4 codes, int u, int v, int s, int t) {
     if (target.multipliers == tsr_none)
         return codes;
     int planes = format.planes;
-    uint texel = uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
+    uint texel = tsr_texel_number(target, u, v, s, t);
     uint at = target.multipliers + texel * uint(planes);
     ivec4 multiplier =
         ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
@@ -83,6 +90,26 @@ ivec4 tsr_corrected(TsrFormat format, TsrTarget target, ivec4 codes, int u, int 
     ivec4 limit = ivec4(65536 / max(target.step, 1) + 1);
     return clamp(codes + clamp(multiplier, -limit, limit) * target.step, format.smallest,
                  format.largest);
+}
+
+// The code of a stored tile's sample at a byte of the payload area.
+int tsr_stored_code(TsrFormat format, uint at) {
+    uint word = tsr_payload_word(at);
+    if (!format.half_floats)
+        return int(word & 255u);
+    int magnitude = min(int(word & 0x7FFFu), format.largest);
+    return (word & 0x8000u) != 0u ? -magnitude : magnitude;
+}
+
+// The codes of a texel of a stored tile (FORMAT.md 3.2).
+ivec4 tsr_stored(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
+    int planes = format.planes;
+    uint size = format.half_floats ? 2u : 1u;
+    uint at = target.stored + tsr_texel_number(target, u, v, s, t) * uint(planes) * size;
+    return ivec4(tsr_stored_code(format, at),
+                 planes > 1 ? tsr_stored_code(format, at + size) : 0,
+                 planes > 2 ? tsr_stored_code(format, at + 2u * size) : 0,
+                 planes > 3 ? tsr_stored_code(format, at + 3u * size) : 0);
 }
 
 // Where values of a predicted tile stand: the texel's word, and words from one to the next part of it.

@@ -348,7 +348,9 @@ void tsr_sum_t(TsrItem item, int lane) {
                 codes = tsr_codes(item.format, value);
             } else
 #endif
-            if (changes)
+            if (item.target.stored != tsr_none)
+                codes = tsr_stored(item.format, item.target, u, v, in_s, in_t);
+            else if (changes)
                 codes = tsr_codes(item.format, values);
             ivec4 corrected = tsr_corrected(item.format, item.target, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),

@@ -149,8 +149,9 @@ Status check_geometry(const Description& d) {
 } // namespace
 
 std::string feature_name(unsigned bit) {
-    constexpr const char* names[] = {"coarse levels", "corrections", "quality layers",
-                                     "colour rotation per leaf", "prediction inside tiles"};
+    constexpr const char* names[] = {"coarse levels",           "corrections",
+                                     "quality layers",          "colour rotation per leaf",
+                                     "prediction inside tiles", "stored tiles"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 

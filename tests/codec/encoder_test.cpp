@@ -3,7 +3,9 @@
 #include "codec/encoder.h"
 #include "codec/pass/steps.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "format/container_reader.h"
 #include "format/io/crc32c.h"
+#include "format/tile/features.h"
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/meshes.h"
@@ -225,6 +227,26 @@ TEST(SameBytes, OnEveryPath) {
     ASSERT_EQ(pclose(pipe), 0);
     ASSERT_TRUE(found);
     EXPECT_EQ(value, want);
+}
+
+// Stored tiles (FORMAT.md 3.2).
+TEST(StoredTiles, LosslessNoiseTakesHardlyMoreThanItsTexels) {
+    for (const SampleType type : types) {
+        MemoryTexture texture(describe({9, 16, 8, 8}, type),
+                              [](int, int, int, int, int) { return 0; });
+        Random random(3);
+        for (std::byte& byte : texture.texels)
+            byte = static_cast<std::byte>(random.range(0, 255));
+        for (std::size_t i = 1; type == SampleType::half16 && i < texture.texels.size(); i += 2)
+            texture.texels[i] &= std::byte{0xFB}; // finite
+        const Encoded encoded = encode(texture, options_for({Kind::max_error, 0}, 0));
+        EXPECT_LE(encoded.file.size(), texture.texels.size() + 800); // the head
+        EXPECT_EQ(encoded.report.max_error, 0u);
+        const auto source = wrap_memory(encoded.file);
+        const auto reader = ContainerReader::open(*source);
+        ASSERT_TRUE(reader);
+        EXPECT_EQ(reader->header().required_features & feature_stored, feature_stored);
+    }
 }
 
 void put_half(Bytes& texels, std::size_t sample, std::uint16_t half) {

@@ -129,7 +129,7 @@ TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
         ASSERT_TRUE(parameters);
         const TileCoding coding(*parameters, type, 3);
         const ColourCoding colour{reader->desc(), reader->header().colour,
-                                  reader->header().background, false};
+                                  reader->header().background, false, true};
         TileDecoder cpu(coding, colour);
         auto gpu = GlTileDecoder::create(*tables, type == SampleType::half16);
         ASSERT_TRUE(gpu) << gpu.status().message();

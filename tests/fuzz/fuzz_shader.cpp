@@ -152,6 +152,9 @@ std::vector<Bytes> seeds() {
         const auto tiles = std::min<std::uint64_t>(1 + i % 4, file.reader().tile_count());
         for (std::uint64_t tile = 0; tile < tiles; ++tile)
             made.payloads.push_back(random_payload(random, file, tile, corrections));
+        if (i % 4 == 0) // a stored tile
+            made.payloads[0].resize(static_cast<std::size_t>(file.shape_of_tile(0).texels()) *
+                                    file.reader().desc().texel_bytes());
         // Header fields and records, by values that lie near others or far off.
         for (unsigned k = 0; k < i % 5; ++k)
             made.changes.push_back(

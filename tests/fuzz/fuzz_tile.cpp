@@ -49,6 +49,7 @@ const std::vector<Setting>& settings() {
             setting.colour = {{{1, 1, 1, 1}, type, static_cast<std::uint8_t>(planes)},
                               planes >= 3 ? ColourTransform::ycocg_r : ColourTransform::none,
                               {9, 8, 7, 6},
+                              true,
                               true};
             made.push_back(std::move(setting));
         }
@@ -85,6 +86,11 @@ std::vector<Bytes> seeds() {
         Bytes input{static_cast<std::byte>(first)};
         encode_levels(tile, corrections, coding, input);
         all.push_back(input);
+        if (first % 5 == 0) { // a stored tile
+            const TextureDesc& desc = settings()[first % settings_count].colour.desc;
+            input.resize(1 + static_cast<std::size_t>(shape.texels()) * desc.texel_bytes());
+            all.push_back(input);
+        }
     }
     return all;
 }

@@ -688,6 +688,8 @@ void regenerate_golden() {
             {Kind::max_error, 0}, {8, 8, 4, 4});
     texture("rgb8_lossless.tess", "noise", {5, 5, 5, 5}, 3, unorm8, {Kind::max_error, 0},
             {8, 8, 8, 8});
+    texture("rgb_half_stored.tess", "noise", {6, 6, 3, 3}, 3, half16, {Kind::max_error, 0},
+            {3, 6, 3, 3});
     texture("background.tess", "constant", {40, 20, 16, 8}, 3, unorm8, {Kind::quality, 75},
             {8, 8, 4, 4});
     texture("sparse8.tess", "sparse", {40, 20, 3, 3}, 3, unorm8, {Kind::quality, 40}, {8, 8, 4, 4});
@@ -713,7 +715,7 @@ TEST(Reference, GoldenFiles) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 11);
+    EXPECT_EQ(count, 12);
 }
 
 } // namespace

@@ -93,6 +93,7 @@ struct Header {
     bool has_levels() const { return required_features & 1; }
     bool has_corrections() const { return required_features >> 1 & 1; }
     bool has_predictions() const { return required_features >> 4 & 1; }
+    bool has_stored_tiles() const { return required_features >> 5 & 1; }
 };
 
 constexpr size_t header_bytes = 128;
@@ -115,7 +116,7 @@ Header read_header(Bytes file) {
 
     h.required_features = u64(file, 16);
     for (int bit = 0; bit < 64; ++bit)
-        if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4) // 1.5
+        if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5) // 1.5
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
     require(h.section_count >= 5, "header: section_count");
@@ -1613,6 +1614,17 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         for (size_t i = 0; i < samples.size(); ++i) {
             const uint16_t sample = header_.background[i % channels];
             samples[i] = sample_of(code_of(sample, header_.sample_type), header_.sample_type);
+        }
+        return samples;
+    }
+    if (header_.has_stored_tiles() && bytes.size() == texels * header_.texel_bytes()) { // 3.2
+        for (size_t i = 0; i < samples.size(); ++i) {
+            const int sample = header_.sample_type ? static_cast<int>(u16(bytes, 2 * i))
+                                                   : static_cast<int>(u8(bytes, i));
+            samples[i] =
+                sample_of(clamp_code(code_of(static_cast<uint16_t>(sample), header_.sample_type),
+                                     header_.sample_type),
+                          header_.sample_type);
         }
         return samples;
     }

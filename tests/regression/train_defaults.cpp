@@ -26,7 +26,8 @@ Result<Statistics> statistics_of(const char* path) {
     const TextureDesc desc = file->desc();
     const TileCoding coding(*parameters, desc.type, desc.channels);
     const ColourCoding colour{desc, file->header().colour, file->header().background,
-                              (file->header().required_features & feature_corrections) != 0};
+                              (file->header().required_features & feature_corrections) != 0,
+                              (file->header().required_features & feature_stored) != 0};
     TileDecoder decoder(coding, colour);
     Statistics statistics;
     for (std::uint64_t tile = 0; tile < file->tile_count(); ++tile) {
@@ -35,6 +36,8 @@ Result<Statistics> statistics_of(const char* path) {
             return bytes.status();
         const BlockShape shape = tile_shape(file->grid().box(tile));
         TESSERA_TRY(decoder.parse(bytes->bytes, shape));
+        if (decoder.is_stored())
+            continue;
         count_symbols(decoder.levels(), coding, statistics);
         if (!decoder.corrections().empty())
             count_corrections(decoder.corrections(), shape, coding.planes, statistics);

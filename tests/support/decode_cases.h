@@ -52,7 +52,10 @@ inline std::vector<DecodeCase> encoded_cases() {
             cases.push_back(
                 encoded_case("smooth", {{33, 11, 9, 4}, type, channels}, {Kind::quality, 60}));
             cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
-                                         {Kind::max_error, type == SampleType::unorm8 ? 0. : 3.}));
+                                         {Kind::max_error, type == SampleType::unorm8 ? 2. : 40.}));
+            if (channels >= 2) // stored tiles
+                cases.push_back(
+                    encoded_case("noise", {{9, 6, 5, 3}, type, channels}, {Kind::max_error, 0}));
         }
     const TextureDesc rgb{{34, 9, 9, 5}, SampleType::unorm8, 3};
     for (const char* name :
@@ -84,7 +87,7 @@ inline std::vector<DecodeCase> encoded_cases() {
 
 // A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
 // and, where `copies` is above 0, blocks that copy by that chance, of half of the seeds from base
-// pictures, too. Two thirds of all seeds have a filter.
+// pictures, too. Two thirds of all seeds have a filter. A tenth of the tiles are stored, of any bytes.
 inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
                               const Extent4& size, const Extent4& tile_extent, double split,
                               double density, int magnitude_bits, double copies = 0) {
@@ -113,7 +116,11 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     const TileGrid grid(size, tile_extent);
     std::vector<Bytes> tiles(grid.tiles());
     for (std::uint64_t i = 0; i < grid.tiles(); ++i)
-        if (!random.chance(0.1)) {
+        if (random.chance(0.1)) {
+            tiles[i].resize(desc.box_bytes(grid.box(i)));
+            for (std::byte& byte : tiles[i])
+                byte = static_cast<std::byte>(random.range(0, 255));
+        } else if (!random.chance(0.1)) {
             const BlockShape shape = tile_shape(grid.box(i));
             const RandomTileOptions options{
                 .split = split, .density = density, .magnitude_bits = magnitude_bits};
@@ -128,7 +135,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     contents.colour = channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
     for (std::size_t i = 0; i < channels; ++i)
         contents.background[i] = static_cast<std::uint16_t>(random.range(0, 255));
-    contents.required_features = parameters.prediction ? feature_prediction : 0;
+    contents.required_features = (parameters.prediction ? feature_prediction : 0) | feature_stored;
     contents.codec_parameters = section;
     contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
     DecodeCase made;
