@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t piece_bytes = 4096;
+constexpr std::size_t head_piece_bytes = 4096;
 constexpr int tick_milliseconds = 100; // how late a deadline may be noticed
 constexpr std::size_t drained_bytes = 64 << 10;
 
@@ -109,7 +109,7 @@ bool ConnectionLobby::make_room() {
 void ConnectionLobby::leave(Guest guest, const char* words) const {
     ::send(guest.socket, words, std::strlen(words), MSG_NOSIGNAL | MSG_DONTWAIT);
     ::shutdown(guest.socket, SHUT_WR);
-    std::array<char, piece_bytes> ignored;
+    std::array<char, head_piece_bytes> ignored;
     for (std::size_t drained = 0; drained < drained_bytes;) {
         const ssize_t got = ::recv(guest.socket, ignored.data(), ignored.size(), MSG_DONTWAIT);
         if (got <= 0)
@@ -141,7 +141,7 @@ void ConnectionLobby::receive(int socket) {
     if (found == waiting_.end()) // gone in this round
         return;
     Guest& guest = found->second;
-    std::array<char, piece_bytes> piece;
+    std::array<char, head_piece_bytes> piece;
     const ssize_t got = ::recv(socket, piece.data(), piece.size(), MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EINTR))
         return;
