@@ -240,9 +240,11 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
                 "timeout --signal=INT --preserve-status 0.3");
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
-        const bool kept = o.err.find("--resume goes on") != std::string::npos; // resume_test.cpp
-        EXPECT_EQ(names(),
-                  kept ? std::vector<std::string>{"x.tess.journal"} : std::vector<std::string>{});
+        // A journal may stay (resume_test.cpp); who is ended after a second does not say so.
+        const bool said = o.err.find("--resume goes on") != std::string::npos;
+        if (said || !names().empty()) {
+            EXPECT_EQ(names(), std::vector<std::string>{"x.tess.journal"});
+        }
         fs::remove_all(at("x.tess.journal"));
     }
 }
