@@ -5,7 +5,7 @@ ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$ROOT"
 
 PACKAGES="g++ cmake ninja-build pkg-config libglm-dev libzstd-dev libdraco-dev libcli11-dev nlohmann-json3-dev
-libpng-dev libopenexr-dev libembree-dev libtinygltf-dev libassimp-dev libstb-dev libgtest-dev libepoxy-dev
+libpng-dev libjpeg62-turbo-dev libopenexr-dev libembree-dev libtinygltf-dev libassimp-dev libstb-dev libgtest-dev libepoxy-dev
 libegl-dev libegl1 libgl1-mesa-dri glslang-tools libcurl4-openssl-dev libcpp-httplib-dev ca-certificates
 clang-format python3"
 

@@ -116,7 +116,7 @@ TEST_F(EncodeVerb, RefusesMasksThatDoNotFit) {
         fail(3, verb + "m.gray", {"m.gray"}); // not of the texture's size
         fail(1, verb + "m.gray --mask-size 16x32x1x1", {"m.gray", "16x32x1x1", "32x16x9x5"});
         fail(1, verb + "m.gray --mask-size 16x32x1", {"--mask-size"});
-        fail(1, verb + "m.jpeg", {"m.jpeg"});
+        fail(1, verb + "m.txt", {"m.txt"});
     }
     fail(1, "encode a.rgb --size 32x16x9x5 -o x.tess --mask-size 32x16x1x1", {"--mask"});
     fail(1, compare + "m.gray --mask-size 32x16x1x1 --min-ssim 0.5", {"--min-ssim"});
@@ -159,6 +159,55 @@ TEST_F(EncodeVerb, HandlesHdr) {
     fail(3, "encode n.gray16f --size 2x2x1x1 -o m.tess --strict",
          {"n.gray16f", "texel u 0, v 0, s 0, t 0, channel 0 is NaN"});
     EXPECT_FALSE(fs::exists(at("m.tess")));
+}
+
+// Views as people have them: said what they were taken for, and shown.
+TEST_F(EncodeVerb, TakesViewsOfCameras) {
+    std::string texels(8 * 6 * 2 * 3 * 3, '\0');
+    for (std::size_t i = 0; i < texels.size(); ++i)
+        texels[i] = static_cast<char>(i * 37 % 251);
+    spit(at("a.rgb"), texels);
+    const std::string exactly = " -o a.tess --max-error 0 --effort 0 ";
+    succeed("encode a.rgb --size 8x6x2x3 -q" + exactly);
+    succeed("decode a.tess -q -o rig/ --views-pattern 'out_{t:2}_{s:2}_-1.5_*.png'");
+    fs::remove(at("rig/tessera.json"));
+    const Outcome coded = run("encode rig/ --camera-spacing 0.5 --camera-focus 4" + exactly);
+    EXPECT_EQ(coded.code, 0) << coded.err;
+    EXPECT_EQ(coded.out.find("rig/: 6 views named out_{t:2}_{s:2}_-1.5_.png, 2x3 cameras from the "
+                             "top left; 8x6x2x3, 3 x unorm8\n"),
+              0u)
+        << coded.out;
+    const Json info = json("info a.tess --json");
+    EXPECT_EQ(info["description"]["angular-map"], "planar views");
+    EXPECT_EQ(info["metadata"]["Cameras"], "0.5,0.5,4,2.91176187");
+    succeed("decode a.tess -q -o b.rgb");
+    EXPECT_EQ(slurp(at("b.rgb")) == texels, true);
+
+    // From the place of a camera its view is seen, pixel for pixel.
+    succeed("decode a.tess -q -o same/");
+    succeed("render a.tess -q -o v.png --size 8x6 --eye 0.25,-0.5,4");
+    EXPECT_EQ(json("compare v.png same/out_02_01_-1.5_.png --json")["identical"], true);
+    succeed("render a.tess -q -o middle.png --size 80x60 --focus 2");
+    EXPECT_EQ(json("compare v.png same/out_02_00_-1.5_.png --json")["identical"], false);
+    fail(1, "render a.tess -q -o w.png --eye 0,0,-1", {"window"});
+    fail(5, "render a.tess -q -o w.png --via load", {"planar views"});
+    // Named otherwise, and as single pictures.
+    succeed("encode same/ -q" + exactly); // tessera.json knows the cameras
+    EXPECT_EQ(json("info a.tess --json")["metadata"]["Cameras"], info["metadata"]["Cameras"]);
+    succeed("decode a.tess -q -o x_qs3x2a1.png --quilt 3x2");
+    succeed("encode x_qs3x2a1.png --grid 2x3 --order bottom-up -q" + exactly);
+    succeed("decode a.tess -q -o b.rgb");
+    EXPECT_EQ(slurp(at("b.rgb")) == texels, true);
+    succeed("decode a.tess -q -o m.png --quilt 6x1");
+    fail(1, "decode a.tess -q -o m.png --quilt 4x1", {"m.png", "4x1", "8x6x2x3"});
+    succeed("decode a.tess -q -o m.png --views-pattern '{n}.png'");
+    succeed("encode m.png --mosaic 2x3 -q" + exactly);
+    succeed("decode a.tess -q -o b.rgb");
+    EXPECT_EQ(slurp(at("b.rgb")) == texels, true);
+    fail(1, "encode rig/ -o x.tess --order upside", {"--order", "'upside'", "bottom-up"});
+    fail(1, "encode a.rgb --size 8x6x2x3 -o x.tess --camera-fov 40", {"--camera-fov", "planar"});
+    fail(1, "encode rig/ -o x.tess --camera-spacing far", {"--camera-spacing", "far"});
+    EXPECT_FALSE(fs::exists(at("x.tess")));
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "tools/picture/png_file.h"
 
+#include <bit>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -11,11 +12,8 @@ namespace {
 
 constexpr std::uint64_t max_interlaced_bytes = 1ull << 30; // an interlaced picture is held whole
 
-constexpr std::size_t head_bytes = 29; // signature and IHDR
-
-std::uint32_t big_endian(const unsigned char* b) {
-    return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
-}
+constexpr std::uint64_t best_deflate = 1032; // bytes that a byte can stand for
+constexpr std::uint64_t end_bytes = 1 << 16; // in which a PNG has its end; some have more behind it
 
 // libpng reports through a long jump, so the functions that it may leave own nothing.
 
@@ -65,20 +63,36 @@ void read_bytes(png_structp png, png_bytep data, std::size_t size) {
         png_error(png, "it ends too early");
 }
 
-bool start_reading(Reader& r, PngShape& found, bool& plain, int& passes) {
+struct Started {
+    PngShape shape;
+    std::uint64_t stored_bytes = 0; // of all rows before they are packed
+    int passes = 1;
+    std::size_t row_bytes = 0; // as read_row() gives them
+};
+
+bool start_reading(Reader& r, PngSamples samples, Started& started) {
     if (setjmp(png_jmpbuf(r.png)))
         return false;
     png_set_read_fn(r.png, &r, read_bytes);
     png_set_user_limits(r.png, 1u << 20, 1u << 20);
     png_set_chunk_malloc_max(r.png, 1u << 20);
     png_read_info(r.png, r.info);
+    PngShape& found = started.shape;
     found.width = png_get_image_width(r.png, r.info);
     found.height = png_get_image_height(r.png, r.info);
-    found.channels = png_get_channels(r.png, r.info);
-    plain = png_get_bit_depth(r.png, r.info) == 8 &&
-            png_get_color_type(r.png, r.info) != PNG_COLOR_TYPE_PALETTE;
-    passes = png_set_interlace_handling(r.png);
+    found.bits = png_get_bit_depth(r.png, r.info) == 16 ? 16 : 8;
+    started.stored_bytes = std::uint64_t{png_get_rowbytes(r.png, r.info)} * found.height;
+    png_set_expand(r.png); // palettes, few bits, transparent colours
+    if (found.bits == 16) {
+        if (samples == PngSamples::eight)
+            png_set_scale_16(r.png);
+        else if (std::endian::native == std::endian::little)
+            png_set_swap(r.png);
+    }
+    started.passes = png_set_interlace_handling(r.png);
     png_read_update_info(r.png, r.info);
+    found.channels = png_get_channels(r.png, r.info);
+    started.row_bytes = png_get_rowbytes(r.png, r.info);
     return true;
 }
 
@@ -131,65 +145,77 @@ bool write_picture(Writer& w, const PngShape& shape, const std::byte* pixels) {
     return true;
 }
 
-Status read_interlaced(Reader& r, const PngShape& shape, std::uint32_t rows,
-                       const std::function<void(std::uint32_t, std::span<const std::byte>)>& row,
-                       const std::string& path, const Failure& failure) {
-    if (shape.row_bytes() > max_interlaced_bytes / shape.height)
+using PngRowFunction = std::function<void(std::uint32_t, std::span<const std::byte>)>;
+
+Status read_interlaced(Reader& r, const Started& started, std::uint32_t rows,
+                       const PngRowFunction& row, const std::string& path, const Failure& failure) {
+    const std::size_t line = started.row_bytes;
+    const std::uint32_t height = started.shape.height;
+    if (line > max_interlaced_bytes / height)
         return {ErrorCode::unsupported, path + ": interlaced and too large"};
-    std::vector<std::byte> pixels(shape.row_bytes() * shape.height);
-    std::vector<png_bytep> pointers(shape.height);
-    for (std::uint32_t y = 0; y < shape.height; ++y)
-        pointers[y] = reinterpret_cast<png_bytep>(pixels.data() + y * shape.row_bytes());
+    std::vector<std::byte> pixels(line * height);
+    std::vector<png_bytep> pointers(height);
+    for (std::uint32_t y = 0; y < height; ++y)
+        pointers[y] = reinterpret_cast<png_bytep>(pixels.data() + y * line);
     if (!read_whole(r, pointers.data()))
         return r.error(std::string(": ") + failure.text);
     for (std::uint32_t y = 0; y < rows; ++y)
-        row(y, {pixels.data() + y * shape.row_bytes(), shape.row_bytes()});
+        row(y, {pixels.data() + y * line, line});
     return {};
+}
+
+Status start(Reader& r, PngSamples samples, const std::string& path, Failure& failure,
+             Started& started) {
+    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
+    r.info = r.png ? png_create_info_struct(r.png) : nullptr;
+    if (!r.info)
+        return {ErrorCode::runtime, path + ": libpng does not start"};
+    return start_reading(r, samples, started) ? Status()
+                                              : r.error(std::string(": ") + failure.text);
+}
+
+// That the file was not cut off, before minutes go by.
+Status check_whole(ByteSource& file, std::uint64_t stored_bytes) {
+    if (stored_bytes / best_deflate > file.size())
+        return {ErrorCode::invalid_file, file.name() +
+                                             ": damaged PNG: " + std::to_string(file.size()) +
+                                             " bytes cannot hold its pixels"};
+    std::string tail(std::min(file.size(), end_bytes), '\0');
+    TESSERA_TRY(file.read(file.size() - tail.size(), std::as_writable_bytes(std::span(tail))));
+    return tail.find("IEND") != std::string::npos
+               ? Status()
+               : Status(ErrorCode::invalid_file, file.name() + ": damaged PNG: it ends too early");
 }
 
 } // namespace
 
 Result<PngShape> read_png_shape(ByteSource& file) {
     const std::string path = file.name();
-    unsigned char head[head_bytes] = {};
-    if (file.size() >= head_bytes)
+    unsigned char head[16] = {}; // signature, and the first chunk's length and name
+    if (file.size() >= sizeof head)
         TESSERA_TRY(file.read(0, std::as_writable_bytes(std::span(head))));
     if (png_sig_cmp(head, 0, 8) != 0 || std::memcmp(head + 12, "IHDR", 4) != 0)
         return Status(ErrorCode::invalid_file, path + ": not a PNG picture");
-    static const std::uint8_t channels[] = {1, 0, 3, 0, 2, 0, 4};
-    const unsigned depth = head[24], colour = head[25];
-    const PngShape shape{big_endian(head + 16), big_endian(head + 20),
-                         colour < 7 ? channels[colour] : std::uint8_t{0}};
-    if (depth != 8 || shape.channels == 0)
-        return Status(ErrorCode::unsupported,
-                      path + ": a PNG of " + std::to_string(depth) + " bits and colour type " +
-                          std::to_string(colour) +
-                          "; views are 8-bit grey, grey + alpha, RGB or RGB + alpha (EXR holds "
-                          "more)");
-    if (shape.width == 0 || shape.height == 0)
-        return Status(ErrorCode::invalid_file, path + ": a PNG of no pixels");
-    return shape;
+    Failure failure;
+    Reader r(file);
+    Started started;
+    TESSERA_TRY(start(r, PngSamples::eight, path, failure, started));
+    TESSERA_TRY(check_whole(file, started.stored_bytes));
+    return started.shape;
 }
 
 Status read_png(ByteSource& file, const PngShape& shape, std::uint32_t rows,
-                const std::function<void(std::uint32_t, std::span<const std::byte>)>& row) {
+                const PngRowFunction& row, PngSamples samples) {
     const std::string path = file.name();
     Failure failure;
     Reader r(file);
-    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
-    r.info = r.png ? png_create_info_struct(r.png) : nullptr;
-    if (!r.info)
-        return {ErrorCode::runtime, path + ": libpng does not start"};
-    PngShape found;
-    bool plain = false;
-    int passes = 1;
-    if (!start_reading(r, found, plain, passes))
-        return r.error(std::string(": ") + failure.text);
-    if (found != shape || !plain)
+    Started started;
+    TESSERA_TRY(start(r, samples, path, failure, started));
+    if (started.shape != shape)
         return {ErrorCode::invalid_file, path + ": changed while it was read"};
-    if (passes > 1)
-        return read_interlaced(r, shape, rows, row, path, failure);
-    std::vector<std::byte> bytes(shape.row_bytes());
+    if (started.passes > 1)
+        return read_interlaced(r, started, rows, row, path, failure);
+    std::vector<std::byte> bytes(started.row_bytes);
     for (std::uint32_t y = 0; y < rows; ++y) {
         if (!read_row(r, bytes.data()))
             return r.error(" in row " + std::to_string(y) + ": " + failure.text);

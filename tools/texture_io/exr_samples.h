@@ -8,8 +8,19 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace tessera {
+
+// The names of a texture's channels, in its order.
+inline std::vector<std::string> exr_channel_names(std::uint8_t channels) {
+    std::vector<std::string> names =
+        channels >= 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"};
+    if (channels % 2 == 0)
+        names.push_back("A");
+    return names;
+}
 
 // Half nearest to value/255.
 inline std::uint16_t half_of_unorm8(std::uint8_t value) {

@@ -18,19 +18,11 @@ namespace {
 
 constexpr std::uint64_t max_pixels = 1ull << 30; // along one side; OpenEXR counts in int
 
-std::vector<std::string> channel_names(std::uint8_t channels) {
-    std::vector<std::string> names =
-        channels >= 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"};
-    if (channels % 2 == 0)
-        names.push_back("A");
-    return names;
-}
-
 Imf::Header make_header(const TextureDesc& desc, const Description& description) {
     Imf::Header header(static_cast<int>(desc.size[axis_u] * desc.size[axis_s]),
                        static_cast<int>(desc.size[axis_v] * desc.size[axis_t]));
     header.compression() = Imf::ZIP_COMPRESSION;
-    for (const std::string& name : channel_names(desc.channels))
+    for (const std::string& name : exr_channel_names(desc.channels))
         header.channels().insert(name, Imf::Channel(Imf::HALF));
     const auto say = [&](const std::string& name, const std::string& value) {
         header.insert("tessera:" + name, Imf::StringAttribute(value));
@@ -103,7 +95,7 @@ private:
             load_line(y, lines_.data() + (y - y0) * (line / 2));
         const int top = static_cast<int>(y0), rows = static_cast<int>(y1 - y0);
         Imf::FrameBuffer frame;
-        const auto names = channel_names(desc_.channels);
+        const auto names = exr_channel_names(desc_.channels);
         for (std::size_t c = 0; c < names.size(); ++c)
             frame.insert(names[c], Imf::Slice::Make(
                                        Imf::HALF, lines_.data() + c, Imath::V2i(0, top),

@@ -2,14 +2,16 @@
 
 #include "codec/decoder.h"
 #include "tools/http/open_bytes.h"
+#include "tools/support/camera_grid.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/exr_io.h"
-#include "tools/texture_io/png_picture_io.h"
-#include "tools/texture_io/png_views_io.h"
+#include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/picture_io.h"
 #include "tools/texture_io/raw_io.h"
+#include "tools/texture_io/views_io.h"
 
 #include <algorithm>
 #include <array>
@@ -55,7 +57,7 @@ Status unknown_kind(const std::string& path) {
                 path + ": over a network only .tess files are read, and none is written"};
     return {ErrorCode::bad_argument,
             path + ": this name says no kind of texture; known are .tess, .exr, .rgb .rgba .gray "
-                   ".ya (and with 16f appended), .raw, and folder/ for PNG views"};
+                   ".ya (and with 16f appended), .raw, .png, .jpg, and folder/ for views"};
 }
 
 // An input that neither its first bytes nor its name tell.
@@ -63,26 +65,29 @@ Status unknown_input(const std::string& path, const std::string& name) {
     if (path != standard_stream)
         return unknown_kind(path);
     return {ErrorCode::bad_argument,
-            name + ": is no .tess, EXR or PNG; raw samples need --size, --type and --channels"};
+            name +
+                ": is no .tess, EXR, PNG or JPEG; raw samples need --size, --type and --channels"};
 }
 
 // By the bytes that a file of the kind begins with; raw samples have none.
 TextureKind kind_of_content(ByteSource& file) {
     constexpr unsigned char tess[] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1a};
-    constexpr unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    constexpr unsigned char exr[] = {0x76, 0x2f, 0x31, 0x01, 2}; // and its version
     std::array<unsigned char, 11> begin{};
     const std::size_t length = std::min<std::uint64_t>(begin.size(), file.size());
     if (!file.read(0, std::as_writable_bytes(std::span(begin)).first(length)).ok())
         return TextureKind::unknown;
-    const auto begins_with = [&](std::span<const unsigned char> magic) {
-        return length >= magic.size() &&
-               std::ranges::equal(magic, std::span(begin).first(magic.size()));
-    };
-    return begins_with(tess)  ? TextureKind::tess
-           : begins_with(png) ? TextureKind::png_picture
-           : begins_with(exr) ? TextureKind::exr
-                              : TextureKind::unknown;
+    if (length >= sizeof tess && std::ranges::equal(tess, std::span(begin).first(sizeof tess)))
+        return TextureKind::tess;
+    switch (picture_kind_of(file)) {
+    case PictureKind::exr:
+        return TextureKind::exr;
+    case PictureKind::png:
+    case PictureKind::jpeg:
+        return TextureKind::picture;
+    case PictureKind::none:
+        break;
+    }
+    return TextureKind::unknown;
 }
 
 const char* words_for(TextureKind kind) {
@@ -91,9 +96,9 @@ const char* words_for(TextureKind kind) {
         return "a .tess file";
     case TextureKind::exr:
         return "an EXR picture";
-    case TextureKind::png_picture:
-        return "a PNG picture";
-    case TextureKind::png_views:
+    case TextureKind::picture:
+        return "a picture";
+    case TextureKind::views:
         return "a folder";
     case TextureKind::raw:
         return "a raw file";
@@ -144,6 +149,22 @@ Status open_tess(std::unique_ptr<ByteSource> bytes, const TextureHints& hints,
     return {};
 }
 
+// What was understood of pictures of views.
+void take_facts(const ViewsFacts& facts, OpenedTexture& opened) {
+    const Extent4& size = opened.source->desc().size;
+    opened.description = facts.description;
+    opened.told = facts.told;
+    opened.planar = !facts.described && std::uint64_t{size[axis_s]} * size[axis_t] > 1;
+    const std::string layout = to_string(facts.layout);
+    const auto plain = [](char c) {
+        return c >= ' ' && c <= '~';
+    }; // keys hold UTF-8, names anything
+    if (!layout.empty() && std::ranges::all_of(layout, plain))
+        opened.metadata[views_key] = layout;
+    if (!facts.layout.cameras.empty())
+        opened.metadata[cameras_key] = facts.layout.cameras;
+}
+
 // `path`: of a name that says raw, or of any where the hints say all.
 Result<TextureDesc> raw_desc(const std::string& path, const TextureHints& hints) {
     const RawEnding* known = raw_ending(path);
@@ -182,17 +203,19 @@ TextureKind kind_of(const std::string& path) {
     if (is_url(path))
         return without_query(path).ends_with(".tess") ? TextureKind::tess : TextureKind::unknown;
     if (path.back() == '/' || fs::is_directory(path, ignored))
-        return TextureKind::png_views;
+        return TextureKind::views;
     const std::string ending = fs::path(path).extension().string();
     if (ending == ".tess")
         return TextureKind::tess;
     if (ending == ".exr")
         return TextureKind::exr;
+    if (picture_kind_of_name(path) != PictureKind::none)
+        return ending == ".EXR" ? TextureKind::exr : TextureKind::picture;
     return raw_ending(path) ? TextureKind::raw : TextureKind::unknown;
 }
 
 TextureKind kind_of_input(const std::string& path) {
-    if (const TextureKind named = kind_of(path); named == TextureKind::png_views || is_url(path))
+    if (const TextureKind named = kind_of(path); named == TextureKind::views || is_url(path))
         return named;
     const auto bytes = open_bytes(path);
     const TextureKind held = bytes.ok() ? kind_of_content(**bytes) : TextureKind::unknown;
@@ -216,10 +239,12 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     OpenedTexture opened;
     opened.kind = kind_of(path);
     Result<std::unique_ptr<TexelSource>> source = Status();
-    if (opened.kind == TextureKind::png_views) {
-        source = open_png_views(without_trailing_slashes(path), hints, opened.description);
+    ViewsFacts facts;
+    if (opened.kind == TextureKind::views) {
+        source = open_views(without_trailing_slashes(path), hints, facts);
         TESSERA_TRY(source);
         opened.source = std::move(*source);
+        take_facts(facts, opened);
         return opened;
     }
     if (is_url(path) && opened.kind != TextureKind::tess)
@@ -242,20 +267,25 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
         TESSERA_TRY(open_tess(std::move(*bytes), hints, opened));
         return opened;
     case TextureKind::exr:
-        source = open_exr(std::move(*bytes), hints, opened.description);
-        break;
-    case TextureKind::png_picture:
-        source = open_png_picture(std::move(*bytes), hints);
+        if (!hints.views.quilt && (hints.size || hints.views.mosaic || !quilt_in_name(path))) {
+            source = open_exr(std::move(*bytes), hints, opened.description);
+            break;
+        }
+        [[fallthrough]];
+    case TextureKind::picture:
+        source = open_picture(std::move(*bytes), hints, facts);
         break;
     case TextureKind::raw:
         source = open_raw(std::move(*bytes), *raw);
         break;
-    case TextureKind::png_views:
+    case TextureKind::views:
     case TextureKind::unknown:
         return unknown_input(path, name);
     }
     TESSERA_TRY(source);
     opened.source = std::move(*source);
+    if (!facts.told.empty())
+        take_facts(facts, opened);
     return opened;
 }
 
@@ -272,20 +302,24 @@ open_two_textures(const std::string& first, const std::string& second, TextureHi
     return std::pair(std::move(one), std::move(other));
 }
 
-Status check_texture_output(const std::string& path, const TextureDesc& desc) {
+Status check_texture_output(const std::string& path, const TextureDesc& desc,
+                            const ViewLayout& layout) {
     if (path == standard_stream)
         return check_standard_output();
     switch (kind_of(path)) {
     case TextureKind::exr:
         return check_output_path(path);
-    case TextureKind::png_views:
-        return check_parent_folders(without_trailing_slashes(path));
+    case TextureKind::views:
+        TESSERA_TRY(check_parent_folders(without_trailing_slashes(path)));
+        return check_views_output(desc, layout).with_context(path);
     case TextureKind::raw:
         TESSERA_TRY(check_output_path(path));
         return check_raw_ending(path, desc);
     case TextureKind::tess:
         return {ErrorCode::bad_argument, path + ": use tessera encode to compress"};
-    case TextureKind::png_picture:
+    case TextureKind::picture:
+        TESSERA_TRY(check_output_path(path));
+        return check_picture_output(path, desc, layout);
     case TextureKind::unknown:
         break;
     }
@@ -293,17 +327,19 @@ Status check_texture_output(const std::string& path, const TextureDesc& desc) {
 }
 
 Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const TextureDesc& desc,
-                                                  const Description& description,
-                                                  unsigned threads) {
-    TESSERA_TRY(check_texture_output(path, desc));
+                                                  const Description& description, unsigned threads,
+                                                  const ViewLayout& layout) {
+    TESSERA_TRY(check_texture_output(path, desc, layout));
     if (path == standard_stream)
         return raw_to_standard_output(desc);
     TESSERA_TRY(make_parent_folders(path));
     switch (kind_of(path)) {
     case TextureKind::exr:
         return create_exr(path, desc, description, threads);
-    case TextureKind::png_views:
-        return create_png_views(without_trailing_slashes(path), desc, description, threads);
+    case TextureKind::views:
+        return create_views(without_trailing_slashes(path), desc, description, layout, threads);
+    case TextureKind::picture:
+        return create_picture(path, desc, layout);
     default:
         return create_raw(path, desc);
     }

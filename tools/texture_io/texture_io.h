@@ -6,10 +6,10 @@
 //   x.exr       mosaic, see exr_io.h
 //   x.rgb       raw, see raw_io.h; also .rgba .gray .ya, with 16f appended for half floats
 //               (.rgb16f), and .raw, for which type and channels must be said
-//   folder/     one PNG per view, see png_views_io.h; a trailing slash or an existing folder
+//   folder/     one picture per view, see views_io.h; a trailing slash or an existing folder
+//   x.png .jpg  a mosaic, a quilt or a view, see picture_io.h
 //   -           standard input: any kind that is one file (raw needs size, type and channels);
 //               standard output: raw texels
-// A PNG picture is read whatever its name: a view, or a mosaic where the size says so.
 #pragma once
 
 #include "codec/decoder.h"
@@ -17,6 +17,7 @@
 #include "format/texture.h"
 #include "tools/support/output_folders.h" // its users write files, too
 #include "tools/support/texture_hints.h"
+#include "tools/texture_io/view_layout.h"
 
 #include <memory>
 #include <string>
@@ -24,7 +25,7 @@
 
 namespace tessera {
 
-enum class TextureKind { tess, exr, raw, png_views, png_picture, unknown };
+enum class TextureKind { tess, exr, raw, views, picture, unknown };
 // By the name alone: of an output.
 TextureKind kind_of(const std::string& path);
 // Of an input: by its first bytes, else by its name.
@@ -38,8 +39,12 @@ struct OpenedTexture {
     TextureKind kind = TextureKind::unknown;
     std::unique_ptr<TexelSource> source;
     const Decoder* decoder = nullptr; // of a .tess; lives as long as the source
-    Metadata metadata;                // of a .tess
+    Metadata metadata;                // of a .tess; of views, the key Views
     Description description;          // as far as the file knows
+    // What pictures of views were taken for, for people; "" for other kinds.
+    std::string told;
+    // Whether they are cameras of a planar grid: many views, and nothing says otherwise.
+    bool planar = false;
 };
 
 // Errors: bad_argument (name of no known kind, hints missing), io, invalid_file, unsupported.
@@ -51,13 +56,15 @@ Result<std::pair<OpenedTexture, OpenedTexture>>
 open_two_textures(const std::string& first, const std::string& second, TextureHints hints);
 
 // Whether create_texture() would take this name. Writes nothing. Errors: bad_argument (name of no known
-// kind, or one that contradicts `desc`), io.
-Status check_texture_output(const std::string& path, const TextureDesc& desc);
+// kind, or one that contradicts `desc`), io, unsupported. `layout`: of folders of views, and pictures.
+Status check_texture_output(const std::string& path, const TextureDesc& desc,
+                            const ViewLayout& layout = {});
 
 // A sink for `desc` that becomes `path` when finished; missing folders are made. Errors: those of
 // check_texture_output(), unsupported.
 Result<std::unique_ptr<TexelSink>> create_texture(const std::string& path, const TextureDesc& desc,
-                                                  const Description& description, unsigned threads);
+                                                  const Description& description, unsigned threads,
+                                                  const ViewLayout& layout = {});
 
 // fill_text.h: with_partial_hint(), of the texture of this name if it is a .tess.
 Status with_partial_hint(const Status& status, const std::string& name,

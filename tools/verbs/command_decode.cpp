@@ -50,8 +50,13 @@ Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& b
                    TextureDesc desc) {
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
     desc.size = box.extent();
-    TESSERA_TRY_ASSIGN(auto sink, create_texture(a.output, desc, decoder.container().description(),
-                                                 a.texture.threads));
+    TESSERA_TRY_ASSIGN(const auto asked, make_view_hints(a.texture));
+    const ContainerReader& file = decoder.container();
+    ViewLayout layout = layout_for(asked, file.metadata());
+    if (desc.size != decoder.desc().size && !asked.quilt)
+        layout.quilt.reset(); // of a part there is none but who asks
+    TESSERA_TRY_ASSIGN(
+        auto sink, create_texture(a.output, desc, file.description(), a.texture.threads, layout));
     PartSink part(interruptible(std::move(sink)), box.begin);
     Progress progress("tessera decode", a.texture.quiet);
     return with_memory_hint(
@@ -120,11 +125,12 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
             ->required();
         c.add_option(
              "-o,--output", a.output,
-             "What to write: .exr, raw (.rgb ...), folder/ of PNG views; - is raw samples on "
-             "standard output")
+             "What to write: .exr, raw (.rgb ...), folder/ of views, .png or .jpg (a mosaic, or a "
+             "quilt); - is raw samples on standard output")
             ->required();
         c.add_option("--box", a.box,
                      "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
+        add_view_options(c, a.texture);
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
         c.add_flag("--json", a.json, "Print what was written as JSON");
@@ -133,11 +139,13 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<DecodeCommand>(
         app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
-        "Only the tiles that the box touches are read; the default is all of it.\n\n"
+        "Only the tiles that the box touches are read; the default is all of it. Views get the\n"
+        "names and the kind of picture, and quilts the columns, that they came with.\n\n"
         "Examples:\n"
         "  tessera decode scene.tess -o scene.exr\n"
         "  tessera decode scene.tess -o - | sha256sum\n"
         "  tessera decode scene.tess -o views/\n"
+        "  tessera decode scene.tess -o views/ --views-pattern 'cam_{t:2}_{s:2}.jpg'\n"
         "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
         "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
         "  tessera decode https://example.org/scene.tess -o part.exr --box "

@@ -1,8 +1,10 @@
 #include "format/surface_mesh.h"
+#include "tools/support/camera_grid.h"
 #include "tools/support/encode_arguments.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/source_facts.h"
 #include "tools/support/standard_streams.h"
@@ -24,6 +26,7 @@ struct EncodeCommand {
     TextureArguments texture;
     MaskArguments mask;
     EncodeArguments encode;
+    CameraFacts cameras;
 };
 
 // The encoder does not know what its texels came from. A URL is named without its password.
@@ -73,6 +76,37 @@ Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, OpenedTexture& i
     return mesh;
 }
 
+// Many views of a grid of cameras are planar views, unless the command line says what else they are.
+Status describe_cameras(const EncodeCommand& a, OpenedTexture& input) {
+    const bool other = a.encode.description.contains("proxy") || !a.mesh.empty() ||
+                       a.encode.description.contains("angular-map") ||
+                       a.encode.description.contains("surface-map");
+    if (other || !input.planar) {
+        if (a.cameras.empty())
+            return {};
+        if (other || input.description.angular_map != AngularMap::planar_views)
+            return {ErrorCode::bad_argument,
+                    "--camera-spacing, --camera-fov and --camera-focus belong to views of a planar "
+                    "grid of cameras"};
+    }
+    input.description.angular_map = AngularMap::planar_views;
+    if (!a.cameras.empty() || !input.metadata.contains(cameras_key)) {
+        TESSERA_TRY_ASSIGN(const auto cameras, camera_grid(a.cameras, input.source->desc().size));
+        input.metadata[cameras_key] = to_string(cameras);
+    }
+    return {};
+}
+
+// What pictures were taken for, before the work begins.
+void tell(const EncodeCommand& a, const std::string& told, const TextureDesc& desc) {
+    if (a.texture.quiet || a.encode.json || told.empty())
+        return;
+    std::FILE* to = summary_stream(a.output);
+    std::fprintf(to, "%s: %s; %s, %d x %s\n", printable(a.input).c_str(), printable(told).c_str(),
+                 to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
+    std::fflush(to);
+}
+
 Status run(const EncodeCommand& a) {
     // What the command line alone shows to be wrong, before a file is opened.
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
@@ -82,6 +116,7 @@ Status run(const EncodeCommand& a) {
     TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}));
     TESSERA_TRY_ASSIGN(auto input, open_texture(a.input, hints));
     input.metadata.erase(software_key); // the encoder names itself
+    TESSERA_TRY(describe_cameras(a, input));
     TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, input));
     TESSERA_TRY_ASSIGN(auto options,
                        make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
@@ -99,6 +134,7 @@ Status run(const EncodeCommand& a) {
     options.confirm = [&a, name = options.source_name, before = options.source_facts] {
         return check_unchanged(a, name, before);
     };
+    tell(a, input.told, source->desc());
     const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
         options.progress = progress.function();
@@ -109,6 +145,8 @@ Status run(const EncodeCommand& a) {
     if (a.encode.json) {
         Json json = report_json(a.output, source->desc(), options, *report);
         json["input"] = a.input;
+        if (!input.told.empty())
+            json["understood_as"] = input.told;
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source->desc(), *report);
@@ -120,9 +158,10 @@ Status run(const EncodeCommand& a) {
 
 void add_encode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, EncodeCommand& a) {
-        c.add_option("input", a.input,
-                     "Texture: .exr, raw (.rgb ...), PNG, folder of PNG views, .tess or the URL of "
-                     "one, - for standard input")
+        c.add_option(
+             "input", a.input,
+             "Texture: folder of views (PNG, JPEG, EXR), quilt or mosaic as one picture, raw "
+             "(.rgb ...), .tess or the URL of one, - for standard input")
             ->required();
         c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
             ->required();
@@ -134,6 +173,15 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
              "--mesh", a.mesh,
              "The surface: a Draco mesh with uv, stored as the proxy (that of a .tess is kept)")
             ->group("Description");
+        c.add_option("--camera-spacing", a.cameras.spacing,
+                     "Of planar views: from camera to camera, X or X,Y, in world units")
+            ->group("Pictures of views");
+        c.add_option("--camera-fov", a.cameras.fov, "Degrees that a view is wide (usual: 40)")
+            ->group("Pictures of views");
+        c.add_option("--camera-focus", a.cameras.focus,
+                     "Distance at which the views coincide, in world units; large for cameras "
+                     "whose axes are parallel (usual: four times the grid's longer side)")
+            ->group("Pictures of views");
     };
     add_verb<EncodeCommand>(
         app, chosen, "encode", "Compress a texture into a .tess file",
@@ -148,6 +196,8 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         "  cat scene.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > "
         "x.tess\n"
         "  tessera encode views/ -o views.tess --max-error 2 --effort 4\n"
+        "  tessera encode rig/ -o rig.tess --grid 17x17 --order serpentine,bottom-up\n"
+        "  tessera encode photo_qs8x6a0.75.png -o quilt.tess --camera-spacing 0.02\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);
 }

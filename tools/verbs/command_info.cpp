@@ -217,10 +217,12 @@ Result<Json> describe_other(const InfoCommand& a) {
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto opened, open_texture(a.input, hints));
     Json json = texture_json(a.input, opened.source->desc(), opened.description);
-    json["kind"] = opened.kind == TextureKind::exr           ? "exr"
-                   : opened.kind == TextureKind::raw         ? "raw"
-                   : opened.kind == TextureKind::png_picture ? "png picture"
-                                                             : "png views";
+    json["kind"] = opened.kind == TextureKind::exr       ? "exr"
+                   : opened.kind == TextureKind::raw     ? "raw"
+                   : opened.kind == TextureKind::picture ? "picture"
+                                                         : "views";
+    if (!opened.told.empty())
+        json["understood as"] = opened.told;
     return json;
 }
 

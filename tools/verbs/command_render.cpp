@@ -254,7 +254,7 @@ void report_remarks(const std::vector<PlannedView>& plan, const std::vector<Draw
 }
 
 Status run(const RenderCommand& a) {
-    TESSERA_TRY_ASSIGN(const auto plan, plan_views(a.views));
+    TESSERA_TRY_ASSIGN(auto plan, plan_views(a.views));
     TESSERA_TRY(check_outputs(a, plan));
     if (a.frames && a.stage.via != "feedback")
         return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
@@ -266,6 +266,9 @@ Status run(const RenderCommand& a) {
         const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
                                     steps.function()};
         TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
+        if (stage.planar) {
+            TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
+        }
         steps.set_count(plan.size() * stage.renderers());
         if (stage.window)
             for (const PlannedView& view : plan)
@@ -299,8 +302,12 @@ Status run(const RenderCommand& a) {
 }
 
 void declare_camera(CLI::App& c, ViewRequest& r) {
-    auto* eye = c.add_option("--eye", r.eye, "Where the observer stands, x,y,z (10,0,0)");
-    auto* look = c.add_option("--look", r.look, "A point straight ahead, x,y,z (0,0,0)");
+    auto* eye = c.add_option("--eye", r.eye,
+                             "Where the observer stands, x,y,z (10,0,0; of planar views amid their "
+                             "cameras)");
+    auto* look = c.add_option("--look", r.look,
+                              "A point straight ahead, x,y,z (0,0,0; without it, planar views fill "
+                              "the picture, whatever the eye)");
     c.add_option("--fov", r.fov, "Vertical field of view in degrees")->capture_default_str();
     c.add_option("--size", r.size, "Pixels of the picture, WxH (640x480)");
     auto* views =
@@ -322,7 +329,8 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         StageRequest& r = a.stage;
         c.add_option(
             "file", r.file,
-            "A .tess with a texture on a sphere or a mesh, or the URL of one (http, https)");
+            "A .tess with a texture on a sphere or a mesh, or with planar views, or the URL of one "
+            "(http, https)");
         c.add_option(
             "--scene", r.scene,
             "In place of a file: the uncompressed texture of a built-in scene, baked where "
@@ -349,6 +357,9 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
                      "Rays per pixel on the CPU, spread evenly (default: 1 for a sphere, 4 for a "
                      "mesh, whose edges they smooth)")
             ->check(CLI::Range(1u, 65536u));
+        c.add_option("--focus", r.focus,
+                     "Of planar views: at which distance from the cameras they are laid on each "
+                     "other (usual: where they coincide)");
         auto* truth = c.add_option("--truth", r.truth,
                                    "A built-in scene, or a model's file, to ray trace and measure "
                                    "against; of a sphere, together with the uncompressed texture");

@@ -116,7 +116,13 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
     stage.desc = stage.decoder->desc();
     const ContainerReader& container = stage.decoder->container();
     TESSERA_TRY_ASSIGN(const auto mesh, mesh_surface(container));
-    if (!mesh) {
+    TESSERA_TRY_ASSIGN(stage.planar, planar_views(container, r.focus));
+    if (!stage.planar && r.focus)
+        return {ErrorCode::bad_argument, "--focus belongs to planar views"};
+    if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
+        return {ErrorCode::unsupported,
+                r.file + ": planar views are drawn by --via cpu, and are of no built-in scene"};
+    if (!mesh && !stage.planar) {
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
     }
@@ -130,6 +136,8 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
                             const RenderOptions& use) -> Result<std::unique_ptr<ViewRenderer>> {
         if (mesh)
             return make_mesh_renderer(texels, block, *mesh, background, use);
+        if (stage.planar)
+            return make_planar_renderer(texels, block, *stage.planar, background, use);
         return make_texture_renderer(texels, block, *stage.window, background, use);
     };
     if (corpus::is_model_path(r.truth)) {

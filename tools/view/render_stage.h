@@ -3,6 +3,7 @@
 
 #include "codec/decoder.h"
 #include "tools/support/traffic.h"
+#include "tools/view/planar_renderer.h"
 #include "tools/view/view_renderer.h"
 
 #include <memory>
@@ -19,6 +20,7 @@ struct StageRequest {
     std::string via = "cpu";  // cpu, gpu, load or feedback
     unsigned budget_mib = 512;
     std::optional<unsigned> rays;  // per pixel, on the CPU; else 1 for a sphere and 4 for a mesh
+    std::optional<double> focus;   // of planar views: distance from their cameras
     unsigned tiles_per_frame = 0;  // with feedback, see gpu_renderer.h
     std::string truth;             // a scene, or a model's file, to ray trace directly; or empty
     std::string truth_environment; // of a model: where its light is now; empty: where it was
@@ -35,7 +37,8 @@ struct Stage {
     std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
     std::unique_ptr<Decoder> decoder;       // null without a file
     TextureDesc desc;
-    std::optional<SphereWindow> window; // none where the texture lies on a mesh
+    std::optional<SphereWindow> window; // of a texture on a sphere
+    std::optional<PlanarViews> planar;  // of views of a planar grid of cameras
     std::unique_ptr<TexelSource> texels, original;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 

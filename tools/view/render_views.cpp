@@ -1,6 +1,7 @@
 #include "tools/view/render_views.h"
 
 #include "tools/support/parse.h"
+#include "tools/view/planar_renderer.h"
 
 #include <filesystem>
 
@@ -73,6 +74,23 @@ Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
         TESSERA_TRY_ASSIGN(const auto camera, make_camera(p.pose, lens));
         plan.push_back({p.name, camera,
                         many ? numbered(request.output, plan.size() + 1, digits) : request.output});
+    }
+    return plan;
+}
+
+Result<std::vector<PlannedView>> plan_views(const ViewRequest& request, const CameraGrid& cameras,
+                                            const Extent4& size) {
+    ViewRequest from_cameras = request;
+    if (request.eye.empty())
+        from_cameras.eye = "0,0," + std::to_string(cameras.distance);
+    TESSERA_TRY_ASSIGN(auto plan, plan_views(from_cameras));
+    if (!request.look.empty() || request.orbit > 0 || !request.views.empty())
+        return plan;
+    for (PlannedView& view : plan) {
+        if (request.eye.empty())
+            view.camera.eye = {0, 0, cameras.distance};
+        view.camera =
+            window_camera(view.camera.eye, cameras, size, view.camera.width, view.camera.height);
     }
     return plan;
 }

@@ -1,6 +1,7 @@
 // Which views `tessera render` draws, from where and into which file.
 #pragma once
 
+#include "tools/support/camera_grid.h"
 #include "tools/view/camera.h"
 
 #include <string>
@@ -25,5 +26,10 @@ struct PlannedView {
 
 // Errors: bad_argument.
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request);
+
+// The same of planar views: without request.look the picture is their window, seen from request.eye,
+// else from the middle of the cameras.
+Result<std::vector<PlannedView>> plan_views(const ViewRequest& request, const CameraGrid& cameras,
+                                            const Extent4& size);
 
 } // namespace tessera

@@ -117,8 +117,8 @@ Result<SphereWindow> sphere_window(const Description& d) {
         return Status(ErrorCode::unsupported,
                       "the file does not say which sphere its texture lies on (proxy " +
                           std::string(name_of(d.proxy)) +
-                          "); only textures on spheres and meshes can be drawn. "
-                          "encode has --proxy, --surface-map and --angular-map to say it");
+                          "); only textures on spheres and meshes, and planar views, can be "
+                          "drawn. encode has --proxy, --surface-map and --angular-map to say it");
     if (d.surface_map != SurfaceMap::sphere_longitude_latitude ||
         d.angular_map != AngularMap::hemisphere_alpha_beta)
         return Status(ErrorCode::unsupported,

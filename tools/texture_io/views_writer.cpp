@@ -1,14 +1,13 @@
 #include "format/output_file.h"
 #include "format/work.h"
-#include "tools/picture/png_file.h"
-#include "tools/support/description_text.h"
-#include "tools/support/parse.h"
 #include "tools/support/slab_buffer.h"
-#include "tools/texture_io/png_views_io.h"
+#include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/view_names.h"
+#include "tools/texture_io/views_io.h"
+#include "tools/texture_io/views_json.h"
 
 #include <cstring>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 namespace tessera {
 namespace {
@@ -23,14 +22,15 @@ Status check_replaceable(const std::string& folder) {
         return {};
     if (!fs::is_directory(status))
         return {ErrorCode::io, folder + ": exists and is not a folder"};
-    bool ours = false;
+    const bool ours = fs::exists(folder + "/" + views_json_name, error);
+    const auto json = read_views_json(folder);
+    const std::string kept = json.ok() && *json ? (*json)->layout.pattern : "";
+    TESSERA_TRY_ASSIGN(const auto pattern,
+                       ViewPattern::parse(kept.empty() ? usual_view_pattern : kept));
     std::string stranger;
     for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
         const std::string name = i->path().filename().string();
-        std::uint32_t s = 0, t = 0;
-        if (name == "tessera.json")
-            ours = true;
-        else if (!parse_view_file_name(name, s, t))
+        if (name != views_json_name && !pattern.match(name))
             stranger = name;
     }
     if (error)
@@ -44,11 +44,12 @@ Status check_replaceable(const std::string& folder) {
     return {};
 }
 
-class PngViewsSink : public TexelSink {
+class ViewsSink : public TexelSink {
 public:
-    PngViewsSink(std::string folder, const TextureDesc& desc, const Description& description,
-                 unsigned threads)
-        : folder_(std::move(folder)), desc_(desc), description_(description), threads_(threads) {}
+    ViewsSink(std::string folder, const TextureDesc& desc, const Description& description,
+              const ViewLayout& layout, ViewPattern pattern, unsigned threads)
+        : folder_(std::move(folder)), desc_(desc), description_(description), layout_(layout),
+          pattern_(std::move(pattern)), threads_(threads) {}
 
     Status open() {
         TESSERA_TRY(check_replaceable(folder_));
@@ -92,48 +93,63 @@ public:
 
 private:
     Status write_view(std::uint32_t s, std::uint32_t t) {
-        const PngShape shape{desc_.size[axis_u], desc_.size[axis_v], desc_.channels};
+        const PictureShape shape{picture_kind_of_name(pattern_.text()), desc_.size[axis_u],
+                                 desc_.size[axis_v], desc_.channels};
         const std::size_t texel = desc_.texel_bytes();
-        std::vector<std::byte> pixels(shape.row_bytes() * shape.height);
+        std::vector<std::byte> pixels(std::size_t{shape.width} * shape.height * texel);
         std::byte* to = pixels.data();
         for (std::uint32_t v = 0; v < desc_.size[axis_v]; ++v)
             for (std::uint32_t u = 0; u < desc_.size[axis_u]; ++u, to += texel)
                 std::memcpy(to, slab_.texel(u, v, s, t), texel);
-        TESSERA_TRY_ASSIGN(const auto png, encode_png(shape, pixels).with_context(folder_));
-        return output_.add(view_file_name(s, t), png);
+        TESSERA_TRY_ASSIGN(const auto file,
+                           encode_picture(shape, desc_.type, pixels).with_context(folder_));
+        const ViewGrid grid{desc_.size[axis_s], desc_.size[axis_t]};
+        return output_.add(view_name(pattern_, layout_.order, grid, {s, t}), file);
     }
 
     Status write_json() const {
-        nlohmann::json json = {{"format", "tessera views"},
-                               {"size", to_string(desc_.size)},
-                               {"type", name_of(desc_.type)},
-                               {"channels", desc_.channels},
-                               {"description", description_to_text(description_)}};
-        const std::string text = json.dump(2) + "\n";
-        return output_.add("tessera.json", std::as_bytes(std::span(text)));
+        const std::string text = to_text(desc_, description_, layout_);
+        return output_.add(views_json_name, std::as_bytes(std::span(text)));
     }
 
     std::string folder_;
     OutputFolder output_;
     TextureDesc desc_;
     Description description_;
+    ViewLayout layout_;
+    ViewPattern pattern_;
     unsigned threads_;
     std::uint64_t written_ = 0;
     SlabBuffer slab_;
 };
 
+Result<ViewPattern> pattern_for(const ViewLayout& layout) {
+    return ViewPattern::parse(layout.pattern.empty() ? usual_view_pattern : layout.pattern);
+}
+
 } // namespace
 
-Result<std::unique_ptr<TexelSink>> create_png_views(const std::string& folder,
-                                                    const TextureDesc& desc,
-                                                    const Description& description,
-                                                    unsigned threads) {
+Status check_views_output(const TextureDesc& desc, const ViewLayout& layout) {
+    TESSERA_TRY_ASSIGN(const auto pattern, pattern_for(layout));
+    const auto other_than_1 = [&](Axis axis, const char* letter) {
+        return !pattern.is_running() && desc.size[axis] > 1 &&
+               pattern.text().find(std::string("{") + letter) == std::string::npos;
+    };
+    if (other_than_1(axis_s, "s") || other_than_1(axis_t, "t"))
+        return {ErrorCode::bad_argument,
+                "the pattern '" + pattern.text() + "' does not tell all views of " +
+                    to_string(desc.size) + " apart; it needs {t} and {s}, or {n}"};
+    return check_picture_kind(picture_kind_of_name(pattern.text()), desc.type, desc.channels);
+}
+
+Result<std::unique_ptr<TexelSink>> create_views(const std::string& folder, const TextureDesc& desc,
+                                                const Description& description,
+                                                const ViewLayout& layout, unsigned threads) {
     TESSERA_TRY(check_desc(desc).with_context(folder));
-    if (desc.type != SampleType::unorm8)
-        return Status(ErrorCode::unsupported,
-                      folder + ": PNG views hold 8 bits, this texture is half float; write EXR "
-                               "instead");
-    auto sink = std::make_unique<PngViewsSink>(folder, desc, description, threads);
+    TESSERA_TRY(check_views_output(desc, layout).with_context(folder));
+    TESSERA_TRY_ASSIGN(auto pattern, pattern_for(layout));
+    auto sink =
+        std::make_unique<ViewsSink>(folder, desc, description, layout, std::move(pattern), threads);
     TESSERA_TRY(sink->open());
     return std::unique_ptr<TexelSink>(std::move(sink));
 }

@@ -1,0 +1,247 @@
+// Views in pictures of every kind, and pictures that should not be believed.
+#include "tests/support/test_folder.h"
+#include "tools/picture/jpeg_file.h"
+#include "tools/picture/png_file.h"
+#include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/texture_io.h"
+
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <png.h>
+#include <sys/stat.h>
+
+namespace tessera {
+namespace {
+
+using test::slurp;
+using test::spit;
+
+namespace fs = std::filesystem;
+
+class ViewsIo : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = test::make_test_folder("views");
+        fs::create_directories(folder_ / "v");
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+    std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+    // A picture whose samples are 10 times its number, and a little more from pixel to pixel.
+    void put(const std::string& name, unsigned number, std::uint32_t width = 4,
+             std::uint8_t channels = 3) const {
+        const PictureShape shape{picture_kind_of_name(name), width, 3, channels, 8};
+        std::vector<std::byte> samples(std::size_t{width} * 3 * channels);
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            samples[i] = static_cast<std::byte>(10 * number + i / channels);
+        const auto file = encode_picture(shape, SampleType::unorm8, samples);
+        ASSERT_TRUE(file.ok()) << file.status().message();
+        spit(at(name), {reinterpret_cast<const char*>(file->data()), file->size()});
+    }
+    void put_png(const std::string& name, png_uint_32 format, const void* pixels,
+                 const void* colours = nullptr) const {
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        image.width = 4;
+        image.height = 3;
+        image.format = format;
+        image.colormap_entries = colours != nullptr ? 4 : 0;
+        ASSERT_TRUE(png_image_write_to_file(&image, at(name).c_str(), 0, pixels, 0, colours));
+    }
+
+    // What a texture of the folder v holds, or why it is none; and the code.
+    std::vector<std::byte> texels(const TextureHints& hints = {}, const std::string& name = "v") {
+        const auto opened = open_texture(at(name), hints);
+        error_ = opened.status();
+        if (!opened.ok())
+            return {};
+        desc_ = opened->source->desc();
+        planar_ = opened->planar;
+        const Box4 whole = Box4::whole(desc_.size);
+        std::vector<std::byte> out(desc_.box_bytes(whole));
+        error_ = opened->source->begin_slab(whole);
+        if (error_.ok())
+            error_ = opened->source->read(whole, out);
+        return out;
+    }
+    void refused(ErrorCode code, const std::string& words, const TextureHints& hints = {},
+                 const std::string& name = "v") {
+        texels(hints, name);
+        EXPECT_EQ(error_.code(), code) << words << ": " << error_.message();
+        EXPECT_NE(error_.message().find(words), std::string::npos) << error_.message();
+    }
+
+    fs::path folder_;
+    Status error_;
+    TextureDesc desc_;
+    bool planar_ = false;
+};
+
+TEST_F(ViewsIo, ReadsPngJpegAndExr) {
+    for (const std::string ending : {".png", ".PNG", ".jpg", ".exr"}) {
+        for (unsigned n = 0; n < 4; ++n)
+            put("v/x_" + std::to_string(n) + ending, n);
+        TextureHints hints;
+        hints.type = SampleType::unorm8;
+        const auto found = texels(hints);
+        ASSERT_TRUE(error_.ok()) << ending << error_.message();
+        EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 2}));
+        EXPECT_TRUE(planar_);
+        // v, u, t, s: the first place in all four views, then the second.
+        for (std::size_t i = 0; i < 8; ++i)
+            EXPECT_NEAR(std::to_integer<int>(found[3 * i]), 10.0 * (i % 4) + i / 4,
+                        ending == ".jpg" ? 2 : 0)
+                << ending << i;
+        if (ending == ".exr") {
+            texels();
+            EXPECT_EQ(desc_.type, SampleType::half16);
+        }
+        fs::remove_all(at("v"));
+        fs::create_directories(at("v"));
+    }
+}
+
+TEST_F(ViewsIo, ReadsEveryKindOfPng) {
+    std::vector<std::uint16_t> deep(4 * 3 * 3);
+    for (std::size_t i = 0; i < deep.size(); ++i)
+        deep[i] = static_cast<std::uint16_t>(257 * i + (i % 2 ? 100 : -100));
+    deep[0] = 1;
+    put_png("v/a0.png", PNG_FORMAT_LINEAR_RGB, deep.data());
+    auto found = texels();
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.channels, 3);
+    for (std::size_t i = 0; i < deep.size(); ++i) // the nearest of 8 bits
+        EXPECT_EQ(std::to_integer<std::size_t>(found[i]), i);
+    TextureHints hints;
+    hints.type = SampleType::half16;
+    found = texels(hints);
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    std::uint16_t half = 0;
+    std::memcpy(&half, found.data() + 2 * 35, 2);
+    EXPECT_EQ(half, 0x3071); // 9095 / 65535 = 0.1388
+    fs::remove(at("v/a0.png"));
+
+    const unsigned char colours[] = {1, 2, 3, 40, 50, 60, 7, 8, 9, 100, 110, 120};
+    const unsigned char places[12] = {0, 1, 2, 3, 3, 2, 1, 0, 0, 0, 0, 1};
+    put_png("v/a0.png", PNG_FORMAT_RGB_COLORMAP, places, colours);
+    found = texels();
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.channels, 3);
+    for (std::size_t i = 0; i < 12; ++i)
+        EXPECT_EQ(std::to_integer<unsigned>(found[3 * i + 1]), colours[3 * places[i] + 1]);
+    for (std::uint8_t channels : {1, 2, 4}) {
+        put("v/a0.png", 2, 4, channels);
+        found = texels();
+        ASSERT_TRUE(error_.ok()) << error_.message();
+        EXPECT_EQ(desc_.channels, channels);
+        EXPECT_EQ(std::to_integer<int>(found[0]), 20);
+    }
+}
+
+TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
+    // Eight views in two columns, with a row and a column of pixels left over.
+    const PictureShape shape{PictureKind::png, 9, 13, 1, 8};
+    std::vector<std::byte> samples(9 * 13, std::byte{255});
+    for (std::uint32_t y = 1; y < 13; ++y) // from the bottom left
+        for (std::uint32_t x = 0; x < 8; ++x)
+            samples[y * 9 + x] = static_cast<std::byte>((12 - y) / 3 * 2 + x / 4);
+    const auto file = encode_picture(shape, SampleType::unorm8, samples);
+    ASSERT_TRUE(file.ok());
+    spit(at("a_qs2x4a0.75.png"), {reinterpret_cast<const char*>(file->data()), file->size()});
+    auto found = texels({}, "a_qs2x4a0.75.png");
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{4, 3, 8, 1}));
+    for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_EQ(std::to_integer<std::size_t>(found[i]), i % 8);
+    TextureHints hints;
+    hints.views.grid = ViewGrid{2, 4};
+    hints.views.order = ViewOrder{false, false, true, false};
+    found = texels(hints, "a_qs2x4a0.75.png"); // t goes down, what is numbered goes up
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 4}));
+    hints = {};
+    hints.views.mosaic = ViewGrid{3, 13};
+    found = texels(hints, "a_qs2x4a0.75.png");
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{3, 1, 3, 13}));
+    EXPECT_EQ(found[13 * 3 + 3 * 2 + 1], samples[2 * 9 + 4]); // u 1, t 2, s 1
+    hints.views.mosaic = ViewGrid{2, 2};
+    refused(ErrorCode::bad_argument, "9x13 pixels are no mosaic of angular images of 2x2", hints,
+            "a_qs2x4a0.75.png");
+    hints = {};
+    hints.views.quilt = ViewGrid{10, 1};
+    refused(ErrorCode::bad_argument, "no quilt of 10x1", hints, "a_qs2x4a0.75.png");
+}
+
+TEST_F(ViewsIo, RefusesWhatIsNoPicture) {
+    const auto fresh = [&] {
+        fs::remove_all(at("v"));
+        fs::create_directories(at("v"));
+        for (unsigned n = 0; n < 4; ++n)
+            put("v/x" + std::to_string(n) + ".png", n);
+    };
+    fresh();
+    fs::remove(at("v/x2.png"));
+    ASSERT_EQ(::mkfifo(at("v/x2.png").c_str(), 0600), 0);
+    refused(ErrorCode::io, "x2.png: cannot open: it is not a regular file");
+    fs::remove(at("v/x2.png"));
+    fs::create_directories(at("v/x2.png"));
+    refused(ErrorCode::io, "x2.png: cannot open: it is a directory");
+    fresh();
+    ASSERT_EQ(::mkfifo(at("v/tessera.json").c_str(), 0600), 0);
+    refused(ErrorCode::io, "tessera.json: cannot open");
+    fresh();
+    put("v/x1.png", 1, 5);
+    refused(ErrorCode::invalid_file, "x1.png: has 5x3 pixels of 3 channels instead of 4x3");
+    put("v/x1.png", 1, 4, 1);
+    refused(ErrorCode::invalid_file, "x1.png: has 4x3 pixels of 1 channels instead of 4x3");
+    fresh();
+    fs::remove(at("v/x1.png"));
+    refused(ErrorCode::invalid_file, "v: x1.png: this view is missing from 2x2 views");
+    fresh();
+    put("v/x01.png", 1);
+    refused(ErrorCode::invalid_file, "two files for one view: x01.png and x1.png");
+    fresh();
+    for (unsigned n = 0; n < 4; ++n)
+        put("v/depth" + std::to_string(n) + ".png", n);
+    refused(ErrorCode::bad_argument, "more than one pattern");
+    TextureHints hints;
+    hints.views.pattern = "x{n}.png";
+    texels(hints);
+    EXPECT_TRUE(error_.ok()) << error_.message();
+}
+
+TEST_F(ViewsIo, RefusesPicturesThatClaimTooMuchOrEndTooEarly) {
+    put("v/x0.png", 0);
+    std::string png = slurp(at("v/x0.png"));
+    spit(at("v/x0.png"), png.substr(0, png.size() - 12));
+    refused(ErrorCode::invalid_file, "x0.png: damaged PNG: it ends too early");
+    // 2^18 x 2^18 pixels: 206 GB. The header's checksum is mended.
+    png.replace(16, 8, std::string("\0\4\0\0\0\4\0\0", 8));
+    std::uint32_t crc = ~0u;
+    for (std::size_t i = 12; i < 29; ++i) {
+        crc ^= static_cast<unsigned char>(png[i]);
+        for (int bit = 0; bit < 8; ++bit)
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+        png[29 + i] = static_cast<char>(~crc >> (24 - 8 * i));
+    spit(at("v/x0.png"), png);
+    refused(ErrorCode::invalid_file, "bytes cannot hold its pixels");
+    fs::remove(at("v/x0.png"));
+    put("v/x0.jpg", 3, 64);
+    const std::string jpeg = slurp(at("v/x0.jpg"));
+    for (std::size_t length = 4; length + 8 < jpeg.size(); length += 7) {
+        spit(at("v/x0.jpg"), jpeg.substr(0, length));
+        refused(ErrorCode::invalid_file, "x0.jpg: damaged JPEG");
+        spit(at("v/x0.jpg"), jpeg.substr(0, length) + "\xff\xd9");
+        refused(ErrorCode::invalid_file, "x0.jpg: ");
+    }
+    spit(at("v/x0.jpg"), "no picture");
+    refused(ErrorCode::invalid_file, "x0.jpg: not a PNG, JPEG or EXR picture");
+}
+
+} // namespace
+} // namespace tessera

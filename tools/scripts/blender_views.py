@@ -1,0 +1,57 @@
+"""Renders a scene of Blender as a texture for `tessera encode` (tools/README.md). Cycles, headless:
+    blender -b x.blend -P blender_views.py -- planar OUT/ 9x9 SPACING FOCUS WIDTHxHEIGHT
+    blender -b x.blend -P blender_views.py -- sphere OUT.exr UxVxSxT RADIUS
+planar: a grid of cameras around the scene's own, whose views show the same at distance FOCUS. sphere: an
+EXR mosaic of the light that leaves a sphere around the origin. Blender's z is Tessera's y."""
+import bpy, math, os, sys, tempfile
+from mathutils import Matrix, Vector
+
+scene = bpy.context.scene
+scene.render.engine, scene.render.use_persistent_data = 'CYCLES', True
+
+def shoot(path, width, height, kind):
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format, scene.render.filepath = kind, path
+    bpy.ops.render.render(write_still=True)
+
+def planar(out, grid, spacing, focus, size):
+    (columns, rows), (width, height) = map(int, grid.split('x')), map(int, size.split('x'))
+    camera, home = scene.camera.data, scene.camera.matrix_world.copy()
+    camera.sensor_fit = 'HORIZONTAL'
+    window = float(focus) * camera.sensor_width / camera.lens  # how wide a view is at the focus
+    for t in range(rows):
+        for s in range(columns):
+            x, y = (s - (columns - 1) / 2) * float(spacing), ((rows - 1) / 2 - t) * float(spacing)
+            scene.camera.matrix_world = home @ Matrix.Translation((x, y, 0))
+            camera.shift_x, camera.shift_y = -x / window, -y / window
+            shoot(os.path.join(out, 'view_t%03d_s%03d.png' % (t, s)), width, height, 'PNG')
+
+def sphere(out, size, radius):
+    U, V, S, T = map(int, size.split('x'))
+    eye, half, radius = bpy.data.cameras.new('place'), math.pi / 2, float(radius)
+    eye.type, eye.clip_start, eye.clip_end = 'PANO', 1e-4 * radius, 2 * radius
+    eye.cycles.panorama_type = 'EQUIRECTANGULAR'  # half of it: alpha to the right, beta upwards
+    eye.cycles.longitude_min, eye.cycles.longitude_max = -half, half
+    eye.cycles.latitude_min, eye.cycles.latitude_max = -half, half
+    scene.camera = bpy.data.objects.new('place', eye)
+    scene.collection.objects.link(scene.camera)
+    mosaic, one = [0.0] * (U * S * V * T * 4), os.path.join(tempfile.mkdtemp(), 'place.exr')
+    for v, u in ((v, u) for v in range(V) for u in range(U)):
+        lon, lat = 2 * math.pi * (u + 0.5) / U - math.pi, math.pi * (v + 0.5) / V - half
+        ez = Vector((math.sin(lon) * math.cos(lat), -math.cos(lon) * math.cos(lat), math.sin(lat)))
+        ex = Vector((0, 0, 1)).cross(ez).normalized()
+        turn = Matrix((-ex, -ez.cross(ex), ez)).transposed().to_4x4()  # it looks along -ez
+        scene.camera.matrix_world = Matrix.Translation(ez * radius) @ turn
+        shoot(one, S, T, 'OPEN_EXR')
+        image = bpy.data.images.load(one)
+        for t in range(T):  # Blender's rows begin at the bottom, as t does; the mosaic's at the top
+            to = ((V * T - 1 - v * T - t) * U + u) * S * 4
+            mosaic[to:to + 4 * S] = image.pixels[t * S * 4:(t + 1) * S * 4]
+        bpy.data.images.remove(image)
+    whole = bpy.data.images.new('mosaic', U * S, V * T, float_buffer=True)
+    whole.pixels, whole.filepath_raw, whole.file_format = mosaic, out, 'OPEN_EXR'
+    whole.save()
+
+arguments = sys.argv[sys.argv.index('--') + 1:]
+{'planar': planar, 'sphere': sphere}[arguments[0]](*arguments[1:])

@@ -1,0 +1,83 @@
+#include "tools/support/camera_grid.h"
+
+#include "tools/support/parse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string_view>
+
+namespace tessera {
+namespace {
+
+constexpr double usual_fov = 40;
+constexpr double usual_width = 2;
+constexpr double usual_span = 0.25;     // of the grid's longer side, in distances
+constexpr double largest_length = 1e6; // world units, as far as an eye may be
+
+bool is_length(double x) {
+    return x > 0 && x <= largest_length;
+}
+
+// `count` numbers with commas between them.
+bool parse_lengths(std::string_view text, double* out, int count) {
+    for (int i = 0; i < count; ++i) {
+        const std::size_t comma = text.find(',');
+        if ((comma == std::string_view::npos) != (i == count - 1) ||
+            !parse_number(text.substr(0, comma), out[i]) || !is_length(out[i]))
+            return false;
+        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+    }
+    return true;
+}
+
+} // namespace
+
+Result<CameraGrid> camera_grid(const CameraFacts& facts, const Extent4& size) {
+    const double steps = std::max({size[axis_s] - 1.0, size[axis_t] - 1.0, 1.0});
+    const double half_fov = facts.fov.value_or(usual_fov) * std::numbers::pi / 360;
+    if (!(half_fov > 0) || half_fov >= std::numbers::pi / 2)
+        return Status(ErrorCode::bad_argument, "--camera-fov: is not between 0 and 180 degrees");
+    if (facts.focus && !is_length(*facts.focus))
+        return Status(ErrorCode::bad_argument, "--camera-focus: is not above 0 and at most 1e6");
+    CameraGrid cameras;
+    double spacing[2] = {0, 0};
+    if (!facts.spacing.empty()) {
+        if (!parse_lengths(facts.spacing, spacing, 2)) {
+            if (!parse_lengths(facts.spacing, spacing, 1))
+                return Status(ErrorCode::bad_argument, "--camera-spacing: '" + facts.spacing +
+                                                           "' is not a length, or two as x,y");
+            spacing[1] = spacing[0];
+        }
+        cameras.distance =
+            facts.focus.value_or(std::max(spacing[0], spacing[1]) * steps / usual_span);
+    } else {
+        cameras.distance = facts.focus.value_or(usual_width / 2 / std::tan(half_fov));
+        spacing[0] = spacing[1] = cameras.distance * usual_span / steps;
+    }
+    cameras.spacing_x = spacing[0];
+    cameras.spacing_y = spacing[1];
+    cameras.width = 2 * cameras.distance * std::tan(half_fov);
+    return cameras;
+}
+
+std::string to_string(const CameraGrid& cameras) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%.9g,%.9g,%.9g,%.9g", cameras.spacing_x, cameras.spacing_y,
+                  cameras.distance, cameras.width);
+    return text;
+}
+
+Result<CameraGrid> cameras_in(const Metadata& metadata, const Extent4& size) {
+    const auto said = metadata.find(cameras_key);
+    if (said == metadata.end())
+        return camera_grid({}, size);
+    double numbers[4];
+    if (!parse_lengths(said->second, numbers, 4))
+        return Status(ErrorCode::invalid_file,
+                      "its key Cameras is not four lengths above 0: spacing x, y, distance, width");
+    return CameraGrid{numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+} // namespace tessera

@@ -1,0 +1,161 @@
+#include "tools/texture_io/view_pattern.h"
+
+#include "tools/support/parse.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t longest_pattern = 200;
+constexpr std::size_t most_digits = 9;
+constexpr std::size_t most_stars = 4; // matching tries all their lengths
+
+char lower(char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
+bool same_letters(std::string_view a, std::string_view b) {
+    return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+std::string digits_of(std::int64_t number, std::size_t width) {
+    const std::string digits = std::to_string(number < 0 ? -number : number);
+    return (number < 0 ? "-" : "") +
+           std::string(width - std::min(width, digits.size()), '0') + digits;
+}
+
+} // namespace
+
+bool has_picture_ending(std::string_view name) {
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string_view::npos)
+        return false;
+    return std::ranges::any_of(std::initializer_list<std::string_view>{".png", ".jpg", ".jpeg", ".exr"},
+                               [&](auto ending) { return same_letters(name.substr(dot), ending); });
+}
+
+// "t:2"
+Status ViewPattern::add_number(std::string_view inside) {
+    Item item;
+    const std::string_view letter = inside.substr(0, 1);
+    item.kind = letter == "s" ? Item::Kind::s : letter == "t" ? Item::Kind::t : Item::Kind::n;
+    std::uint64_t width = 1;
+    if ((letter != "s" && letter != "t" && letter != "n") ||
+        (inside.size() > 1 && (inside[1] != ':' || !parse_number(inside.substr(2), width) ||
+                               width < 1 || width > most_digits)))
+        return {ErrorCode::bad_argument,
+                "'{" + std::string(inside) + "}' is not {s}, {t} or {n}, or with digits {n:3}"};
+    for (const Item& other : items_)
+        if (other.kind == item.kind)
+            return {ErrorCode::bad_argument, "{" + std::string(letter) + "} stands twice"};
+    item.width = width;
+    items_.push_back(std::move(item));
+    return {};
+}
+
+Result<ViewPattern> ViewPattern::parse(const std::string& text) {
+    const auto bad = [&](const std::string& why) {
+        return Status(ErrorCode::bad_argument,
+                      "the pattern '" + printable(text.substr(0, longest_pattern)) + "' " + why);
+    };
+    ViewPattern pattern;
+    pattern.text_ = text;
+    if (text.size() > longest_pattern)
+        return bad("is too long");
+    if (text.starts_with('.') ||
+        std::ranges::any_of(text, [](char c) { return c == '/' || (c >= 0 && c < ' '); }))
+        return bad("is no name of a file in a folder");
+    if (std::ranges::count(text, '*') > static_cast<std::ptrdiff_t>(most_stars))
+        return bad("has more than " + std::to_string(most_stars) + " stars");
+    for (std::string_view left = text; !left.empty();) {
+        if (left[0] == '*') {
+            pattern.items_.push_back({Item::Kind::any, {}, 1});
+            left.remove_prefix(1);
+        } else if (left[0] == '{') {
+            const std::size_t end = left.find('}');
+            if (end == std::string_view::npos)
+                return bad("lacks a }");
+            if (Status s = pattern.add_number(left.substr(1, end - 1)); !s.ok())
+                return bad("is none: " + s.message());
+            left.remove_prefix(end + 1);
+        } else {
+            const std::size_t end = std::min(left.find_first_of("*{"), left.size());
+            pattern.items_.push_back({Item::Kind::literal, std::string(left.substr(0, end)), 1});
+            left.remove_prefix(end);
+        }
+    }
+    const auto has = [&](Item::Kind kind) {
+        return std::ranges::any_of(pattern.items_, [&](const Item& i) { return i.kind == kind; });
+    };
+    pattern.running_ = has(Item::Kind::n);
+    const bool placed = has(Item::Kind::s) || has(Item::Kind::t);
+    if (pattern.running_ == placed)
+        return bad("needs {t} and {s}, the row and the column, or {n}, one running number");
+    if (!has_picture_ending(text))
+        return bad("ends in none of .png, .jpg, .jpeg and .exr");
+    return pattern;
+}
+
+std::optional<std::int64_t>& ViewPattern::field(ViewNumbers& numbers, Item::Kind kind) {
+    return kind == Item::Kind::s ? numbers.s : kind == Item::Kind::t ? numbers.t : numbers.n;
+}
+
+bool ViewPattern::is_number(std::size_t item) const {
+    return item < items_.size() && items_[item].kind != Item::Kind::literal &&
+           items_[item].kind != Item::Kind::any;
+}
+
+bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbers& numbers) const {
+    if (index == items_.size())
+        return left.empty();
+    const Item& item = items_[index];
+    if (item.kind == Item::Kind::literal)
+        return left.size() >= item.text.size() &&
+               same_letters(left.substr(0, item.text.size()), item.text) &&
+               match_from(index + 1, left.substr(item.text.size()), numbers);
+    if (item.kind == Item::Kind::any) {
+        for (std::size_t length = 0; length <= left.size(); ++length)
+            if (match_from(index + 1, left.substr(length), numbers))
+                return true;
+        return false;
+    }
+    const bool negative = left.starts_with('-');
+    const std::string_view digits = left.substr(negative ? 1 : 0);
+    const auto other = std::ranges::find_if_not(digits, is_digit);
+    const auto found = static_cast<std::size_t>(other - digits.begin());
+    const bool beside = is_number(index + 1) || (index > 0 && is_number(index - 1));
+    const std::size_t least = beside ? item.width : 1, most = beside ? item.width : most_digits;
+    for (std::size_t length = std::min(found, most); length >= least; --length) {
+        std::uint64_t value = 0;
+        parse_number(digits.substr(0, length), value);
+        field(numbers, item.kind) =
+            negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
+        if (match_from(index + 1, digits.substr(length), numbers))
+            return true;
+    }
+    return false;
+}
+
+std::optional<ViewNumbers> ViewPattern::match(std::string_view name) const {
+    ViewNumbers numbers;
+    return match_from(0, name, numbers) ? std::optional(numbers) : std::nullopt;
+}
+
+std::string ViewPattern::name_of(const ViewNumbers& numbers) const {
+    std::string name;
+    ViewNumbers copy = numbers;
+    for (const Item& item : items_)
+        if (item.kind == Item::Kind::literal)
+            name += item.text;
+        else if (item.kind != Item::Kind::any)
+            name += digits_of(field(copy, item.kind).value_or(0), item.width);
+    return name;
+}
+
+} // namespace tessera

@@ -1,0 +1,168 @@
+#include "format/work.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/slab_buffer.h"
+#include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/view_names.h"
+#include "tools/texture_io/views_io.h"
+#include "tools/texture_io/views_json.h"
+
+#include <cstring>
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of pictures, by their endings; hidden files are other programs' own. Sorted, for the same messages
+// everywhere.
+Result<std::vector<std::string>> list_pictures(const std::string& folder) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+        std::string name = i->path().filename().string();
+        if (!name.starts_with('.') && has_picture_ending(name))
+            names.push_back(std::move(name));
+        TESSERA_TRY(check_interrupt());
+    }
+    if (error)
+        return Status(ErrorCode::io, folder + ": " + error.message());
+    if (names.empty())
+        return Status(ErrorCode::invalid_file,
+                      folder + ": holds no views (.png, .jpg, .jpeg or .exr)");
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+class ViewsSource : public TexelSource {
+public:
+    ViewsSource(std::string folder, unsigned threads)
+        : folder_(std::move(folder)), threads_(threads) {}
+
+    Status open(const TextureHints& hints, ViewsFacts& facts) {
+        TESSERA_TRY_ASSIGN(const auto names, list_pictures(folder_));
+        TESSERA_TRY_ASSIGN(const auto written, read_views_json(folder_));
+        ViewHints views = hints.views;
+        std::optional<Extent4> size = hints.size;
+        if (written) {
+            facts.described = true;
+            facts.description = written->description;
+            if (views.pattern.empty())
+                views.pattern = written->layout.pattern;
+            if (!views.order)
+                views.order = written->layout.order;
+            if (!size)
+                size = written->size;
+        }
+        std::optional<ViewGrid> grid;
+        if (size)
+            TESSERA_TRY(check_desc({*size, SampleType::unorm8, 1}).with_context(folder_));
+        if (size)
+            grid = ViewGrid{(*size)[axis_s], (*size)[axis_t]};
+        if (grid && views.grid && *grid != *views.grid)
+            return {ErrorCode::bad_argument, folder_ + ": is " + to_string(*size) +
+                                                 ", not of a grid of " + to_string(*views.grid) +
+                                                 " cameras"};
+        TESSERA_TRY_ASSIGN(views_, arrange_views(names, views, grid).with_context(folder_));
+        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0));
+        desc_.channels = first.channels;
+        desc_.type = hints.type.value_or(first.usual_type());
+        desc_.size =
+            size.value_or(Extent4{first.width, first.height, views_.grid.s, views_.grid.t});
+        TESSERA_TRY(check_desc(desc_).with_context(folder_));
+        shapes_.resize(views_.names.size());
+        TESSERA_TRY(parallel_for(views_.names.size(), threads_,
+                                 [this](std::uint64_t i) { return check_view(i); }));
+        facts.layout = {
+            views_.pattern.text(), {}, views_.order, written ? written->layout.cameras : ""};
+        facts.told = told(names.size());
+        return {};
+    }
+
+    const TextureDesc& desc() const override { return desc_; }
+    Locality locality() const override { return Locality::angular_cells; }
+
+    Status begin_slab(const Box4& box) override {
+        TESSERA_TRY(slab_.reset(desc_, box).with_context(folder_));
+        const Extent4 e = box.extent();
+        const std::uint64_t count = std::uint64_t{e[axis_s]} * e[axis_t];
+        return parallel_for(count, threads_, [&](std::uint64_t i) {
+            return load_view(box.begin[axis_s] + static_cast<std::uint32_t>(i % e[axis_s]),
+                             box.begin[axis_t] + static_cast<std::uint32_t>(i / e[axis_s]));
+        });
+    }
+
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        return slab_.copy_out(box, out).with_context(folder_);
+    }
+
+private:
+    std::string path_of(std::size_t view) const { return folder_ + "/" + views_.names[view]; }
+
+    Result<PictureShape> shape_of(std::size_t view) const {
+        TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
+        return read_picture_shape(*file);
+    }
+
+    Status check_view(std::size_t view) {
+        TESSERA_TRY(check_interrupt());
+        TESSERA_TRY_ASSIGN(shapes_[view], shape_of(view));
+        const auto words = [](std::uint32_t width, std::uint32_t height, unsigned channels) {
+            return std::to_string(width) + "x" + std::to_string(height) + " pixels of " +
+                   std::to_string(channels) + " channels";
+        };
+        const PictureShape& shape = shapes_[view];
+        if (shape.width == desc_.size[axis_u] && shape.height == desc_.size[axis_v] &&
+            shape.channels == desc_.channels)
+            return {};
+        return {ErrorCode::invalid_file,
+                path_of(view) + ": has " + words(shape.width, shape.height, shape.channels) +
+                    " instead of " + words(desc_.size[axis_u], desc_.size[axis_v], desc_.channels)};
+    }
+
+    std::string told(std::size_t pictures) const {
+        const std::string order = to_string(views_.order);
+        const std::size_t others = pictures - views_.names.size();
+        const bool rounded = desc_.type == SampleType::unorm8 &&
+                             std::ranges::any_of(shapes_, [](auto& s) { return s.bits == 16; });
+        return std::to_string(views_.names.size()) + " views named " + views_.pattern.text() +
+               (others > 0 ? " (" + std::to_string(others) + " other pictures are left out)" : "") +
+               ", " + to_string(views_.grid) + " cameras from the " +
+               (views_.order.bottom_up ? "bottom " : "top ") +
+               (views_.order.right_left ? "right" : "left") +
+               (order.empty() ? "" : " (" + order + ")") +
+               (rounded ? "; 16-bit samples are rounded to 8 (--type half keeps 11)" : "");
+    }
+
+    Status load_view(std::uint32_t s, std::uint32_t t) {
+        TESSERA_TRY(check_interrupt());
+        const Box4 box = slab_.box();
+        const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
+        const std::size_t texel = desc_.texel_bytes();
+        TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
+        return read_picture_rows(
+            *file, shapes_[view], desc_.type, box.begin[axis_v], box.end[axis_v],
+            [&](std::uint32_t v, std::span<const std::byte> row) {
+                for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                    std::memcpy(slab_.texel(u, v, s, t), row.data() + u * texel, texel);
+            });
+    }
+
+    std::string folder_;
+    unsigned threads_;
+    NamedViews views_;
+    std::vector<PictureShape> shapes_; // in the order of views_.names
+    TextureDesc desc_;
+    SlabBuffer slab_;
+};
+
+} // namespace
+
+Result<std::unique_ptr<TexelSource>> open_views(const std::string& folder,
+                                                const TextureHints& hints, ViewsFacts& facts) {
+    auto source = std::make_unique<ViewsSource>(folder, hints.threads);
+    TESSERA_TRY(source->open(hints, facts));
+    return std::unique_ptr<TexelSource>(std::move(source));
+}
+
+} // namespace tessera
