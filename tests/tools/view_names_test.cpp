@@ -31,9 +31,8 @@ TEST(ViewPattern, ReadsAndWritesNames) {
     ASSERT_TRUE(numbers.has_value());
     EXPECT_EQ(numbers->s, 12);
     EXPECT_EQ(numbers->t, 1003);
-    for (const char* name :
-         {"view_t1_s2.jpg", "view_t_s2.png", "view_t1_s.png", "view_t1.png", "xview_t1_s2.png",
-          "view_t1_s2.png.png", "view_t9999999999_s1.png"})
+    for (const char* name : {"view_t1_s2.jpg", "view_t_s2.png", "view_t1_s.png", "view_t1.png",
+                             "xview_t1_s2.png", "view_t1_s2.png.png", "view_t9999999999_s1.png"})
         EXPECT_FALSE(usual->match(name).has_value()) << name;
     const auto joined = ViewPattern::parse("{t:2}{s:2}*.exr");
     ASSERT_TRUE(joined.ok());
@@ -148,7 +147,8 @@ TEST(ViewLayout, IsKeptAsText) {
     EXPECT_EQ(to_string(layout), "order:serpentine names:cam {n:3}.png");
     EXPECT_EQ(parse_view_layout(to_string(layout)).pattern, layout.pattern);
     EXPECT_EQ(parse_view_layout(to_string(layout)).order, layout.order);
-    EXPECT_EQ(to_string(parse_view_layout("quilt:8x6 order:bottom-up")), "quilt:8x6 order:bottom-up");
+    EXPECT_EQ(to_string(parse_view_layout("quilt:8x6 order:bottom-up")),
+              "quilt:8x6 order:bottom-up");
     EXPECT_EQ(to_string(ViewLayout{usual_view_pattern, {}, {}, {}}), "");
     for (const char* text : {"names:../{n}.png", "quilt:0x0", "order:no", "nonsense", "names:"})
         EXPECT_EQ(to_string(parse_view_layout(text)), "") << text;

@@ -73,7 +73,8 @@ struct JpegReader {
 };
 
 bool fill(JpegReader& r) {
-    const std::uint64_t count = std::min<std::uint64_t>(r.buffer.size(), r.file.size() - r.position);
+    const std::uint64_t count =
+        std::min<std::uint64_t>(r.buffer.size(), r.file.size() - r.position);
     if (count == 0)
         return false;
     r.status = r.file.read(r.position, std::as_writable_bytes(std::span(r.buffer).first(count)));
@@ -186,7 +187,8 @@ bool write_jpeg(JpegWriter& w, const JpegShape& shape, const std::byte* pixels, 
     w.codec.dct_method = JDCT_ISLOW;
     jpeg_start_compress(&w.codec, TRUE);
     for (std::uint32_t y = 0; y < shape.height; ++y) {
-        auto* row = reinterpret_cast<JSAMPROW>(const_cast<std::byte*>(pixels + y * shape.row_bytes()));
+        auto* row =
+            reinterpret_cast<JSAMPROW>(const_cast<std::byte*>(pixels + y * shape.row_bytes()));
         jpeg_write_scanlines(&w.codec, &row, 1);
     }
     jpeg_finish_compress(&w.codec);

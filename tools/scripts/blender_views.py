@@ -8,11 +8,13 @@ from mathutils import Matrix, Vector
 
 scene = bpy.context.scene
 scene.render.engine, scene.render.use_persistent_data = 'CYCLES', True
+scene.cycles.use_denoising = False  # it guesses differently from view to view, and Debian's has none
 
 def shoot(path, width, height, kind):
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.filepath = kind, path
+    scene.render.image_settings.color_mode = 'RGB'
     bpy.ops.render.render(write_still=True)
 
 def planar(out, grid, spacing, focus, size):

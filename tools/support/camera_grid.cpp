@@ -13,7 +13,7 @@ namespace {
 
 constexpr double usual_fov = 40;
 constexpr double usual_width = 2;
-constexpr double usual_span = 0.25;     // of the grid's longer side, in distances
+constexpr double usual_span = 0.25;    // of the grid's longer side, in distances
 constexpr double largest_length = 1e6; // world units, as far as an eye may be
 
 bool is_length(double x) {

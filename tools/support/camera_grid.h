@@ -19,9 +19,9 @@ struct CameraGrid {
 
 // What people know of their cameras; the rest is taken for usual.
 struct CameraFacts {
-    std::string spacing;           // "0.05" or "0.05,0.04"
-    std::optional<double> fov;     // across the picture, degrees
-    std::optional<double> focus;   // distance at which the views coincide
+    std::string spacing;         // "0.05" or "0.05,0.04"
+    std::optional<double> fov;   // across the picture, degrees
+    std::optional<double> focus; // distance at which the views coincide
     bool empty() const { return spacing.empty() && !fov && !focus; }
 };
 

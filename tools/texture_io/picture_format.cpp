@@ -27,7 +27,8 @@ JpegShape jpeg_shape(const PictureShape& shape) {
 }
 
 // 8 bits, or 16 in the machine's order, as halves.
-void integers_to_halves(std::span<const std::byte> row, unsigned bits, std::span<std::uint16_t> out) {
+void integers_to_halves(std::span<const std::byte> row, unsigned bits,
+                        std::span<std::uint16_t> out) {
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (bits == 8) {
             out[i] = half_of_unorm8(std::to_integer<std::uint8_t>(row[i]));
@@ -104,9 +105,8 @@ PictureKind picture_kind_of(ByteSource& file) {
 PictureKind picture_kind_of_name(std::string_view name) {
     const std::size_t dot = name.rfind('.');
     std::string ending(dot == std::string_view::npos ? "" : name.substr(dot));
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) {
-        return static_cast<char>(std::tolower(c));
-    });
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return ending == ".png"                        ? PictureKind::png
            : ending == ".jpg" || ending == ".jpeg" ? PictureKind::jpeg
            : ending == ".exr"                      ? PictureKind::exr
@@ -124,8 +124,7 @@ Result<PictureShape> read_picture_shape(ByteSource& file) {
         return PictureShape{kind, jpeg.width, jpeg.height, jpeg.channels, 8};
     }
     if (kind == PictureKind::none)
-        return Status(ErrorCode::invalid_file,
-                      file.name() + ": not a PNG, JPEG or EXR picture");
+        return Status(ErrorCode::invalid_file, file.name() + ": not a PNG, JPEG or EXR picture");
     ExrPicture picture(file);
     TESSERA_TRY(picture.open(0));
     if (picture.width() > max_extent || picture.height() > max_extent)
@@ -134,9 +133,8 @@ Result<PictureShape> read_picture_shape(ByteSource& file) {
                         static_cast<std::uint32_t>(picture.height()), picture.channels(), 16};
 }
 
-Status read_picture_rows(ByteSource& file, const PictureShape& shape,
-                         SampleType type, std::uint32_t first, std::uint32_t last,
-                         const RowFunction& row) {
+Status read_picture_rows(ByteSource& file, const PictureShape& shape, SampleType type,
+                         std::uint32_t first, std::uint32_t last, const RowFunction& row) {
     if (picture_kind_of(file) != shape.kind)
         return {ErrorCode::invalid_file, file.name() + ": changed while it was read"};
     if (shape.kind == PictureKind::exr)
@@ -148,8 +146,9 @@ Status check_picture_kind(PictureKind kind, SampleType type, std::uint8_t channe
     if (kind == PictureKind::exr)
         return {};
     if (type != SampleType::unorm8)
-        return {ErrorCode::unsupported, "PNG and JPEG views hold 8 bits, this texture is half float; "
-                                        "write EXR instead"};
+        return {ErrorCode::unsupported,
+                "PNG and JPEG views hold 8 bits, this texture is half float; write EXR "
+                "instead: x.exr, or --views-pattern 'view_t{t:3}_s{s:3}.exr'"};
     if (kind == PictureKind::jpeg && channels % 2 == 0)
         return {ErrorCode::unsupported, "JPEG holds no alpha; write PNG instead"};
     return {};

@@ -38,8 +38,8 @@ Result<PictureShape> read_picture_shape(ByteSource& file);
 // Calls row(y, samples) for rows first..last-1, counted from the top, with width * channels samples of
 // `type`. Integers become parts of 1 as halves; halves and 16-bit integers the nearest of 8 bits. The
 // picture must have this shape. Errors: those above; runtime, when interrupted.
-Status read_picture_rows(ByteSource& file, const PictureShape& shape,
-                         SampleType type, std::uint32_t first, std::uint32_t last,
+Status read_picture_rows(ByteSource& file, const PictureShape& shape, SampleType type,
+                         std::uint32_t first, std::uint32_t last,
                          const std::function<void(std::uint32_t, std::span<const std::byte>)>& row);
 
 // A file's bytes. `samples`: all rows, of `type`; shape.bits does not matter. PNG and JPEG take unorm8 only, JPEG no alpha.

@@ -18,7 +18,8 @@ struct Sides {
 Sides sides_of(const TextureDesc& desc, const ViewLayout& layout) {
     const Extent4& n = desc.size;
     if (layout.quilt)
-        return {std::uint64_t{n[axis_u]} * layout.quilt->s, std::uint64_t{n[axis_v]} * layout.quilt->t};
+        return {std::uint64_t{n[axis_u]} * layout.quilt->s,
+                std::uint64_t{n[axis_v]} * layout.quilt->t};
     return {std::uint64_t{n[axis_u]} * n[axis_s], std::uint64_t{n[axis_v]} * n[axis_t]};
 }
 
@@ -65,8 +66,8 @@ private:
         if (shared.texels() == 0)
             return;
         const std::size_t texel = desc_.texel_bytes();
-        const std::uint32_t skipped = run.along_s ? shared.begin[axis_s] - run.s
-                                                  : shared.begin[axis_u] - run.u;
+        const std::uint32_t skipped =
+            run.along_s ? shared.begin[axis_s] - run.s : shared.begin[axis_u] - run.u;
         std::byte* to = pixels_.data() + (y * sides_.width + run.x + skipped) * texel;
         copy_box(shared, box, texels, shared, {to, desc_.box_bytes(shared)}, texel);
     }
@@ -103,8 +104,7 @@ Result<std::unique_ptr<TexelSink>> create_picture(const std::string& path, const
                                                   const ViewLayout& layout) {
     TESSERA_TRY(check_picture_output(path, desc, layout));
     TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
-    return std::unique_ptr<TexelSink>(
-        std::make_unique<PictureSink>(std::move(file), desc, layout));
+    return std::unique_ptr<TexelSink>(std::make_unique<PictureSink>(std::move(file), desc, layout));
 }
 
 } // namespace tessera

@@ -17,7 +17,7 @@ struct ViewLayout {
     std::string pattern;           // of a folder's names; empty: view_tTTT_sSSS.png
     std::optional<ViewGrid> quilt; // of a single picture; none: it is a mosaic
     ViewOrder order;               // of either
-    std::string cameras;           // where they stand (camera_grid.h), beside the text; empty: not known
+    std::string cameras; // where they stand (camera_grid.h), beside the text; empty: not known
 };
 
 // "names:cam{n:3}.png order:serpentine", "quilt:8x6 order:bottom-up"; "" for the usual.

@@ -60,7 +60,7 @@ std::string kind_of_name(const CutName& cut) {
 
 // What stands at one of the numbers of names of a kind.
 struct Field {
-    bool whole = true;  // no decimal point, and not too many digits
+    bool whole = true; // no decimal point, and not too many digits
     bool varies = false;
     bool same_width = true;
     std::size_t width = 0;
@@ -80,7 +80,8 @@ Field field_of(const std::vector<CutName>& names, std::size_t index) {
 
 // What cannot stand in a pattern for itself.
 std::string as_pattern(std::string text) {
-    std::ranges::replace_if(text, [](char c) { return c == '{' || c == '}'; }, '*');
+    std::ranges::replace_if(
+        text, [](char c) { return c == '{' || c == '}'; }, '*');
     return text;
 }
 
@@ -97,7 +98,9 @@ Result<std::string> pattern_of(const std::vector<CutName>& names, const ViewOrde
                       std::to_string(places) +
                           " numbers differ from name to name, and a view has a row and a column; "
                           "say --views-pattern, such as 'x{t}_y{s}_*.png'");
-    const char* letters[2] = {places == 1 ? "n" : order.columns ? "s" : "t",
+    const char* letters[2] = {places == 1     ? "n"
+                              : order.columns ? "s"
+                                              : "t",
                               order.columns ? "t" : "s"};
     std::string text = as_pattern(first.texts[0]);
     for (std::size_t i = 0, place = 0; i < fields.size(); ++i) {
@@ -117,7 +120,8 @@ Result<std::string> pattern_of(const std::vector<CutName>& names, const ViewOrde
 }
 
 std::string example(const std::vector<std::string>& names) {
-    return names.front() + (names.size() > 1 ? " (" + std::to_string(names.size()) + " like it)" : "");
+    return names.front() +
+           (names.size() > 1 ? " (" + std::to_string(names.size()) + " like it)" : "");
 }
 
 // Where the numbers begin: at 0 if they then fit `size`, else at the least.
@@ -144,7 +148,8 @@ Range range_of(const Numbered& views, std::optional<std::int64_t> ViewNumbers::*
 }
 
 std::uint32_t square_side(std::uint64_t count) {
-    const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(count))));
+    const auto side =
+        static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(count))));
     return std::uint64_t{side} * side == count ? side : 0;
 }
 
@@ -224,18 +229,22 @@ std::string name_at(const ViewPattern& pattern, const ViewOrder& order, const Co
                     const ViewPlace& place) {
     const ViewStep at = step_of(counted.grid, order, place);
     if (pattern.is_running())
-        return pattern.name_of({{}, {}, *counted.first.n +
-                                            std::int64_t{at.line} * line_length(counted.grid, order) +
-                                            at.step});
+        return pattern.name_of({{},
+                                {},
+                                *counted.first.n +
+                                    std::int64_t{at.line} * line_length(counted.grid, order) +
+                                    at.step});
     return pattern.name_of({*counted.first.s + (order.columns ? at.line : at.step),
-                            *counted.first.t + (order.columns ? at.step : at.line), {}});
+                            *counted.first.t + (order.columns ? at.step : at.line),
+                            {}});
 }
 
 } // namespace
 
 Result<ViewPattern> recognise_view_names(const std::vector<std::string>& names,
                                          const ViewOrder& order) {
-    for (const char* usual : {usual_view_pattern, "view_t{t:3}_s{s:3}.exr", "view_t{t:3}_s{s:3}.jpg"}) {
+    for (const char* usual :
+         {usual_view_pattern, "view_t{t:3}_s{s:3}.exr", "view_t{t:3}_s{s:3}.jpg"}) {
         TESSERA_TRY_ASSIGN(auto pattern, ViewPattern::parse(usual));
         if (std::ranges::any_of(names, [&](auto& n) { return pattern.match(n).has_value(); }))
             return pattern;
@@ -266,8 +275,9 @@ Result<ViewPattern> recognise_view_names(const std::vector<std::string>& names,
     for (const std::string& name : *grids.front())
         cuts.push_back(cut_at_numbers(name));
     if (cuts.front().numbers.empty())
-        return Status(ErrorCode::bad_argument, "the name " + names.front() +
-                                                   " has no number that could say which view it is");
+        return Status(ErrorCode::bad_argument,
+                      "the name " + names.front() +
+                          " has no number that could say which view it is");
     TESSERA_TRY_ASSIGN(const auto text, pattern_of(cuts, order));
     return ViewPattern::parse(text);
 }
@@ -301,7 +311,8 @@ Result<NamedViews> arrange_views(const std::vector<std::string>& names, const Vi
         if (!place)
             return Status(ErrorCode::invalid_file,
                           name + ": outside the " + to_string(found.grid) + " views");
-        const auto [other, fresh] = at.emplace(std::uint64_t{place->t} * found.grid.s + place->s, name);
+        const auto [other, fresh] =
+            at.emplace(std::uint64_t{place->t} * found.grid.s + place->s, name);
         if (!fresh)
             return Status(ErrorCode::invalid_file,
                           "two files for one view: " + other->second + " and " + name);

@@ -26,8 +26,8 @@ bool is_digit(char c) {
 
 std::string digits_of(std::int64_t number, std::size_t width) {
     const std::string digits = std::to_string(number < 0 ? -number : number);
-    return (number < 0 ? "-" : "") +
-           std::string(width - std::min(width, digits.size()), '0') + digits;
+    return (number < 0 ? "-" : "") + std::string(width - std::min(width, digits.size()), '0') +
+           digits;
 }
 
 } // namespace
@@ -36,8 +36,9 @@ bool has_picture_ending(std::string_view name) {
     const std::size_t dot = name.rfind('.');
     if (dot == std::string_view::npos)
         return false;
-    return std::ranges::any_of(std::initializer_list<std::string_view>{".png", ".jpg", ".jpeg", ".exr"},
-                               [&](auto ending) { return same_letters(name.substr(dot), ending); });
+    return std::ranges::any_of(
+        std::initializer_list<std::string_view>{".png", ".jpg", ".jpeg", ".exr"},
+        [&](auto ending) { return same_letters(name.substr(dot), ending); });
 }
 
 // "t:2"

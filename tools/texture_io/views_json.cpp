@@ -36,8 +36,7 @@ Result<std::optional<ViewsJson>> read_views_json(const std::string& folder) {
     TESSERA_TRY(file->read(0, std::as_writable_bytes(std::span(text))));
     const auto json = nlohmann::json::parse(text, nullptr, false);
     if (!json.is_object() || !json.contains("size") || !json["size"].is_string())
-        return Status(ErrorCode::invalid_file,
-                      path + ": is not JSON with a \"size\": \"UxVxSxT\"");
+        return Status(ErrorCode::invalid_file, path + ": is not JSON with a \"size\": \"UxVxSxT\"");
     ViewsJson found;
     const auto size = parse_extent(json["size"].get<std::string>());
     if (!size.ok())

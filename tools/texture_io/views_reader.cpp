@@ -126,7 +126,7 @@ private:
         const bool rounded = desc_.type == SampleType::unorm8 &&
                              std::ranges::any_of(shapes_, [](auto& s) { return s.bits == 16; });
         return std::to_string(views_.names.size()) + " views named " + views_.pattern.text() +
-               (others > 0 ? " (" + std::to_string(others) + " other pictures are left out)" : "") +
+               (others > 0 ? " (other pictures left out: " + std::to_string(others) + ")" : "") +
                ", " + to_string(views_.grid) + " cameras from the " +
                (views_.order.bottom_up ? "bottom " : "top ") +
                (views_.order.right_left ? "right" : "left") +

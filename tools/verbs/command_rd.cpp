@@ -109,7 +109,7 @@ void declare_sweep(CLI::App& c, RdOptions& o) {
 void add_rd_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, RdCommand& a) {
         c.add_option("textures", a.options.textures,
-                     "Textures: .tess, .exr, raw (with --size), folder of PNG views; or scenes");
+                     "Textures: .tess, .exr, raw (with --size), folder of views; or scenes");
         c.add_option("--views", a.views,
                      "Instead: what an observer sees of this built-in scene over the bytes of "
                      "whole files: on its own surfaces, with a plain 2D texture, on the paper's "

@@ -34,8 +34,9 @@ struct WindowSurface {
     Status check(const Camera& camera) const {
         if (camera.eye.z > 0)
             return {};
-        return {ErrorCode::bad_argument, "the eye is not in front of the window of these planar views, "
-                                         "which is at z = 0; --eye x,y,z with z above 0"};
+        return {ErrorCode::bad_argument,
+                "the eye is not in front of the window of these planar views, "
+                "which is at z = 0; --eye x,y,z with z above 0"};
     }
 
     std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
@@ -92,8 +93,9 @@ Result<std::optional<PlanarViews>> planar_views(const ContainerReader& container
         container.description().proxy != Proxy::none)
         return std::optional<PlanarViews>();
     PlanarViews views;
-    TESSERA_TRY_ASSIGN(views.cameras, cameras_in(container.metadata(), container.desc().size)
-                                          .with_context(container.name()));
+    TESSERA_TRY_ASSIGN(
+        views.cameras,
+        cameras_in(container.metadata(), container.desc().size).with_context(container.name()));
     views.focus = focus.value_or(views.cameras.distance);
     if (!(views.focus > 0))
         return Status(ErrorCode::bad_argument, "--focus: is not above 0");

@@ -9,7 +9,8 @@ namespace tessera {
 
 struct PlanarViews {
     CameraGrid cameras;
-    double focus = 0; // distance from the cameras at which the views are laid on each other, above 0
+    double focus =
+        0; // distance from the cameras at which the views are laid on each other, above 0
 };
 
 // Of a file with this angular map; nothing for another one. `focus`: else that of the window. Errors:

@@ -1,0 +1,29 @@
+# Renders Blender's own cube by tools/scripts/blender_views.py, tiny, both ways, and encodes what comes.
+#   cmake -DROOT=. -DTESSERA=tessera -DBLENDER=blender -DOUT=folder -P check_blender_views.cmake
+function(run)
+    execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
+    if(NOT code EQUAL 0)
+        message(FATAL_ERROR "${ARGN}: ${code}\n${said}")
+    endif()
+    set(said "${said}" PARENT_SCOPE)
+endfunction()
+
+function(render)
+    run(${BLENDER} -b --factory-startup --python-exit-code 1
+        --python-expr "__import__('bpy').context.scene.cycles.samples = 1"
+        -P ${ROOT}/tools/scripts/blender_views.py -- ${ARGN})
+endfunction()
+
+function(expect size)
+    run(${TESSERA} encode ${ARGN} -o ${OUT}/x.tess --effort 0)
+    if(NOT said MATCHES "${size}, 3 x")
+        message(FATAL_ERROR "not ${size}: ${said}")
+    endif()
+endfunction()
+
+file(REMOVE_RECURSE ${OUT})
+file(MAKE_DIRECTORY ${OUT})
+render(planar ${OUT}/views 3x2 0.4 11 16x12)
+expect(16x12x3x2 ${OUT}/views)
+render(sphere ${OUT}/s.exr 4x2x3x3 2)
+expect(4x2x3x3 ${OUT}/s.exr --mosaic 3x3)
