@@ -3,7 +3,9 @@
 #include "format/container/syntax.h"
 #include "format/io/bytes.h"
 
+#ifndef TESSERA_WITHOUT_ZSTD
 #include <zstd.h>
+#endif
 
 #include <algorithm>
 #include <string_view>
@@ -19,7 +21,7 @@ constexpr std::size_t max_value_bytes = 1u << 20;
 constexpr std::size_t max_text_bytes = 1u << 24;
 constexpr std::size_t packing_header_bytes = 5;
 constexpr std::size_t entry_lengths_bytes = 6; // of the key and of the value
-constexpr int zstd_level = 9;
+[[maybe_unused]] constexpr int zstd_level = 9;
 // A Zstandard block is at least 4 bytes and yields at most 128 KiB.
 constexpr std::uint64_t max_zstd_ratio = 32768;
 
@@ -105,16 +107,33 @@ Result<Metadata> parse_text(std::span<const std::byte> text) {
     return metadata;
 }
 
+// Nothing where it cannot be packed.
+std::vector<std::byte> pack_zstd([[maybe_unused]] std::span<const std::byte> text) {
+    std::vector<std::byte> packed;
+#ifndef TESSERA_WITHOUT_ZSTD
+    packed.resize(ZSTD_compressBound(text.size()));
+    const std::size_t bytes =
+        ZSTD_compress(packed.data(), packed.size(), text.data(), text.size(), zstd_level);
+    packed.resize(ZSTD_isError(bytes) == 0 ? bytes : 0);
+#endif
+    return packed;
+}
+
 Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, std::size_t size) {
     if (size > max_zstd_ratio * packed.size())
         return invalid("metadata claims " + std::to_string(size) + " bytes in " +
                        std::to_string(packed.size()) + ", more than Zstandard can hold");
+#ifdef TESSERA_WITHOUT_ZSTD
+    // A build for browsers: texels do not need metadata, so files open without what is packed.
+    return std::vector<std::byte>(sizeof(std::uint32_t)); // no entries
+#else
     if (ZSTD_findFrameCompressedSize(packed.data(), packed.size()) != packed.size())
         return invalid("metadata is not one Zstandard frame");
     std::vector<std::byte> text(size);
     if (ZSTD_decompress(text.data(), size, packed.data(), packed.size()) != size)
         return invalid("metadata does not unpack to " + std::to_string(size) + " bytes");
     return text;
+#endif
 }
 
 } // namespace
@@ -150,15 +169,13 @@ Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata) {
         append_bytes(text, std::as_bytes(std::span(value)));
     }
 
-    std::vector<std::byte> packed(ZSTD_compressBound(text.size()));
-    const std::size_t packed_bytes =
-        ZSTD_compress(packed.data(), packed.size(), text.data(), text.size(), zstd_level);
-    const bool smaller = ZSTD_isError(packed_bytes) == 0 && packed_bytes < text.size();
+    const std::vector<std::byte> packed = pack_zstd(text);
+    const bool smaller = !packed.empty() && packed.size() < text.size();
 
     std::vector<std::byte> section;
     append_le(section, static_cast<std::uint8_t>(smaller ? packing_zstd : packing_stored));
     append_le(section, static_cast<std::uint32_t>(text.size()));
-    append_bytes(section, smaller ? std::span(packed).first(packed_bytes) : std::span(text));
+    append_bytes(section, smaller ? packed : text);
     return section;
 }
 

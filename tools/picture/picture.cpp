@@ -5,20 +5,13 @@
 #include "tools/support/output_folders.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 
 namespace tessera {
 
 Picture blank_picture(std::uint32_t width, std::uint32_t height, int grey) {
     return {width, height,
             std::vector<std::byte>(std::size_t{width} * height * 3, std::byte(grey))};
-}
-
-std::byte tone_mapped(double linear) {
-    const double x = std::max(0.0, linear);
-    const double y = std::isfinite(x) ? x / (1 + x) : 1;
-    const double code = y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
-    return std::byte(static_cast<int>(255 * code + 0.5));
 }
 
 Picture difference_of(const Picture& a, const Picture& b, double amplify) {

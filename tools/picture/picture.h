@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/status.h"
+#include "tools/picture/tone_map.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,9 +24,6 @@ struct Picture {
 };
 
 Picture blank_picture(std::uint32_t width, std::uint32_t height, int grey);
-
-// How scene-linear values are shown: as sRGB of x / (1 + x); NaN and below 0 as black.
-std::byte tone_mapped(double linear);
 
 // |a - b| times `amplify`, per channel. Precondition: both have the same size.
 Picture difference_of(const Picture& a, const Picture& b, double amplify);

@@ -1,0 +1,18 @@
+// How scene-linear values are shown.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace tessera {
+
+// As sRGB of x / (1 + x); NaN and below 0 as black.
+inline std::byte tone_mapped(double linear) {
+    const double x = std::max(0.0, linear);
+    const double y = std::isfinite(x) ? x / (1 + x) : 1;
+    const double code = y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
+    return std::byte(static_cast<int>(255 * code + 0.5));
+}
+
+} // namespace tessera

@@ -1,0 +1,202 @@
+// What tessera.js calls. An instance of the module holds one file: closing it is to forget the instance,
+// and with it all of its memory. Calls that read bytes return an Answer; web_error() says what went wrong.
+#include "codec/decoder.h"
+#include "tools/web/decoder/atlas.h"
+#include "tools/web/decoder/facts.h"
+#include "tools/web/decoder/ranged_bytes.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#define WEB_EXPORT(result, name) extern "C" __attribute__((export_name(#name))) result name
+
+namespace tessera {
+namespace {
+
+enum Answer : int { done = 0, failed = 1, wants_bytes = 2 };
+
+// Fetched bytes that stay for later calls.
+constexpr std::size_t most_kept_bytes = std::size_t{64} << 20;
+// The largest result: memory of 32 bits holds it beside what it is made of.
+constexpr std::uint64_t most_result_bytes = std::uint64_t{1} << 30;
+
+struct OpenFile {
+    std::optional<RangedBytes> bytes;
+    std::optional<Decoder> decoder;
+    std::vector<double> numbers; // what a call returned last
+    std::string text, error;
+    std::unique_ptr<std::byte[]> result;
+    std::size_t result_bytes = 0;
+};
+OpenFile file;
+
+// Runs `body`, which returns a Status.
+template <class Body> Answer answer(const Body& body) {
+    file.bytes->forget_wanted();
+    const Status status = body();
+    if (status.ok()) {
+        file.bytes->shrink(most_kept_bytes);
+        return done;
+    }
+    file.error = status.message();
+    return file.bytes->wanted().empty() ? failed : wants_bytes;
+}
+
+const ContainerReader& container() {
+    return file.decoder->container();
+}
+
+// box: begin of u, v, s, t, then end.
+Result<Box4> checked_box(std::uint32_t level, const std::uint32_t* box) {
+    const std::span<const Level> levels = container().levels();
+    if (level >= levels.size())
+        return Status(ErrorCode::bad_argument, "there is no level " + std::to_string(level));
+    const Box4 checked{{box[0], box[1], box[2], box[3]}, {box[4], box[5], box[6], box[7]}};
+    if (!is_inside(checked, levels[level].size))
+        return Status(ErrorCode::bad_argument, "box " + to_string(checked) +
+                                                   " does not lie inside " +
+                                                   to_string(levels[level].size));
+    return checked;
+}
+
+// Memory for a result, not set to anything.
+Result<std::span<std::byte>> room_for(std::uint64_t bytes) {
+    if (bytes > most_result_bytes)
+        return Status(ErrorCode::over_budget,
+                      std::to_string(bytes) + " bytes are more than can be had at once (" +
+                          std::to_string(most_result_bytes) + "): ask for parts");
+    if (bytes > file.result_bytes) {
+        file.result.reset(); // first: both may not fit
+        file.result_bytes = static_cast<std::size_t>(bytes);
+        file.result = std::make_unique_for_overwrite<std::byte[]>(file.result_bytes);
+    }
+    return std::span(file.result.get(), static_cast<std::size_t>(bytes));
+}
+
+Status open(const DecodeOptions& options) {
+    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(*file.bytes, options));
+    file.decoder.emplace(std::move(decoder));
+    return {};
+}
+
+// Brings the bytes of all tiles that the box touches.
+Status fetch(std::uint32_t level, const std::uint32_t* corners) {
+    TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
+    if (!container().wants_prefetch())
+        return {};
+    std::vector<std::uint64_t> tiles = container().grid(level).tiles_touched(box);
+    for (std::uint64_t& tile : tiles)
+        tile += container().levels()[level].first_tile;
+    for (std::span<const std::uint64_t> left = tiles; !left.empty();) {
+        TESSERA_TRY_ASSIGN(const std::size_t brought, container().prefetch(left));
+        left = left.subspan(brought);
+    }
+    return {};
+}
+
+Status read_box(std::uint32_t level, const Box4& box, std::span<std::byte> out) {
+    return level == 0 ? file.decoder->decode_box(box, out, 1)
+                      : file.decoder->decode_coarse_box(level, box, out);
+}
+
+// Coarse levels are small: their texels are held whole.
+Status read_atlas(std::uint32_t level, const Box4& box, std::span<std::byte> rgba) {
+    AtlasSink sink(file.decoder->desc(), box, rgba);
+    if (level == 0)
+        return file.decoder->decode(box, sink, 1);
+    std::vector<std::byte> texels(static_cast<std::size_t>(file.decoder->desc().box_bytes(box)));
+    TESSERA_TRY(read_box(level, box, texels));
+    return sink.write(box, texels);
+}
+
+} // namespace
+
+// Before anything else. size: bytes of the whole file.
+WEB_EXPORT(void, web_begin)(double size) {
+    file.bytes.emplace(static_cast<std::uint64_t>(size));
+}
+
+// Bytes of the file that JavaScript has brought; `bytes` is from malloc() and belongs to the file now.
+WEB_EXPORT(void, web_keep)(double offset, std::byte* bytes, std::size_t length) {
+    file.bytes->keep(static_cast<std::uint64_t>(offset), length, JsBytes(bytes));
+}
+
+WEB_EXPORT(int, web_open)(int partial, int damaged) {
+    return answer([&] { return open(DecodeOptions{partial != 0, damaged != 0}); });
+}
+
+WEB_EXPORT(const char*, web_error)() {
+    return file.error.c_str();
+}
+
+// Pairs of offset and length that the last call lacked; their number comes from web_wanted_count().
+WEB_EXPORT(const double*, web_wanted)() {
+    file.numbers.clear();
+    for (const MergedRead& read : file.bytes->wanted()) {
+        file.numbers.push_back(static_cast<double>(read.offset));
+        file.numbers.push_back(static_cast<double>(read.length));
+    }
+    return file.numbers.data();
+}
+WEB_EXPORT(std::size_t, web_wanted_count)() {
+    return file.bytes->wanted().size();
+}
+
+WEB_EXPORT(const double*, web_facts)() {
+    file.numbers = number_facts(container());
+    return file.numbers.data();
+}
+WEB_EXPORT(const char*, web_texts)() {
+    file.text = text_facts(container());
+    return file.text.data();
+}
+WEB_EXPORT(std::size_t, web_texts_bytes)() {
+    return file.text.size();
+}
+
+// Section prxy of a file whose proxy is a mesh.
+WEB_EXPORT(const std::byte*, web_mesh)() {
+    return container().proxy_mesh().data();
+}
+WEB_EXPORT(std::size_t, web_mesh_bytes)() {
+    return container().proxy_mesh().size();
+}
+
+WEB_EXPORT(int, web_fetch)(std::uint32_t level, const std::uint32_t* box) {
+    return answer([&] { return fetch(level, box); });
+}
+
+// Texels as they are, order v, u, t, s, into web_result().
+WEB_EXPORT(int, web_box)(std::uint32_t level, const std::uint32_t* corners) {
+    return answer([&]() -> Status {
+        TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
+        TESSERA_TRY_ASSIGN(const auto out, room_for(file.decoder->desc().box_bytes(box)));
+        return read_box(level, box, out);
+    });
+}
+
+// RGBA as AtlasSink says, into web_result(). The box spans all of s and t.
+WEB_EXPORT(int, web_atlas)(std::uint32_t level, const std::uint32_t* corners) {
+    return answer([&]() -> Status {
+        TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
+        TESSERA_TRY_ASSIGN(const auto out, room_for(box.texels() * 4));
+        return read_atlas(level, box, out);
+    });
+}
+WEB_EXPORT(const std::byte*, web_result)() {
+    return file.result.get();
+}
+
+} // namespace tessera
+
+// Without exceptions: what would throw stops the instance, and tessera.js turns that into an Error.
+extern "C" {
+void* __cxa_allocate_exception(std::size_t) noexcept {
+    __builtin_trap();
+}
+[[noreturn]] void __cxa_throw(void*, void*, void (*)(void*)) {
+    __builtin_trap();
+}
+}

@@ -1,0 +1,68 @@
+#include "tools/web/decoder/facts.h"
+
+#include "format/samples.h"
+
+#include <array>
+
+namespace tessera {
+namespace {
+
+template <class Values> void append(std::vector<double>& out, const Values& values) {
+    for (const auto value : values)
+        out.push_back(static_cast<double>(value));
+}
+
+double shown_sample(std::uint16_t sample, SampleType type) {
+    return type == SampleType::unorm8 ? sample / 255.0 : static_cast<double>(half_to_float(sample));
+}
+
+// There is no Zstandard here (FORMAT.md 1.3, packing 1).
+bool has_packed_metadata(const ContainerReader& container) {
+    const std::span<const std::byte> section = container.section_bytes("meta");
+    return !section.empty() && section[0] == std::byte{1};
+}
+
+} // namespace
+
+std::vector<double> number_facts(const ContainerReader& container) {
+    const TextureDesc& desc = container.desc();
+    const Description& about = container.description();
+    std::vector<double> out;
+    append(out, desc.size);
+    append(out, std::array{static_cast<int>(desc.type), int{desc.channels},
+                           static_cast<int>(about.proxy), static_cast<int>(about.angular_map),
+                           static_cast<int>(about.transfer), static_cast<int>(about.primaries),
+                           static_cast<int>(about.alpha)});
+    append(out, about.sphere_centre);
+    out.push_back(about.sphere_radius);
+    append(out, about.viewing_radius);
+    for (const std::uint16_t sample : container.facts().background)
+        out.push_back(shown_sample(sample, desc.type));
+    out.push_back(static_cast<double>(container.file_bytes()));
+    out.push_back(has_packed_metadata(container) ? 1 : 0);
+    out.push_back(static_cast<double>(container.levels().size()));
+    for (std::size_t i = 0; i < container.levels().size(); ++i) {
+        const Level& level = container.levels()[i];
+        append(out, level.size);
+        append(out, container.grid(i).tile_extent());
+        append(out, container.grid(i).count());
+        out.push_back(level.spatial_lod);
+        out.push_back(level.angular_lod);
+    }
+    return out;
+}
+
+std::string text_facts(const ContainerReader& container) {
+    std::string out;
+    const auto add = [&](const std::string& text) { out.append(text).push_back('\0'); };
+    add(name_of(container.description().proxy));
+    add(name_of(container.description().angular_map));
+    add(container.facts().colour);
+    for (const auto& [key, value] : container.metadata()) {
+        add(key);
+        add(value);
+    }
+    return out;
+}
+
+} // namespace tessera

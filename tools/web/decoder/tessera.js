@@ -1,0 +1,338 @@
+// Tessera's decoder for browsers, workers and node: one ES module without dependencies.
+//
+//   const codec = await loadTessera(wasm);          // bytes, a Response, or a compiled module
+//   const file = codec.openBytes(bytes);            // a .tess file in memory
+//   const pixels = file.atlas([0, 64, 0, 32]);      // RGBA, what WebGL samples
+//   file.close();
+//
+// A file that lies elsewhere is read as needed: openSource(), then fetchAtlas() and fetchBox(). All that
+// goes wrong is an Error whose message is a sentence. Every file has an instance of the module to itself,
+// so a file that breaks its instance does no harm to another, and close() gives all of its memory back.
+// Types and units: tessera.d.ts.
+
+const proxies = ['none', 'sphere', 'mesh', 'sphere'];
+const insideSphere = 3;
+const planarViews = 2;
+const transfers = ['unspecified', 'srgb', 'linear'];
+const alphaModes = ['none', 'straight', 'premultiplied'];
+// Answers of the module.
+const failed = 1, wantsBytes = 2;
+
+// `wasm`: tessera.wasm as an ArrayBuffer or an array of bytes, a Response (or the promise of one), or a
+// WebAssembly.Module that another thread compiled.
+export async function loadTessera(wasm) {
+    return new Codec(await compiled(await wasm));
+}
+
+async function compiled(wasm) {
+    if (wasm instanceof WebAssembly.Module)
+        return wasm;
+    if (typeof Response !== 'undefined' && wasm instanceof Response) {
+        if (!wasm.ok)
+            throw new Error(`${wasm.url}: the server answers ${wasm.status}`);
+        wasm = await wasm.arrayBuffer();
+    }
+    return WebAssembly.compile(wasm);
+}
+
+class Codec {
+    constructor(module) {
+        this.module = module; // may be sent to workers
+    }
+
+    // options: {partial: accept a file that was cut off, damaged: show what is sound of a damaged one}
+    openBytes(bytes, options = {}) {
+        const file = new TessFile(this.module, bytes.length, null);
+        file._keep(0, bytes);
+        file._open(options);
+        return file;
+    }
+
+    // source: {size, read(offset, length)}, which returns a promise of that many bytes.
+    async openSource(source, options = {}) {
+        const file = new TessFile(this.module, source.size, source);
+        await file._withBytes(() => file._open(options));
+        return file;
+    }
+
+    // The file at a URL, by range requests.
+    async openUrl(url, options = {}) {
+        return this.openSource(await httpSource(url, options), options);
+    }
+}
+
+class TessFile {
+    constructor(module, size, source) {
+        this._wasm = instantiate(module);
+        this._source = source;
+        this._coming = new Map(); // ranges on their way
+        this._call(() => this._wasm.web_begin(size));
+        this._box = this._call(() => this._wasm.malloc(32));
+    }
+
+    // Texels of level 0 (or another) as RGBA of 8 bits, rows from the top: texel (u, v, s, t) stands at
+    // x = (u - u0) * S + s, y = (v - v0) * T + t. `out`: an array of that size that takes them.
+    atlas(places, out, level = 0) {
+        return this._read('web_atlas', level, this._everyDirection(places, level), 4, out);
+    }
+    // [u0, u1, v0, v1, s0, s1, t0, t1]: texels as they are stored, order v, u, t, s, channels adjacent.
+    box(corners, out, level = 0) {
+        return this._read('web_box', level, corners, this.info.texelBytes, out);
+    }
+    // The same for files of openSource(): bytes that are not here yet are fetched first.
+    async fetchAtlas(places, out, level = 0) {
+        await this.fetch(this._everyDirection(places, level), level);
+        return this._withBytes(() => this.atlas(places, out, level));
+    }
+    async fetchBox(corners, out, level = 0) {
+        await this.fetch(corners, level);
+        return this._withBytes(() => this.box(corners, out, level));
+    }
+    // Brings the bytes of these texels, so that atlas() and box() have them.
+    fetch(corners, level = 0) {
+        return this._withBytes(() => this._ask('web_fetch', level, corners));
+    }
+
+    // The whole coarsest level, as {level, width, height, rgba}; null where there is none.
+    preview() {
+        const level = this.info.coarse;
+        return level === 0 ? null : this._picture(level, this.atlas(this._everywhere(level), undefined, level));
+    }
+    async fetchPreview() {
+        const level = this.info.coarse;
+        return level === 0 ? null
+                           : this._picture(level, await this.fetchAtlas(this._everywhere(level), undefined, level));
+    }
+
+    // The Draco stream of a mesh; null where the proxy is none. There is no decoder for it here.
+    meshBytes() {
+        const length = this._call(() => this._wasm.web_mesh_bytes());
+        return length === 0 ? null : this._bytes(this._wasm.web_mesh(), length).slice();
+    }
+    mesh() {
+        if (this.meshBytes() === null)
+            return null;
+        throw new Error('no mesh decoder: meshBytes() is a Draco stream');
+    }
+
+    close() {
+        this._wasm = null;
+    }
+
+    _picture(level, rgba) {
+        const [u, v, s, t] = this.info.levels[level].size;
+        return {level, width: u * s, height: v * t, rgba};
+    }
+    _everywhere(level) {
+        const [u, v] = this.info.levels[level].size;
+        return [0, u, 0, v];
+    }
+    _everyDirection(places, level) {
+        const of = this.info.levels[level];
+        if (of === undefined)
+            throw new Error(`there is no level ${level}`);
+        return [places[0], places[1], places[2], places[3], 0, of.size[2], 0, of.size[3]];
+    }
+
+    _open(options) {
+        this._check(this._call(() => this._wasm.web_open(options.partial ? 1 : 0, options.damaged ? 1 : 0)));
+        this.info = this._facts();
+    }
+
+    // Of a call that reads, the bytes of its result.
+    _read(name, level, corners, texelBytes, out) {
+        this._ask(name, level, corners);
+        const [u0, u1, v0, v1, s0, s1, t0, t1] = corners;
+        const length = (u1 - u0) * (v1 - v0) * (s1 - s0) * (t1 - t0) * texelBytes;
+        const bytes = this._bytes(this._wasm.web_result(), length);
+        if (out === undefined)
+            return bytes.slice();
+        if (out.length !== length)
+            throw new Error(`the array has ${out.length} bytes, the texels ${length}`);
+        out.set(bytes);
+        return out;
+    }
+
+    _ask(name, level, corners) {
+        if (!corners.every(x => Number.isInteger(x) && x >= 0 && x < 2 ** 32))
+            throw new Error(`[${corners}] is no box of texels`);
+        const [u0, u1, v0, v1, s0, s1, t0, t1] = corners;
+        this._check(this._call(() => {
+            new Uint32Array(this._wasm.memory.buffer, this._box, 8).set([u0, v0, s0, t0, u1, v1, s1, t1]);
+            return this._wasm[name](level, this._box);
+        }));
+    }
+
+    // Does `work`, fetching what it lacks until it lacks nothing.
+    async _withBytes(work) {
+        for (;;)
+            try {
+                return work();
+            } catch (error) {
+                if (!error.ranges || this._source === null)
+                    throw error;
+                await Promise.all(error.ranges.map(range => this._bring(range)));
+            }
+    }
+
+    _bring([offset, length]) {
+        const key = `${offset} ${length}`;
+        if (!this._coming.has(key))
+            this._coming.set(key, (async () => {
+                try {
+                    const bytes = new Uint8Array(await this._source.read(offset, length));
+                    if (bytes.length !== length)
+                        throw new Error(`${bytes.length} of ${length} bytes came from offset ${offset}`);
+                    this._keep(offset, bytes);
+                } finally {
+                    this._coming.delete(key);
+                }
+            })());
+        return this._coming.get(key);
+    }
+
+    // Gives bytes of the file to the module.
+    _keep(offset, bytes) {
+        this._call(() => {
+            const at = this._wasm.malloc(bytes.length || 1);
+            if (at === 0)
+                throw new Error(`there is no memory for ${bytes.length} bytes`);
+            this._bytes(at, bytes.length).set(bytes);
+            this._wasm.web_keep(offset, at, bytes.length);
+        });
+    }
+
+    _check(answer) {
+        if (answer !== failed && answer !== wantsBytes)
+            return;
+        const error = new Error(this._string(this._wasm.web_error()));
+        if (answer === wantsBytes) {
+            const numbers = new Float64Array(this._wasm.memory.buffer, this._wasm.web_wanted(),
+                                             2 * this._wasm.web_wanted_count());
+            error.ranges = [];
+            for (let i = 0; i < numbers.length; i += 2)
+                error.ranges.push([numbers[i], numbers[i + 1]]);
+        }
+        throw error;
+    }
+
+    // A call that stops the instance, for want of memory above all, ends the file and is an Error.
+    _call(work) {
+        if (this._wasm === null)
+            throw new Error('the file is closed');
+        try {
+            return work();
+        } catch (error) {
+            if (!(error instanceof WebAssembly.RuntimeError))
+                throw error;
+            this.close();
+            throw new Error('the decoder stopped, most likely for want of memory; the file is closed',
+                            {cause: error});
+        }
+    }
+
+    _facts() {
+        const numbers = this._call(() => this._wasm.web_facts());
+        const all = new Float64Array(this._wasm.memory.buffer, numbers);
+        let next = 0;
+        const take = count => Array.from(all.subarray(next, next += count));
+        const size = take(4);
+        const [type, channels, proxy, angularMap, transfer, primaries, alpha] = take(7);
+        const info = {size, type: type === 0 ? 'unorm8' : 'half', channels, texelBytes: channels * (type + 1),
+                      proxy: proxy === 0 && angularMap === planarViews ? 'planar' : proxies[proxy] ?? 'unknown',
+                      inside: proxy === insideSphere, transfer: transfers[transfer] ?? 'unknown',
+                      primaries: ['unspecified', 'bt709'][primaries] ?? 'unknown',
+                      alpha: alphaModes[alpha] ?? 'unknown', centre: take(3), radius: take(1)[0],
+                      viewingRadius: take(2), background: take(4).slice(0, channels), bytes: take(1)[0]};
+        const packed = take(1)[0] !== 0;
+        info.levels = [];
+        for (let left = take(1)[0]; left > 0; --left) {
+            const level = {size: take(4), tile: take(4), tiles: take(4)};
+            [level.spatialLod, level.angularLod] = take(2);
+            info.levels.push(level);
+        }
+        info.coarse = info.levels.length - 1;
+        info.tile = info.levels[0].tile;
+        info.tiles = info.levels[0].tiles;
+
+        const texts = this._call(() => this._wasm.web_texts());
+        const [proxyName, angularName, colour, ...pairs] =
+            new TextDecoder().decode(this._bytes(texts, this._wasm.web_texts_bytes())).split('\0');
+        info.proxyName = proxyName;
+        info.angularMap = angularName;
+        info.colour = colour;
+        info.metadata = packed ? null : {};
+        for (let i = 0; i + 1 < pairs.length && !packed; i += 2)
+            info.metadata[pairs[i]] = pairs[i + 1];
+        return info;
+    }
+
+    _bytes(at, length) {
+        return new Uint8Array(this._wasm.memory.buffer, at, length);
+    }
+    _string(at) {
+        const memory = new Uint8Array(this._wasm.memory.buffer);
+        return new TextDecoder().decode(memory.slice(at, memory.indexOf(0, at)));
+    }
+}
+
+// The module wants a few functions of an operating system; they have nothing to do here.
+function instantiate(module) {
+    let wasm;
+    const system = {};
+    for (const {name} of WebAssembly.Module.imports(module))
+        system[name] = () => 0;
+    system.environ_sizes_get = (count, bytes) => {
+        new Uint32Array(wasm.memory.buffer, count, 1)[0] = 0;
+        new Uint32Array(wasm.memory.buffer, bytes, 1)[0] = 0;
+        return 0;
+    };
+    system.proc_exit = () => {
+        throw new WebAssembly.RuntimeError('exit');
+    };
+    wasm = new WebAssembly.Instance(module, {wasi_snapshot_preview1: system}).exports;
+    wasm._initialize();
+    return wasm;
+}
+
+// A file on a web server as a source for openSource(). A range that breaks off is asked for again, at
+// most `tries` times in a row (5), each time waiting twice as long.
+export async function httpSource(url, {tries = 5, signal} = {}) {
+    const ask = async (headers, method = 'GET') => {
+        for (let attempt = 1;; ++attempt)
+            try {
+                const response = await fetch(url, {method, headers, signal});
+                if (response.status >= 500 && attempt < tries)
+                    throw new Error(`${url}: the server answers ${response.status}`);
+                return {response, bytes: new Uint8Array(await response.arrayBuffer())};
+            } catch (error) {
+                if (attempt >= tries || error.name === 'AbortError')
+                    throw error;
+                await new Promise(wake => setTimeout(wake, 250 * 2 ** attempt));
+            }
+    };
+    const firstBytes = 8192; // what a reader asks for first
+    const {response, bytes} = await ask({Range: `bytes=0-${firstBytes - 1}`});
+    if (!response.ok)
+        throw new Error(`${url}: the server answers ${response.status}`);
+    if (response.status !== 206) // all of it came
+        return {size: bytes.length, read: async (offset, length) => bytes.subarray(offset, offset + length)};
+    const size = Number(/\/(\d+)$/.exec(response.headers.get('Content-Range') ?? '')?.[1]);
+    if (!Number.isSafeInteger(size))
+        throw new Error(`${url}: the server does not say how long the file is`);
+    const version = response.headers.get('ETag') ?? response.headers.get('Last-Modified');
+    return {
+        size,
+        async read(offset, length) {
+            if (offset + length <= bytes.length)
+                return bytes.subarray(offset, offset + length);
+            const part = await ask({Range: `bytes=${offset}-${offset + length - 1}`});
+            if (part.response.status !== 206)
+                throw new Error(`${url}: the server answers ${part.response.status} to a range`);
+            const now = part.response.headers.get('ETag') ?? part.response.headers.get('Last-Modified');
+            if (now !== version)
+                throw new Error(`${url}: the file has changed meanwhile`);
+            return part.bytes;
+        }
+    };
+}

@@ -1,0 +1,72 @@
+# Compiles with Debian's clang-19 for wasm32-wasi, beside the build that CMake does for this machine.
+set(tessera_wasm_packages clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32
+    libclang-rt-19-dev-wasm32 wasi-libc)
+
+# Whether a compiler, a linker, libc++ and the C library are there. The answer is kept until the compiler
+# is another one.
+function(tessera_find_wasm_compiler variable)
+    find_program(TESSERA_WASM_CXX clang++-19)
+    if(TESSERA_WASM_CXX AND NOT TESSERA_WASM_TRIED STREQUAL TESSERA_WASM_CXX)
+        set(probe ${CMAKE_CURRENT_BINARY_DIR}/probe)
+        file(WRITE ${probe}.cpp "#include <vector>\nint main() { return int(std::vector<int>(3).size()); }\n")
+        execute_process(COMMAND ${TESSERA_WASM_CXX} --target=wasm32-wasi -fno-exceptions ${probe}.cpp -o ${probe}.wasm
+                        RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+        if(failed EQUAL 0)
+            set(TESSERA_WASM_TRIED ${TESSERA_WASM_CXX} CACHE INTERNAL "A compiler that can")
+        endif()
+    endif()
+    if(TESSERA_WASM_CXX AND TESSERA_WASM_TRIED STREQUAL TESSERA_WASM_CXX)
+        set(${variable} TRUE PARENT_SCOPE)
+    else()
+        set(${variable} FALSE PARENT_SCOPE)
+    endif()
+endfunction()
+
+# What the decoder is made of, from the native targets, less what no browser has a use for: files that
+# are written, meshes (Debian has no Draco for wasm), the C interface, other processors' kernels.
+function(tessera_wasm_sources variable)
+    set(all)
+    foreach(target tessera_format tessera_decoder)
+        get_target_property(files ${target} SOURCES)
+        list(APPEND all ${files})
+    endforeach()
+    list(FILTER all INCLUDE REGEX "^/.*\\.cpp$")
+    list(FILTER all EXCLUDE REGEX "/format/(surface/|io/output_|container/container_(writer|validate)|geometry|sampler)")
+    list(FILTER all EXCLUDE REGEX "/kernels_avx2\\.cpp$")
+    file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
+    set(${variable} ${all} ${own} PARENT_SCOPE)
+endfunction()
+
+# tessera_wasm(OUTPUT source...): a folder is compiled as one, as CMAKE_UNITY_BUILD does it.
+function(tessera_wasm output)
+    # fignore-exceptions: what would throw stops the instance, and tessera.js makes an Error of it.
+    set(flags --target=wasm32-wasi -std=c++20 -msimd128 -DNDEBUG -DTESSERA_WITHOUT_ZSTD
+        -fignore-exceptions -fno-rtti -ffp-contract=off -ffunction-sections -fdata-sections
+        -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
+        -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
+    set(folders)
+    foreach(source IN LISTS ARGN)
+        get_filename_component(folder ${source} DIRECTORY)
+        file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
+        list(APPEND folders ${folder})
+        string(MAKE_C_IDENTIFIER ${folder} name)
+        string(APPEND text_${name} "#include \"${source}\"\n")
+    endforeach()
+    list(REMOVE_DUPLICATES folders)
+    set(objects)
+    set(work ${CMAKE_CURRENT_BINARY_DIR}/wasm)
+    foreach(folder IN LISTS folders)
+        string(MAKE_C_IDENTIFIER ${folder} name)
+        file(CONFIGURE OUTPUT ${work}/${name}.cpp CONTENT "${text_${name}}" @ONLY)
+        add_custom_command(OUTPUT ${work}/${name}.o
+            COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${TESSERA_WASM_CXX} ${flags} -O2
+                    -MD -MF ${work}/${name}.d -c ${work}/${name}.cpp -o ${work}/${name}.o
+            DEPENDS ${work}/${name}.cpp DEPFILE ${work}/${name}.d
+            COMMENT "wasm: ${folder}" VERBATIM)
+        list(APPEND objects ${work}/${name}.o)
+    endforeach()
+    add_custom_command(OUTPUT ${output}
+        COMMAND ${TESSERA_WASM_CXX} --target=wasm32-wasi -mexec-model=reactor -O2 ${objects} -o ${output}
+                -Wl,--gc-sections -Wl,--strip-all -Wl,--export=malloc
+        DEPENDS ${objects} COMMENT "wasm: linking" VERBATIM)
+endfunction()
