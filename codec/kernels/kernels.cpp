@@ -13,17 +13,35 @@ bool avx2_available() {
 #endif
 }
 
-const Kernels& kernels() {
-    static const Kernels& chosen = []() -> const Kernels& {
-        const char* wish = std::getenv("TESSERA_SIMD");
-        [[maybe_unused]] const bool scalar = wish != nullptr && std::string_view(wish) == "scalar";
-#ifdef TESSERA_AVX2
-        if (!scalar && avx2_available())
-            return kernels_avx2;
+namespace {
+
+KernelPath choose_path() {
+#ifndef __wasm__ // has no environment
+    const char* wish = std::getenv("TESSERA_SIMD");
+    if (wish != nullptr && std::string_view(wish) == "scalar")
+        return KernelPath::scalar;
+    if (avx2_available() && (wish == nullptr || std::string_view(wish) != "vector"))
+        return KernelPath::avx2;
 #endif
-        return kernels_scalar;
-    }();
+    return KernelPath::vector;
+}
+
+} // namespace
+
+KernelPath kernel_path() {
+    static const KernelPath path = choose_path();
+    return path;
+}
+
+const Kernels& kernels() {
+#ifdef __wasm__
+    return kernels_vector; // the only ones that the module then holds
+#else
+    static const Kernels& chosen = kernel_path() == KernelPath::avx2     ? kernels_avx2
+                                   : kernel_path() == KernelPath::vector ? kernels_vector
+                                                                         : kernels_scalar;
     return chosen;
+#endif
 }
 
 } // namespace tessera

@@ -1,9 +1,5 @@
-// The hot loops, compiled once per instruction set from codec/kernels/kernels.inl and picked once per
-// process.
-//
-// Every path gives the same bits: the integer kernels because their sums are exact modulo 2^32, the
-// float ones (which only steer the encoder) because lanes are outputs or fixed partial sums, never
-// a width the compiler chooses, and contraction is off.
+// The hot loops of decoding, compiled once per instruction set from codec/kernels/kernels.inl and picked
+// once per process. Every path gives the same bits: sums of integers are exact modulo 2^32.
 #pragma once
 
 #include "format/tile/tile_filter.h"
@@ -14,31 +10,12 @@
 
 namespace tessera {
 
-// What coding some coefficients would cost, and their energy, both in squared steps. Of the cost,
-// what is due to those that are zeroed and to the bases of the others, and how many these are.
-struct CostSum {
-    float cost = 0, energy = 0;
-    float zeroed = 0, bases = 0, coded = 0;
-};
-
 // Y, Co, Cg of a tile without the background's share, in sixteenths of a code, in the order (t, s)
 // image, (v, u) texel; the background's share in codes.
 struct PlaneSet {
     const std::int32_t* plane[3];
     std::int32_t background[3];
 };
-
-// Frequencies that forward_image computes along a side: long ones keep half, as a block that needs
-// more is always cheaper when cut.
-constexpr int forward_kept(int n) {
-    return n >= 32 ? (n + 1) / 2 : n;
-}
-// Frequency at place i of a row: where the butterfly is used (4, 8, 16, 32, 64), the even ones first.
-constexpr int forward_order(int n, int i) {
-    const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32 || n == 64;
-    const int half = forward_kept(n) / 2;
-    return !butterfly ? i : i < half ? 2 * i : 2 * (i - half) + 1;
-}
 
 // A filter that copies go through (FORMAT.md 4.6): f + 2 g, plus 4 for smooth ones; and how many bits
 // its sums lie above the values.
@@ -98,35 +75,17 @@ struct Kernels {
                        const FilterTaps& taps, int n, std::int32_t* out);
     void (*filter_wide_row)(const std::int32_t* centre, const std::int32_t* const* from,
                             const FilterTaps& taps, int n, std::int32_t* out);
-
-    // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
-    void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
-                         const float* basis_t);
-    // Along an outer axis, over `inner` contiguous floats.
-    void (*forward_planes)(const float* in, float* out, int n, int inner, const float* basis_t);
-
-    // Orthonormal 2D DCT of an image of nu x nv floats whose rows lie `stride` apart. Only the
-    // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u
-    // frequencies of a row in the order of forward_order(nu).
-    void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
-    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n floats; row y of b is the one at
-    // first + y within 0..last. Rows of a lie a_stride apart, those of b b_stride.
-    void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
-                                    int first, int last, int rows, int n, float* sums);
-    // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
-    // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
-    CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
-                           float slope);
-    // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row.
-    // Up to 3 rows behind the last are changed alike.
-    void (*follow_paths)(std::uint8_t* rows, int count, const std::uint8_t* before);
 };
 
-// The path in use: the best this CPU has, or the one that the environment variable TESSERA_SIMD
-// names ("scalar", "avx2").
+// The paths: portable loops; vectors of 128 bits as the compiler makes them of any instruction set (NEON,
+// WebAssembly, SSE2); AVX2.
+enum class KernelPath { scalar, vector, avx2 };
+// The one in use: the best this CPU has, or the one that the environment variable TESSERA_SIMD names
+// ("scalar", "vector", "avx2").
+KernelPath kernel_path();
 const Kernels& kernels();
 
-extern const Kernels kernels_scalar;
+extern const Kernels kernels_scalar, kernels_vector;
 extern const Kernels kernels_avx2; // only where avx2_available()
 bool avx2_available();
 

@@ -276,26 +276,12 @@ void filter_row_avx2(const std::int16_t* centre, const std::int16_t* const* from
     }
 }
 
-// Four rows at a time.
-void follow_paths_avx2(std::uint8_t* rows, int count, const std::uint8_t* before) {
-    std::uint64_t of_row;
-    __builtin_memcpy(&of_row, before, sizeof of_row);
-    const std::uint64_t of_next = of_row + 0x0808080808080808u; // the second row of 16 bytes
-    const auto low = static_cast<long long>(of_row), high = static_cast<long long>(of_next);
-    const __m256i order = _mm256_set_epi64x(high, low, high, low);
-    for (int row = 0; row < count; row += 4, rows += 32) {
-        auto* const at = reinterpret_cast<__m256i*>(rows);
-        _mm256_storeu_si256(at, _mm256_shuffle_epi8(_mm256_loadu_si256(at), order));
-    }
-}
-
 constexpr Kernels make_avx2_kernels() {
     Kernels k = make_kernels("avx2");
     k.inverse_rows = inverse_rows_avx2;
     k.inverse_planes = inverse_planes_avx2;
     k.store_ycocg8 = store_ycocg8_avx2;
     k.filter_row = filter_row_avx2;
-    k.follow_paths = follow_paths_avx2;
     return k;
 }
 

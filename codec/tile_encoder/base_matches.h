@@ -1,7 +1,7 @@
 // Finds by which displacement blocks copy the base picture of a tile best.
 #pragma once
 
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 

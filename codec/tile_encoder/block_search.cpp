@@ -439,7 +439,7 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
     const auto texels = static_cast<std::size_t>(shape.texels());
     const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
-    const Kernels& k = kernels();
+    const SearchKernels& k = search_kernels();
     // They change places below.
     residual_.resize(std::max(residual_.size(), texels));
     scratch_a_.resize(std::max(scratch_a_.size(), texels));
@@ -475,7 +475,7 @@ float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
     }
     const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
-    const Kernels& k = kernels();
+    const SearchKernels& k = search_kernels();
     float energy = grid.activity[grid.index(c)]; // about the mean
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -513,7 +513,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     const int count = kept * shape.n[2] * shape.n[3];
     const float* base = base_costs(shape).data();
     const float slope = options_.lambda * bits_per_octave_of_energy;
-    const Kernels& k = kernels();
+    const SearchKernels& k = search_kernels();
     float cost = 0, seen = 0, others = 0, coded = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);

@@ -1,7 +1,7 @@
 // Chooses how a tile is cut into blocks, by estimated rate-distortion cost.
 #pragma once
 
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 #include "codec/tile_encoder/base_matches.h"

@@ -1,6 +1,7 @@
 #include "codec/tile_encoder/displacement_search.h"
 
 #include "codec/kernels/kernels.h"
+#include "codec/search_kernels/search_kernels.h"
 
 #include <algorithm>
 #include <bit>
@@ -111,7 +112,7 @@ void DisplacementSearch::measure(const Displacement& d, const Segment& u, const 
                 phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
             // Past a tile's width there is nothing but its edge.
             const int moved_u = std::clamp(half_u >> 1, -nu, nu);
-            kernels().add_squared_differences(
+            search_kernels().add_squared_differences(
                 source_ + ((y * tile_.n[2] + x) * nv + v.begin) * nu + u.begin, nu,
                 phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u, 3 * nu,
                 v.begin + (half_v >> 1), nv - 1, v.size, u.size, sums);

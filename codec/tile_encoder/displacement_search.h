@@ -2,7 +2,7 @@
 // does it, along s and along t.
 #pragma once
 
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "format/tile/prediction.h"
 

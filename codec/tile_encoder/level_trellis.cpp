@@ -2,7 +2,7 @@
 
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
-#include "codec/kernels/kernels.h"
+#include "codec/search_kernels/search_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -164,7 +164,7 @@ public:
 
     float choose_levels(std::vector<NonZero>& out) {
         BestEnd end(task_);
-        const Kernels& k = kernels();
+        const SearchKernels& k = search_kernels();
         for (std::size_t at = 0; at < task_.amplitude.size(); ++at) {
             price_levels(at, classify_neighbours(at));
             join_paths(at);

@@ -138,8 +138,8 @@ Status check_geometry(const Description& d) {
         return invalid("header field sphere_centre is not finite");
     const bool sphere = is_sphere(d.proxy);
     if (!std::isfinite(d.sphere_radius) || (sphere ? !(d.sphere_radius > 0) : d.sphere_radius != 0))
-        return invalid("header field sphere_radius is " + std::to_string(d.sphere_radius) +
-                       (sphere ? ", not above 0" : ", not 0 without a sphere"));
+        return invalid(std::string("header field sphere_radius is not ") +
+                       (sphere ? "above 0" : "0 without a sphere"));
     const auto [near, far] = std::pair(d.viewing_radius[0], d.viewing_radius[1]);
     if (!std::isfinite(near) || !std::isfinite(far) || near < 0 || near > far)
         return invalid("header field viewing_radius is not 0 <= near <= far");

@@ -1,5 +1,5 @@
 // The forward transform, against double precision.
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 #include "tests/support/slow_dct.h"

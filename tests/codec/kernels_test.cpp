@@ -1,5 +1,5 @@
 // Every set of kernels gives the same; the inverse transform meets IEEE 1180.
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "codec/kernels/kernels.h"
 #include "format/tile/base_picture.h"
 #include "tests/support/format_values.h"
@@ -137,6 +137,14 @@ protected:
     }
 };
 
+// Those that this CPU has besides the portable one.
+std::vector<const Kernels*> vector_paths() {
+    std::vector<const Kernels*> paths{&kernels_vector};
+    if (avx2_available())
+        paths.push_back(&kernels_avx2);
+    return paths;
+}
+
 std::vector<std::int32_t> random_integers(Random& random, std::size_t count) {
     constexpr std::int32_t extremes[] = {std::numeric_limits<std::int32_t>::min(),
                                          std::numeric_limits<std::int32_t>::max(),
@@ -262,7 +270,7 @@ TEST_F(KernelPaths, CopiesOfBasePicturesAreEqual) {
             }
 }
 
-TEST_F(KernelPaths, ColourStoresAreEqual) {
+TEST(Kernels, StoreColoursAlike) {
     Random random(13);
     for (const int texels : {1, 5, 8, 16, 35, 64})
         for (const int images : {1, 3, 8, 9, 16, 24, 64}) {
@@ -277,10 +285,13 @@ TEST_F(KernelPaths, ColourStoresAreEqual) {
             const PlaneSet in{{planes[0].data(), planes[1].data(), planes[2].data()},
                               {100, -3, 17}};
             // Exactly the tile's bytes, so that the address sanitizer sees a store past them.
-            std::vector<unsigned char> a(3 * count), b(3 * count, 1);
+            std::vector<unsigned char> a(3 * count);
             kernels_scalar.store_ycocg8(in, texels, images, a.data());
-            kernels_avx2.store_ycocg8(in, texels, images, b.data());
-            ASSERT_EQ(a, b) << texels << " " << images;
+            for (const Kernels* path : vector_paths()) {
+                std::vector<unsigned char> b(3 * count, 1);
+                path->store_ycocg8(in, texels, images, b.data());
+                ASSERT_EQ(a, b) << path->name << " " << texels << " " << images;
+            }
             for (int x = 0; x < texels; ++x)
                 for (int i = 0; i < images; ++i) {
                     const auto at = static_cast<std::size_t>(i * texels + x);
@@ -303,13 +314,13 @@ TEST_F(KernelPaths, ForwardPassesAreEqual) {
         for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
             const auto in = random_floats(random, n * inner, 1e4);
             std::vector<float> a(in.size()), b(in.size(), 1);
-            kernels_scalar.forward_planes(in.data(), a.data(), n, inner, forward_basis(n));
-            kernels_avx2.forward_planes(in.data(), b.data(), n, inner, forward_basis(n));
+            search_kernels_scalar.forward_planes(in.data(), a.data(), n, inner, forward_basis(n));
+            search_kernels_avx2.forward_planes(in.data(), b.data(), n, inner, forward_basis(n));
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << n << " " << inner;
             const int rows = inner;
-            kernels_scalar.forward_rows(in.data(), a.data(), rows, n, n, forward_basis(n));
-            kernels_avx2.forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
+            search_kernels_scalar.forward_rows(in.data(), a.data(), rows, n, n, forward_basis(n));
+            search_kernels_avx2.forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << n << " " << inner;
         }
@@ -325,8 +336,8 @@ TEST_F(KernelPaths, ForwardImagesAreEqualAndRight) {
             const auto in = random_floats(random, stride * (nv - 1) + nu, 255);
             std::vector<float> a(static_cast<std::size_t>(kept_u * forward_kept(nv))),
                 b(a.size(), 1);
-            kernels_scalar.forward_image(in.data(), stride, nu, nv, a.data());
-            kernels_avx2.forward_image(in.data(), stride, nu, nv, b.data());
+            search_kernels_scalar.forward_image(in.data(), stride, nu, nv, a.data());
+            search_kernels_avx2.forward_image(in.data(), stride, nu, nv, b.data());
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << nu << "x" << nv;
             std::vector<double> want;
@@ -351,8 +362,8 @@ TEST_F(KernelPaths, CodingCostsAreEqual) {
         for (float& value : base)
             if (random.chance(0.1)) // cannot be coded
                 value = std::numeric_limits<float>::infinity();
-        const CostSum a = kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
-        const CostSum b = kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum a = search_kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum b = search_kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
         ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << count;
         ASSERT_TRUE(std::isfinite(a.cost)) << count;
         double energy = 0;
@@ -362,11 +373,12 @@ TEST_F(KernelPaths, CodingCostsAreEqual) {
     }
 }
 
-// The environment decides; ctest runs this test with TESSERA_SIMD=scalar as well.
+// The environment decides; ctest runs this test with TESSERA_SIMD=scalar and =vector as well.
 TEST(Kernels, FollowTheEnvironment) {
     const char* wish = std::getenv("TESSERA_SIMD");
-    const bool scalar = (wish != nullptr && std::string(wish) == "scalar") || !avx2_available();
-    EXPECT_STREQ(kernels().name, scalar ? "scalar" : "avx2");
+    const std::string best = avx2_available() ? "avx2" : "vector";
+    const std::string wanted = wish == nullptr ? best : wish;
+    EXPECT_EQ(kernels().name, wanted == "scalar" || wanted == "vector" ? wanted : best);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "format/samples.h"
 #include "tools/picture/tone_map.h"
 
+#include <cstring>
 #include <vector>
 
 namespace tessera {
@@ -17,6 +18,27 @@ void bytes_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* ou
         out[2] = in[channels > 2 ? 2 : 0];
         out[3] = channels == 4 ? in[3] : channels == 2 ? in[1] : 255;
     }
+}
+
+// RGB, sixteen bytes at a time: most of what is shown.
+void rgb_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* out) {
+    typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
+    constexpr Byte16 opaque = {255};
+    if (count < 8 || count % 4 != 0)
+        return bytes_to_rgba<3>(in, count, out);
+    std::uint32_t i = 0;
+    for (; i + 4 < count; i += 4, in += 12, out += 16) {
+        Byte16 rgb;
+        std::memcpy(&rgb, in, 16);
+        const Byte16 rgba = __builtin_shufflevector(rgb, opaque, 0, 1, 2, 16, 3, 4, 5, 16, 6, 7, 8,
+                                                    16, 9, 10, 11, 16);
+        std::memcpy(out, &rgba, 16);
+    }
+    Byte16 rgb; // the last four, with what is before them: nothing behind them is read
+    std::memcpy(&rgb, in - 4, 16);
+    const Byte16 rgba = __builtin_shufflevector(rgb, opaque, 4, 5, 6, 16, 7, 8, 9, 16, 10, 11, 12,
+                                                16, 13, 14, 15, 16);
+    std::memcpy(out, &rgba, 16);
 }
 
 // What every half is shown as, and as alpha.
@@ -49,33 +71,41 @@ void halves_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* o
     }
 }
 
+// The angular image of one place; rows of `rgba` lie `stride` bytes apart.
+template <void (*write_row)(const std::uint8_t*, std::uint32_t, std::uint8_t*), int texel_bytes>
+void write_place(const std::uint8_t* texels, std::uint32_t ns, std::uint32_t nt, std::uint8_t* rgba,
+                 std::size_t stride) {
+    for (std::uint32_t t = 0; t < nt; ++t)
+        write_row(texels + std::size_t{t} * ns * texel_bytes, ns, rgba + t * stride);
+}
+
 } // namespace
 
-AtlasSink::RowWriter AtlasSink::row_writer(const TextureDesc& desc) {
-    constexpr RowWriter writers[2][4] = {
-        {bytes_to_rgba<1>, bytes_to_rgba<2>, bytes_to_rgba<3>, bytes_to_rgba<4>},
-        {halves_to_rgba<1>, halves_to_rgba<2>, halves_to_rgba<3>, halves_to_rgba<4>}};
+AtlasSink::PlaceWriter AtlasSink::place_writer(const TextureDesc& desc) {
+    constexpr PlaceWriter writers[2][4] = {
+        {write_place<bytes_to_rgba<1>, 1>, write_place<bytes_to_rgba<2>, 2>,
+         write_place<rgb_to_rgba, 3>, write_place<bytes_to_rgba<4>, 4>},
+        {write_place<halves_to_rgba<1>, 2>, write_place<halves_to_rgba<2>, 4>,
+         write_place<halves_to_rgba<3>, 6>, write_place<halves_to_rgba<4>, 8>}};
     return writers[desc.type == SampleType::half16 ? 1 : 0][desc.channels - 1];
 }
 
 AtlasSink::AtlasSink(const TextureDesc& desc, const Box4& box, std::span<std::byte> rgba)
-    : texel_bytes_(desc.texel_bytes()), box_(box), rgba_(rgba), write_row_(row_writer(desc)) {}
+    : texel_bytes_(desc.texel_bytes()), box_(box), rgba_(rgba), write_place_(place_writer(desc)) {}
 
 Status AtlasSink::write(const Box4& part, std::span<const std::byte> texels) {
     const auto [all_u, all_v, all_s, all_t] = box_.extent();
     const auto [nu, nv, ns, nt] = part.extent();
     const auto* in = reinterpret_cast<const std::uint8_t*>(texels.data());
+    auto* const out = reinterpret_cast<std::uint8_t*>(rgba_.data());
     const std::size_t width = std::size_t{all_u} * all_s;
     for (std::uint32_t v = 0; v < nv; ++v)
-        for (std::uint32_t u = 0; u < nu; ++u) {
+        for (std::uint32_t u = 0; u < nu; ++u, in += std::size_t{nt} * ns * texel_bytes_) {
             const std::size_t x = std::size_t{part.begin[axis_u] - box_.begin[axis_u] + u} * all_s +
                                   part.begin[axis_s];
             const std::size_t y = std::size_t{part.begin[axis_v] - box_.begin[axis_v] + v} * all_t +
                                   part.begin[axis_t];
-            for (std::uint32_t t = 0; t < nt; ++t, in += ns * texel_bytes_)
-                write_row_(in, ns,
-                           reinterpret_cast<std::uint8_t*>(rgba_.data()) +
-                               ((y + t) * width + x) * 4);
+            write_place_(in, ns, nt, out + (y * width + x) * 4, width * 4);
         }
     return {};
 }

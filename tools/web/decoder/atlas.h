@@ -20,13 +20,14 @@ public:
     Status write(const Box4& box, std::span<const std::byte> texels) override;
 
 private:
-    using RowWriter = void (*)(const std::uint8_t* texels, std::uint32_t count, std::uint8_t* rgba);
-    static RowWriter row_writer(const TextureDesc& desc);
+    using PlaceWriter = void (*)(const std::uint8_t* texels, std::uint32_t ns, std::uint32_t nt,
+                                 std::uint8_t* rgba, std::size_t stride);
+    static PlaceWriter place_writer(const TextureDesc& desc);
 
     std::size_t texel_bytes_;
     Box4 box_;
     std::span<std::byte> rgba_;
-    RowWriter write_row_;
+    PlaceWriter write_place_;
 };
 
 } // namespace tessera

@@ -190,13 +190,3 @@ WEB_EXPORT(const std::byte*, web_result)() {
 }
 
 } // namespace tessera
-
-// Without exceptions: what would throw stops the instance, and tessera.js turns that into an Error.
-extern "C" {
-void* __cxa_allocate_exception(std::size_t) noexcept {
-    __builtin_trap();
-}
-[[noreturn]] void __cxa_throw(void*, void*, void (*)(void*)) {
-    __builtin_trap();
-}
-}

@@ -276,21 +276,9 @@ class TessFile {
     }
 }
 
-// The module wants a few functions of an operating system; they have nothing to do here.
+// The module asks nothing of its surroundings.
 function instantiate(module) {
-    let wasm;
-    const system = {};
-    for (const {name} of WebAssembly.Module.imports(module))
-        system[name] = () => 0;
-    system.environ_sizes_get = (count, bytes) => {
-        new Uint32Array(wasm.memory.buffer, count, 1)[0] = 0;
-        new Uint32Array(wasm.memory.buffer, bytes, 1)[0] = 0;
-        return 0;
-    };
-    system.proc_exit = () => {
-        throw new WebAssembly.RuntimeError('exit');
-    };
-    wasm = new WebAssembly.Instance(module, {wasi_snapshot_preview1: system}).exports;
+    const wasm = new WebAssembly.Instance(module, {}).exports;
     wasm._initialize();
     return wasm;
 }

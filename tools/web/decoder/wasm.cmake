@@ -32,16 +32,17 @@ function(tessera_wasm_sources variable)
     endforeach()
     list(FILTER all INCLUDE REGEX "^/.*\\.cpp$")
     list(FILTER all EXCLUDE REGEX "/format/(surface/|io/output_|container/container_(writer|validate)|geometry|sampler)")
-    list(FILTER all EXCLUDE REGEX "/kernels_avx2\\.cpp$")
+    list(FILTER all EXCLUDE REGEX "/kernels_(avx2|scalar)\\.cpp$")
     file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
     set(${variable} ${all} ${own} PARENT_SCOPE)
 endfunction()
 
 # tessera_wasm(OUTPUT source...): a folder is compiled as one, as CMAKE_UNITY_BUILD does it.
 function(tessera_wasm output)
-    # fignore-exceptions: what would throw stops the instance, and tessera.js makes an Error of it.
+    # Without exceptions: what would throw stops the instance (runtime.cpp). libc++ is told apart, as our
+    # own code has handlers.
     set(flags --target=wasm32-wasi -std=c++20 -msimd128 -DNDEBUG -DTESSERA_WITHOUT_ZSTD
-        -fignore-exceptions -fno-rtti -ffp-contract=off -ffunction-sections -fdata-sections
+        -fignore-exceptions -D_LIBCPP_HAS_NO_EXCEPTIONS -fno-rtti -ffp-contract=off -ffunction-sections -fdata-sections
         -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
         -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
     set(folders)
@@ -53,13 +54,19 @@ function(tessera_wasm output)
         string(APPEND text_${name} "#include \"${source}\"\n")
     endforeach()
     list(REMOVE_DUPLICATES folders)
+    # What runs once a file, or once a tile, is compiled to be small.
+    set(small format format/io format/container codec/texels codec/decode)
     set(objects)
     set(work ${CMAKE_CURRENT_BINARY_DIR}/wasm)
     foreach(folder IN LISTS folders)
         string(MAKE_C_IDENTIFIER ${folder} name)
+        set(level -O2)
+        if(folder IN_LIST small)
+            set(level -Oz)
+        endif()
         file(CONFIGURE OUTPUT ${work}/${name}.cpp CONTENT "${text_${name}}" @ONLY)
         add_custom_command(OUTPUT ${work}/${name}.o
-            COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${TESSERA_WASM_CXX} ${flags} -O2
+            COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${TESSERA_WASM_CXX} ${flags} ${level}
                     -MD -MF ${work}/${name}.d -c ${work}/${name}.cpp -o ${work}/${name}.o
             DEPENDS ${work}/${name}.cpp DEPFILE ${work}/${name}.d
             COMMENT "wasm: ${folder}" VERBATIM)

@@ -1,4 +1,4 @@
-#include "codec/kernels/forward_dct.h"
+#include "codec/search_kernels/forward_dct.h"
 
 #include <algorithm>
 #include <array>
@@ -48,7 +48,7 @@ void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
     for (int a = 0; a < 4; ++a)
         (a < axis ? inner : a > axis ? outer : inner) *= a == axis ? 1 : tile.n[a];
     const int side = tile.n[axis];
-    const Kernels& k = kernels();
+    const SearchKernels& k = search_kernels();
     for (const Segment& s : segments) {
         if (s.size == 0)
             continue;

@@ -1,7 +1,7 @@
 // Float forward DCT of blocks inside a tile; steers the encoder only.
 #pragma once
 
-#include "codec/kernels/kernels.h"
+#include "codec/search_kernels/search_kernels.h"
 #include "format/tile/block.h"
 
 #include <vector>

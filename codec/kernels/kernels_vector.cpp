@@ -1,0 +1,202 @@
+// Vectors of 128 bits in the compiler's own notation, for NEON, WebAssembly and SSE2. The portable loops
+// serve as they are, vectorised by the compiler, but for the two that it cannot see through.
+#include "codec/kernels/kernels.inl"
+
+#ifdef __wasm_simd128__
+#include <wasm_simd128.h>
+#endif
+
+namespace tessera {
+namespace {
+
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
+typedef std::int16_t Short8 __attribute__((vector_size(16)));
+typedef std::uint16_t UShort8 __attribute__((vector_size(16)));
+typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
+
+template <class Vector, class Value> inline Vector load_vector(const Value* from) {
+    Vector x;
+    __builtin_memcpy(&x, from, sizeof x);
+    return x;
+}
+
+template <class Vector> inline Vector least(Vector a, Vector b) {
+    return a < b ? a : b;
+}
+template <class Vector> inline Vector most(Vector a, Vector b) {
+    return a > b ? a : b;
+}
+
+// Sixteen values as bytes, those outside 0..255 as the nearer end.
+inline Byte16 saturated(Int4 a, Int4 b, Int4 c, Int4 d) {
+#ifdef __wasm_simd128__
+    return (Byte16)wasm_u8x16_narrow_i16x8(wasm_i16x8_narrow_i32x4((v128_t)a, (v128_t)b),
+                                           wasm_i16x8_narrow_i32x4((v128_t)c, (v128_t)d));
+#else
+    const auto bytes = [](Int4 x) {
+        return (Byte16)least(most(x, Int4{}), Int4{255, 255, 255, 255});
+    };
+    const Byte16 ab = __builtin_shufflevector(bytes(a), bytes(b), 0, 4, 8, 12, 16, 20, 24, 28, 0, 4,
+                                              8, 12, 16, 20, 24, 28);
+    const Byte16 cd = __builtin_shufflevector(bytes(c), bytes(d), 0, 4, 8, 12, 16, 20, 24, 28, 0, 4,
+                                              8, 12, 16, 20, 24, 28);
+    return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
+#endif
+}
+
+// Four texels of four images: byte 4 i + x is texel x of image i.
+struct Colours {
+    Byte16 red, green, blue;
+};
+
+inline Colours colours_of(const PlaneSet& in, int at, int texels) {
+    Int4 red[4], green[4], blue[4];
+    for (int i = 0; i < 4; ++i, at += texels) {
+        const auto code = [&](int plane) {
+            return (load_vector<Int4>(in.plane[plane] + at) + (in.background[plane] * 16 + 8)) >> 4;
+        };
+        const Int4 co = code(1), cg = code(2);
+        const Int4 t = code(0) - (cg >> 1);
+        blue[i] = t - (co >> 1);
+        red[i] = blue[i] + co;
+        green[i] = cg + t;
+    }
+    return {saturated(red[0], red[1], red[2], red[3]),
+            saturated(green[0], green[1], green[2], green[3]),
+            saturated(blue[0], blue[1], blue[2], blue[3])};
+}
+
+// Twelve bytes of each of four texels: red, green and blue of four images.
+inline void interleave(const Colours& in, Byte16 out[4]) {
+    const Byte16 first = __builtin_shufflevector(in.red, in.green, 0, 16, 4, 20, 8, 24, 12, 28, 1,
+                                                 17, 5, 21, 9, 25, 13, 29);
+    const Byte16 second = __builtin_shufflevector(in.red, in.green, 2, 18, 6, 22, 10, 26, 14, 30, 3,
+                                                  19, 7, 23, 11, 27, 15, 31);
+    out[0] =
+        __builtin_shufflevector(first, in.blue, 0, 1, 16, 2, 3, 20, 4, 5, 24, 6, 7, 28, 0, 0, 0, 0);
+    out[1] = __builtin_shufflevector(first, in.blue, 8, 9, 17, 10, 11, 21, 12, 13, 25, 14, 15, 29,
+                                     0, 0, 0, 0);
+    out[2] = __builtin_shufflevector(second, in.blue, 0, 1, 18, 2, 3, 22, 4, 5, 26, 6, 7, 30, 0, 0,
+                                     0, 0);
+    out[3] = __builtin_shufflevector(second, in.blue, 8, 9, 19, 10, 11, 23, 12, 13, 27, 14, 15, 31,
+                                     0, 0, 0, 0);
+}
+
+void store_ycocg8_vector(const PlaneSet& in, int texels, int images, unsigned char* out) {
+    constexpr int line = 16; // texels that one line of the cache brings
+    const int whole_texels = texels & ~3, whole_images = images & ~7;
+    for (int begin = 0; begin < whole_texels; begin += line)
+        for (int i = 0; i < whole_images; i += 8)
+            for (int x = begin; x < begin + line && x < whole_texels; x += 4) {
+                Byte16 head[4], tail[4];
+                interleave(colours_of(in, i * texels + x, texels), head);
+                interleave(colours_of(in, (i + 4) * texels + x, texels), tail);
+                for (int j = 0; j < 4; ++j) {
+                    unsigned char* to = out + 3 * ((x + j) * images + i);
+                    const Byte16 start = __builtin_shufflevector(
+                        head[j], tail[j], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19);
+                    const Byte16 end = __builtin_shufflevector(tail[j], tail[j], 4, 5, 6, 7, 8, 9,
+                                                               10, 11, 0, 0, 0, 0, 0, 0, 0, 0);
+                    __builtin_memcpy(to, &start, 16);
+                    __builtin_memcpy(to + 16, &end, 8);
+                }
+            }
+    store_ycocg8_part(in, texels, images, 0, whole_texels, whole_images, images, out);
+    store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
+}
+
+// What a difference of each size takes off a ring's full share, and what is left of it.
+inline Short8 shares_of(Short8 d, UShort8 largest, UShort8 full, UShort8 slope) {
+#ifdef __wasm_simd128__
+    // size * slope = 2 size * (slope >> 1) + size * (slope & 1): in pairs that fit 16 bits with a sign.
+    const v128_t size = wasm_u16x8_min(wasm_i16x8_abs((v128_t)d), (v128_t)largest);
+    const v128_t twice = wasm_i16x8_shl(size, 1);
+    const v128_t pair =
+        wasm_v128_or((v128_t)(slope >> 1 & UShort8{0xFFFF, 0, 0xFFFF, 0, 0xFFFF, 0, 0xFFFF, 0}),
+                     (v128_t)(slope & UShort8{0, 1, 0, 1, 0, 1, 0, 1}));
+    const v128_t low =
+        wasm_i32x4_dot_i16x8(wasm_i16x8_shuffle(twice, size, 0, 8, 1, 9, 2, 10, 3, 11), pair);
+    const v128_t high =
+        wasm_i32x4_dot_i16x8(wasm_i16x8_shuffle(twice, size, 4, 12, 5, 13, 6, 14, 7, 15), pair);
+    const v128_t lost = wasm_u16x8_narrow_i32x4(wasm_u32x4_shr(low, 12), wasm_u32x4_shr(high, 12));
+    return (Short8)wasm_u16x8_sub_sat((v128_t)full, lost);
+#else
+    typedef std::uint32_t UInt8 __attribute__((vector_size(32)));
+    const UShort8 size = least((UShort8)most(d, -d), largest);
+    const UInt8 products =
+        __builtin_convertvector(size, UInt8) * __builtin_convertvector(slope, UInt8);
+    return (Short8)(full - least(__builtin_convertvector(products >> 12, UShort8), full));
+#endif
+}
+
+// sums, the first four and the others: += a p + b q.
+inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
+#ifdef __wasm_simd128__
+    const auto low = [](Short8 x, Short8 y) {
+        return (v128_t)__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
+    };
+    const auto high = [](Short8 x, Short8 y) {
+        return (v128_t)__builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
+    };
+    sums[0] += (Int4)wasm_i32x4_dot_i16x8(low(a, b), low(p, q));
+    sums[1] += (Int4)wasm_i32x4_dot_i16x8(high(a, b), high(p, q));
+#else
+    const auto low = [](Short8 x) {
+        return __builtin_convertvector(__builtin_shufflevector(x, x, 0, 1, 2, 3), Int4);
+    };
+    const auto high = [](Short8 x) {
+        return __builtin_convertvector(__builtin_shufflevector(x, x, 4, 5, 6, 7), Int4);
+    };
+    sums[0] += low(a) * low(p) + low(b) * low(q);
+    sums[1] += high(a) * high(p) + high(b) * high(q);
+#endif
+}
+
+// Eight values at once, whose sums stay in registers. Differences fit 16 bits, their shares 7.
+void filter_row_vector(const std::int16_t* centre, const std::int16_t* const* from,
+                       const FilterTaps& taps, int n, std::int32_t* out) {
+    for (int u = 0; u < n; u += 8) {
+        const auto own = load_vector<Short8>(centre + u);
+        Int4 sums[2] = {Int4{} + 128, Int4{} + 128};
+        for (std::size_t ring = 0; ring < filter_rings; ++ring) {
+            const std::int32_t strength = taps.strength[ring];
+            if (strength == 0)
+                continue;
+            const UShort8 full =
+                UShort8{} + static_cast<std::uint16_t>(strength < 0 ? -strength : strength);
+            const UShort8 slope = UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]);
+            const UShort8 largest =
+                UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
+            Int4 of_ring[2] = {};
+            for (std::size_t i = 4 * ring; i < 4 * ring + 4; i += 2) {
+                const Short8 a = load_vector<Short8>(from[i] + u) - own;
+                const Short8 b = load_vector<Short8>(from[i + 1] + u) - own;
+                add_products(of_ring, a, shares_of(a, largest, full, slope), b,
+                             shares_of(b, largest, full, slope));
+            }
+            for (int half = 0; half < 2; ++half)
+                sums[half] = strength < 0 ? sums[half] - of_ring[half] : sums[half] + of_ring[half];
+        }
+        std::int32_t filtered[8];
+        for (int half = 0; half < 2; ++half) {
+            const Int4 sum = sums[half] >> 8;
+            __builtin_memcpy(filtered + 4 * half, &sum, sizeof sum);
+        }
+        const int count = n - u < 8 ? n - u : 8;
+        for (int i = 0; i < count; ++i)
+            out[u + i] = centre[u + i] + filtered[i];
+    }
+}
+
+constexpr Kernels make_vector_kernels() {
+    Kernels k = make_kernels("vector");
+    k.store_ycocg8 = store_ycocg8_vector;
+    k.filter_row = filter_row_vector;
+    return k;
+}
+
+} // namespace
+
+extern const Kernels kernels_vector = make_vector_kernels();
+
+} // namespace tessera

@@ -1,0 +1,297 @@
+// Included by search_kernels_scalar.cpp and search_kernels_avx2.cpp, each built with its own flags. No
+// standard library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
+#include "codec/search_kernels/search_kernels.h"
+
+#include "codec/search_kernels/forward_dct.h"
+
+namespace tessera {
+namespace {
+
+constexpr int cost_lanes = 8;
+
+// Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
+inline float one_cost(float a2, float base, float slope) {
+    const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
+    const float log2 = bits > 0.0f ? bits * 0x1p-23f : 0.0f;
+    const float coded = base + slope * log2;
+    return a2 < coded ? a2 : coded;
+}
+
+void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
+                             int last, int rows, int n, float* sums) {
+    for (int y = 0; y < rows; ++y) {
+        const int wanted = first + y;
+        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        const float* row = a + y * a_stride;
+        for (int x = 0; x < n; ++x) {
+            const float difference = row[x] - from[x];
+            sums[x] += difference * difference;
+        }
+    }
+}
+
+CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
+    float cost[cost_lanes] = {}, energy[cost_lanes] = {}, zeroed[cost_lanes] = {},
+          bases[cost_lanes] = {};
+    float coded[cost_lanes] = {};
+    const auto add = [&](int j, int at) {
+        const float a = x[at] * inverse_step, a2 = a * a;
+        const float one = one_cost(a2, base[at], slope);
+        const bool zero = one >= a2;
+        energy[j] += a2;
+        cost[j] += one;
+        zeroed[j] += zero ? a2 : 0.0f;
+        bases[j] += zero ? 0.0f : base[at];
+        coded[j] += zero ? 0.0f : 1.0f;
+    };
+    int i = 0;
+    for (; i + cost_lanes <= count; i += cost_lanes)
+        for (int j = 0; j < cost_lanes; ++j)
+            add(j, i + j);
+    for (; i < count; ++i)
+        add(0, i);
+    const auto sum = [](const float* s) {
+        return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    };
+    return {sum(cost), sum(energy), sum(zeroed), sum(bases), sum(coded)};
+}
+
+// Vectors of the compiler: two halves where the instruction set has only 128 bits.
+typedef float Float16 __attribute__((vector_size(64)));
+typedef float Float8 __attribute__((vector_size(32)));
+typedef float Float4 __attribute__((vector_size(16)));
+typedef float Float2 __attribute__((vector_size(8)));
+
+template <class Vector> inline Vector load(const float* from) {
+    Vector x;
+    __builtin_memcpy(&x, from, sizeof x);
+    return x;
+}
+template <class Vector> inline void store(float* to, const Vector& x) {
+    __builtin_memcpy(to, &x, sizeof x);
+}
+
+// Basis of a butterfly: even[k][x] for frequency 2k, odd[k][x] for 2k + 1, x in the first half; and
+// the same with x outermost.
+template <int n, int frequencies> struct SplitBasis {
+    static constexpr int half = n / 2, kept = frequencies / 2;
+    float even[kept][half], odd[kept][half];
+    float even_t[half][kept], odd_t[half][kept];
+    SplitBasis() {
+        for (int x = 0; x < half; ++x)
+            for (int k = 0; k < kept; ++k) {
+                even[k][x] = even_t[x][k] = forward_basis(n)[x * n + 2 * k];
+                odd[k][x] = odd_t[x][k] = forward_basis(n)[x * n + 2 * k + 1];
+            }
+    }
+    static const SplitBasis& get() {
+        static const SplitBasis basis;
+        return basis;
+    }
+};
+
+// One vector of columns of an image: tmp[k][u] for the kept frequencies.
+template <int n, int frequencies, class Vector>
+inline void column_vector(const float* in, int stride, int nu, float* tmp) {
+    using Basis = SplitBasis<n, frequencies>;
+    const Basis& b = Basis::get();
+    Vector even[Basis::half], odd[Basis::half];
+    for (int v = 0; v < Basis::half; ++v) {
+        const auto head = load<Vector>(in + v * stride);
+        const auto tail = load<Vector>(in + (n - 1 - v) * stride);
+        even[v] = head + tail;
+        odd[v] = head - tail;
+    }
+    // Two frequencies of each kind at a time share the loads.
+    for (int k = 0; k < Basis::kept; k += 2) {
+        Vector e0{}, e1{}, o0{}, o1{};
+        for (int v = 0; v < Basis::half; ++v) {
+            e0 += even[v] * b.even[k][v];
+            e1 += even[v] * b.even[k + 1][v];
+            o0 += odd[v] * b.odd[k][v];
+            o1 += odd[v] * b.odd[k + 1][v];
+        }
+        store(tmp + 2 * k * nu, e0);
+        store(tmp + (2 * k + 1) * nu, o0);
+        store(tmp + (2 * k + 2) * nu, e1);
+        store(tmp + (2 * k + 3) * nu, o1);
+    }
+}
+
+template <int n> void image_columns(const float* in, int stride, int nu, float* tmp) {
+    int u = 0;
+    for (; u + 8 <= nu; u += 8)
+        column_vector<n, forward_kept(n), Float8>(in + u, stride, nu, tmp + u);
+    for (; u < nu; u += 4)
+        column_vector<n, forward_kept(n), Float4>(in + u, stride, nu, tmp + u);
+}
+
+// Rows of tmp, two at a time, into even and odd frequencies; Vector holds half of those kept.
+template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
+    using Basis = SplitBasis<n, forward_kept(n)>;
+    const Basis& b = Basis::get();
+    for (int r = 0; r < rows; r += 2, tmp += 2 * n, out += 4 * Basis::kept) {
+        Vector e0{}, e1{}, o0{}, o1{};
+        for (int x = 0; x < Basis::half; ++x) {
+            const auto even = load<Vector>(b.even_t[x]), odd = load<Vector>(b.odd_t[x]);
+            e0 += even * (tmp[x] + tmp[n - 1 - x]);
+            o0 += odd * (tmp[x] - tmp[n - 1 - x]);
+            e1 += even * (tmp[n + x] + tmp[2 * n - 1 - x]);
+            o1 += odd * (tmp[n + x] - tmp[2 * n - 1 - x]);
+        }
+        store(out, e0);
+        store(out + Basis::kept, o0);
+        store(out + 2 * Basis::kept, e1);
+        store(out + 3 * Basis::kept, o1);
+    }
+}
+
+// Any side, as sums in the order of x: the lowest `kept` frequencies of a row in natural order.
+inline void plain_row(const float* in, int n, int kept, const float* basis_t, float* out) {
+    for (int k = 0; k < kept; ++k)
+        out[k] = 0;
+    for (int x = 0; x < n; ++x) {
+        const float value = in[x];
+        for (int k = 0; k < kept; ++k)
+            out[k] += value * basis_t[x * n + k];
+    }
+}
+
+// The same of columns begin .. end - 1, whose values lie `stride` apart; of frequency k to out[k * out_stride].
+inline void plain_columns(const float* in, int stride, int n, int kept, int begin, int end,
+                          const float* basis_t, float* out, int out_stride) {
+    for (int k = 0; k < kept; ++k) {
+        float* to = out + k * out_stride;
+        for (int u = begin; u < end; ++u)
+            to[u] = 0;
+        for (int x = 0; x < n; ++x) {
+            const float* row = in + x * stride;
+            const float b = basis_t[x * n + k];
+            for (int u = begin; u < end; ++u)
+                to[u] += row[u] * b;
+        }
+    }
+}
+
+// All frequencies of a row in natural order, by even and odd halves.
+template <int n, class Vector>
+void forward_rows_split(const float* in, float* out, int rows, int stride) {
+    using Basis = SplitBasis<n, n>;
+    const Basis& b = Basis::get();
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    for (int r = 0; r < rows; ++r, in += stride, out += stride)
+        for (int k = 0; k < Basis::kept; k += width) {
+            Vector even{}, odd{};
+            for (int x = 0; x < Basis::half; ++x) {
+                even += load<Vector>(b.even_t[x] + k) * (in[x] + in[n - 1 - x]);
+                odd += load<Vector>(b.odd_t[x] + k) * (in[x] - in[n - 1 - x]);
+            }
+            for (int i = 0; i < width; ++i) {
+                out[2 * (k + i)] = even[i];
+                out[2 * (k + i) + 1] = odd[i];
+            }
+        }
+}
+
+void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
+    switch (n) {
+    case 4:
+        return forward_rows_split<4, Float2>(in, out, rows, stride);
+    case 8:
+        return forward_rows_split<8, Float4>(in, out, rows, stride);
+    case 16:
+        return forward_rows_split<16, Float8>(in, out, rows, stride);
+    case 32:
+        return forward_rows_split<32, Float8>(in, out, rows, stride);
+    case 64:
+        return forward_rows_split<64, Float8>(in, out, rows, stride);
+    default:
+        for (int r = 0; r < rows; ++r)
+            plain_row(in + r * stride, n, n, basis_t, out + r * stride);
+    }
+}
+
+template <int n> int forward_planes_split(const float* in, float* out, int inner) {
+    int i = 0;
+    for (; i + 8 <= inner; i += 8)
+        column_vector<n, n, Float8>(in + i, inner, inner, out + i);
+    for (; i + 4 <= inner; i += 4)
+        column_vector<n, n, Float4>(in + i, inner, inner, out + i);
+    return i;
+}
+
+void forward_planes(const float* in, float* out, int n, int inner, const float* basis_t) {
+    const int done = n == 4    ? forward_planes_split<4>(in, out, inner)
+                     : n == 8  ? forward_planes_split<8>(in, out, inner)
+                     : n == 16 ? forward_planes_split<16>(in, out, inner)
+                     : n == 32 ? forward_planes_split<32>(in, out, inner)
+                     : n == 64 ? forward_planes_split<64>(in, out, inner)
+                               : 0;
+    if (done == 0 && n == 2) {
+        const float half = basis_t[0];
+        for (int i = 0; i < inner; ++i) {
+            out[i] = (in[i] + in[inner + i]) * half;
+            out[inner + i] = (in[i] - in[inner + i]) * half;
+        }
+    } else if (done < inner) {
+        plain_columns(in, inner, n, n, done, inner, basis_t, out, inner);
+    }
+}
+
+void forward_image(const float* in, int stride, int nu, int nv, float* out) {
+    float tmp[max_tile_side * max_tile_side];
+    const bool columns_split = nu % 4 == 0;
+    if (columns_split && nv == 64)
+        image_columns<64>(in, stride, nu, tmp);
+    else if (columns_split && nv == 32)
+        image_columns<32>(in, stride, nu, tmp);
+    else if (columns_split && nv == 16)
+        image_columns<16>(in, stride, nu, tmp);
+    else if (columns_split && nv == 8)
+        image_columns<8>(in, stride, nu, tmp);
+    else if (columns_split && nv == 4)
+        image_columns<4>(in, stride, nu, tmp);
+    else
+        plain_columns(in, stride, nv, forward_kept(nv), 0, nu, forward_basis(nv), tmp, nu);
+    const int rows = forward_kept(nv);
+    if (nu == 64 && rows % 2 == 0)
+        image_rows<64, Float16>(tmp, rows, out);
+    else if (nu == 32 && rows % 2 == 0)
+        image_rows<32, Float8>(tmp, rows, out);
+    else if (nu == 16 && rows % 2 == 0)
+        image_rows<16, Float8>(tmp, rows, out);
+    else if (nu == 8 && rows % 2 == 0)
+        image_rows<8, Float4>(tmp, rows, out);
+    else if (nu == 4 && rows % 2 == 0)
+        image_rows<4, Float2>(tmp, rows, out);
+    else {
+        const int kept = forward_kept(nu);
+        float row[max_tile_side];
+        for (int r = 0; r < rows; ++r) {
+            plain_row(tmp + r * nu, nu, kept, forward_basis(nu), row);
+            for (int i = 0; i < kept; ++i)
+                *out++ = row[forward_order(nu, i)];
+        }
+    }
+}
+
+void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
+    for (int row = 0; row < count; ++row, rows += 8) {
+        std::uint64_t old;
+        __builtin_memcpy(&old, rows, sizeof old);
+        if (old == 0)
+            continue;
+        std::uint8_t from[8];
+        __builtin_memcpy(from, &old, sizeof from);
+        for (int i = 0; i < 8; ++i)
+            rows[i] = from[before[i]];
+    }
+}
+
+constexpr SearchKernels make_search_kernels() {
+    return {forward_rows, forward_planes, forward_image, add_squared_differences,
+            coding_cost,  follow_paths};
+}
+
+} // namespace
+} // namespace tessera
