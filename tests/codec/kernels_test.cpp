@@ -1,6 +1,6 @@
 // Every set of kernels gives the same; the inverse transform meets IEEE 1180.
-#include "codec/search_kernels/forward_dct.h"
 #include "codec/kernels/kernels.h"
+#include "codec/search_kernels/forward_dct.h"
 #include "format/tile/base_picture.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
@@ -362,8 +362,10 @@ TEST_F(KernelPaths, CodingCostsAreEqual) {
         for (float& value : base)
             if (random.chance(0.1)) // cannot be coded
                 value = std::numeric_limits<float>::infinity();
-        const CostSum a = search_kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
-        const CostSum b = search_kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum a =
+            search_kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum b =
+            search_kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
         ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << count;
         ASSERT_TRUE(std::isfinite(a.cost)) << count;
         double energy = 0;

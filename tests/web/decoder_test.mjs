@@ -1,0 +1,245 @@
+// The decoder for browsers gives the library's texels, from a file in memory and from byte ranges; what
+// is damaged is an Error.
+//   node decoder_test.mjs MODULE.js DECODER.wasm TESSERA GOLDEN-FOLDER SCRATCH-FOLDER
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {createHash} from 'node:crypto';
+import fs from 'node:fs';
+import path from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {Worker} from 'node:worker_threads';
+
+const [modulePath, wasmPath, tool, goldenFolder, scratch] = process.argv.slice(2);
+const moduleUrl = pathToFileURL(path.resolve(modulePath)).href;
+const {loadTessera, httpSource} = await import(moduleUrl);
+const wasm = fs.readFileSync(wasmPath);
+const codec = await loadTessera(wasm);
+
+fs.rmSync(scratch, {recursive: true, force: true});
+fs.mkdirSync(scratch, {recursive: true});
+process.on('exit', () => fs.rmSync(scratch, {recursive: true, force: true}));
+
+const sha1 = bytes => createHash('sha1').update(bytes).digest('hex');
+const run = (...words) => execFileSync(tool, words, {stdio: ['ignore', 'pipe', 'inherit']});
+// FNV-1a-64, as tests/golden/manifest.txt has it.
+function fnv(bytes) {
+    let high = 0xcbf29ce4, low = 0x84222325;
+    for (const byte of bytes) {
+        low = (low ^ byte) >>> 0;
+        const product = low * 0x1b3;
+        high = (Math.imul(high, 0x1b3) + Math.floor(product / 2 ** 32) + (low << 8)) >>> 0;
+        low = product >>> 0;
+    }
+    return high.toString(16) + low.toString(16).padStart(8, '0');
+}
+const everything = file => file.info.size.flatMap(n => [0, n]);
+const allPlaces = file => everything(file).slice(0, 4);
+
+function nativeTexels(file) {
+    const raw = path.join(scratch, 'texels.raw');
+    run('decode', file, '-o', raw, '-q');
+    return fs.readFileSync(raw);
+}
+
+// A source that counts what it hands out.
+function slowSource(bytes) {
+    const source = {size: bytes.length, reads: 0, sent: 0, async read(offset, length) {
+        await new Promise(setImmediate);
+        ++source.reads;
+        source.sent += length;
+        return bytes.subarray(offset, offset + length);
+    }};
+    return source;
+}
+
+function bake(name, ...words) {
+    const file = path.join(scratch, name);
+    run('bake', 'composed', '-o', file, '--spp', '1', '-q', ...words);
+    return file;
+}
+const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
+const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '0');
+// Files and the hash of their texels: what the library decodes, in whose own tests the golden ones stand.
+const golden = fs.readFileSync(path.join(goldenFolder, 'manifest.txt'), 'utf8').trim().split('\n')
+                   .map(line => line.split(' ')).map(([name, hash]) => [path.join(goldenFolder, name), hash]);
+const files = golden.concat([layered, mesh].map(name => [name, fnv(nativeTexels(name))]));
+assert(files.length >= 13);
+
+// The picture that WebGL samples, from texels one by one.
+function expectedAtlas(file, texels) {
+    const {size: [U, V, S, T], channels, type} = file.info;
+    const out = new Uint8Array(U * V * S * T * 4);
+    let at = 0;
+    for (let v = 0; v < V; ++v)
+        for (let u = 0; u < U; ++u)
+            for (let t = 0; t < T; ++t)
+                for (let s = 0; s < S; ++s, at += channels) {
+                    const to = ((v * T + t) * U * S + u * S + s) * 4;
+                    for (let c = 0; c < 3; ++c)
+                        out[to + c] = texels[at + (channels > 2 ? c : 0)];
+                    out[to + 3] = channels % 2 === 0 ? texels[at + channels - 1] : 255;
+                }
+    return type === 'unorm8' ? out : null;
+}
+
+const tests = {
+    async texelsAreTheLibrarys() {
+        for (const [name, hash] of files) {
+            const bytes = fs.readFileSync(name);
+            const file = codec.openBytes(bytes), texels = file.box(everything(file));
+            assert.equal(fnv(texels), hash, name);
+            const atlas = file.atlas(allPlaces(file)), picture = expectedAtlas(file, texels);
+            assert(picture === null || sha1(atlas) === sha1(picture), `${name}: atlas`);
+            file.close();
+            assert.throws(() => file.atlas([0, 1, 0, 1]), /closed/);
+
+            const far = await codec.openSource(slowSource(bytes));
+            assert.equal(sha1(await far.fetchBox(everything(far))), sha1(texels), `${name} by ranges`);
+            assert.equal(sha1(await far.fetchAtlas(allPlaces(far))), sha1(atlas), `${name} by ranges`);
+        }
+    },
+
+    async halvesAreToneMapped() {
+        const file = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb_half.tess')));
+        const texels = file.box([3, 4, 5, 6, 0, 4, 0, 4]), atlas = file.atlas([3, 4, 5, 6]);
+        for (let i = 0; i < 16; ++i)
+            for (let c = 0; c < 3; ++c) {
+                const half = texels[6 * i + 2 * c] + 256 * texels[6 * i + 2 * c + 1];
+                assert(half < 0x7C00); // finite, not negative
+                const exponent = half >> 10, mantissa = half & 1023;
+                const x = exponent === 0 ? mantissa * 2 ** -24 : (1024 + mantissa) * 2 ** (exponent - 25);
+                const y = x / (1 + x), code = y <= 0.0031308 ? 12.92 * y : 1.055 * y ** (1 / 2.4) - 0.055;
+                assert(Math.abs(atlas[4 * i + c] - 255 * code) < 0.51);
+            }
+    },
+
+    async aPartTakesAPartOfTheBytes() {
+        const bytes = fs.readFileSync(layered), source = slowSource(bytes);
+        assert(bytes.length > 2 * 8192);
+        const file = await codec.openSource(source);
+        assert.throws(() => file.box([0, 40, 0, 24, 0, 12, 0, 10]), /have not been fetched/);
+        const box = [37, 39, 20, 21, 9, 12, 7, 8];
+        const [part, again] = await Promise.all([file.fetchBox(box), file.fetchBox(box)]);
+        assert(source.sent < bytes.length && source.reads <= 3, `${source.reads} reads, ${source.sent} bytes`);
+        assert.equal(sha1(part), sha1(codec.openBytes(bytes).box(box)));
+        assert.equal(sha1(part), sha1(again));
+    },
+
+    async coarseLevelsComeFirst() {
+        const bytes = fs.readFileSync(layered), whole = codec.openBytes(bytes);
+        const level = whole.info.coarse, [U, V, S, T] = whole.info.levels[level].size;
+        assert(level > 0 && U * V * S * T < 40 * 24 * 12 * 10);
+        const preview = whole.preview();
+        assert.equal(preview.rgba.length, preview.width * preview.height * 4);
+        const texel = whole.box([1, 2, 1, 2, 1, 2, 0, 1], undefined, level);
+        const at = ((1 * T + 0) * preview.width + 1 * S + 1) * 4;
+        assert.deepEqual([...preview.rgba.subarray(at, at + 3)], [...texel]);
+        const source = slowSource(bytes), far = await codec.openSource(source);
+        assert.equal(sha1((await far.fetchPreview()).rgba), sha1(preview.rgba));
+        assert(source.sent < bytes.length);
+
+        const cut = bytes.subarray(0, Math.floor(bytes.length * 0.6));
+        assert.throws(() => codec.openBytes(cut), /cut off/);
+        assert.equal(codec.openBytes(cut, {partial: true}).atlas([0, 40, 0, 24]).length, 40 * 24 * 12 * 10 * 4);
+    },
+
+    async descriptionsAreThere() {
+        const sphere = codec.openBytes(fs.readFileSync(layered)).info;
+        assert.equal(sphere.proxy, 'sphere');
+        assert.equal(sphere.angularMap, 'hemisphere alpha/beta');
+        assert(sphere.radius > 0 && !sphere.inside && sphere.transfer === 'srgb');
+        const plain = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8.tess'))).info;
+        assert.deepEqual(plain.metadata, {Software: 'golden', Title: 'rgb8.tess'});
+        const packed = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8_views.tess'))).info;
+        assert.equal(packed.metadata, null);
+        const surface = codec.openBytes(fs.readFileSync(mesh));
+        assert.equal(surface.info.proxy, 'mesh');
+        assert.equal(Buffer.from(surface.meshBytes().subarray(0, 5)).toString(), 'DRACO');
+        assert.throws(() => surface.mesh(), /no mesh decoder/);
+    },
+
+    async badCallsAreErrors() {
+        const file = codec.openBytes(fs.readFileSync(layered));
+        for (const box of [[0, 41, 0, 24, 0, 12, 0, 10], [3, 3, 0, 1, 0, 1, 0, 1], [-1, 1, 0, 1, 0, 1, 0, 1],
+                           [0, 1.5, 0, 1, 0, 1, 0, 1], [0, NaN, 0, 1, 0, 1, 0, 1], [0, 1, 0, 1]])
+            assert.throws(() => file.box(box), Error, String(box));
+        assert.throws(() => file.atlas([0, 1, 0, 1], new Uint8Array(3)), /bytes/);
+        assert.throws(() => file.atlas([0, 1, 0, 1], undefined, 9), /level 9/);
+        await assert.rejects(codec.openSource({size: 500, read: async () => new Uint8Array(3)}), /3 of 500/);
+        await assert.rejects(codec.openSource({size: 500, read: async () => { throw new Error('cable cut'); }}),
+                             /cable cut/);
+        await assert.rejects(loadTessera(new Uint8Array(8)), Error);
+    },
+
+    // Wherever a byte is wrong, there is an Error or there are texels; the module is never left unusable.
+    async damageIsAnError() {
+        let refused = 0;
+        const random = (state => () => (state = Math.imul(state, 1664525) + 1013904223 >>> 0))(7);
+        for (const name of [layered, path.join(goldenFolder, 'rgb8.tess'), mesh]) {
+            const sound = fs.readFileSync(name);
+            for (let round = 0; round < 60; ++round) {
+                const bytes = Buffer.from(sound);
+                const at = round < 30 ? random() % 600 : random() % bytes.length;
+                bytes[at % bytes.length] ^= 1 << random() % 8;
+                try {
+                    const file = codec.openBytes(bytes);
+                    file.box([0, 8, 0, 8, 0, 4, 0, 4]);
+                } catch (error) {
+                    assert(error instanceof Error && !(error instanceof WebAssembly.RuntimeError));
+                    assert.doesNotMatch(error.message, /decoder stopped/);
+                    ++refused;
+                }
+            }
+            for (const length of [0, 1, 63, 200, sound.length - 1])
+                assert.throws(() => codec.openBytes(sound.subarray(0, length)), Error);
+        }
+        assert(refused > 90, `${refused} refused`);
+    },
+
+    async worksInAWorker() {
+        const script = `
+            import {parentPort, workerData} from 'node:worker_threads';
+            const {loadTessera} = await import(workerData.url);
+            const file = (await loadTessera(workerData.module)).openBytes(workerData.bytes);
+            const {size: [u, v, s, t]} = file.info;
+            parentPort.postMessage(file.box([0, u, 0, v, 0, s, 0, t]));`;
+        const bytes = fs.readFileSync(layered);
+        const worker = new Worker(new URL(`data:text/javascript,${encodeURIComponent(script)}`),
+                                  {workerData: {url: moduleUrl, module: codec.module, bytes}});
+        const texels = await new Promise((resolve, reject) => worker.on('message', resolve).on('error', reject));
+        const file = codec.openBytes(bytes);
+        assert.equal(sha1(texels), sha1(file.box(everything(file))));
+    },
+
+    async rangesOfAServer() {
+        const bytes = fs.readFileSync(layered);
+        const {createServer} = await import('node:http');
+        let failures = 1, requests = 0, version = '"1"';
+        const server = createServer((request, response) => {
+            const [, from, to] = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? '') ?? [];
+            if (++requests > 1 && failures-- > 0)
+                return response.destroy(); // a lost connection
+            const end = Math.min(Number(to) + 1, bytes.length);
+            response.writeHead(206, {ETag: version, 'Content-Range': `bytes ${from}-${end - 1}/${bytes.length}`});
+            response.end(bytes.subarray(Number(from), end));
+        });
+        await new Promise(ready => server.listen(0, '127.0.0.1', ready));
+        const url = `http://127.0.0.1:${server.address().port}/x.tess`;
+        const file = await codec.openUrl(url);
+        assert.equal(fnv(await file.fetchBox(everything(file))), files.at(-2)[1]);
+        const other = await httpSource(url);
+        version = '"2"';
+        await assert.rejects(other.read(9000, 10), /has changed/);
+        server.closeAllConnections();
+        server.close();
+    },
+};
+
+const wanted = process.argv[7];
+for (const [name, test] of Object.entries(tests)) {
+    if (wanted !== undefined && wanted !== name)
+        continue;
+    const begin = performance.now();
+    await test();
+    console.log(`ok ${name} (${Math.round(performance.now() - begin)} ms)`);
+}

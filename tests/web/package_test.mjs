@@ -1,0 +1,94 @@
+// The npm package as whoever installs it sees it: names resolve, the shaders of the three.js material are
+// GLSL ES 3.00, the types are sound (where there is a tsc).
+//   node package_test.mjs PACKAGE-FOLDER TESSERA SCRATCH-FOLDER [GLSLANG-VALIDATOR]
+import assert from 'node:assert/strict';
+import {execFileSync, spawnSync} from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import {pathToFileURL} from 'node:url';
+
+const [folder, tool, scratch, glslang] = process.argv.slice(2);
+fs.rmSync(scratch, {recursive: true, force: true});
+fs.mkdirSync(path.join(scratch, 'node_modules'), {recursive: true});
+process.on('exit', () => fs.rmSync(scratch, {recursive: true, force: true}));
+
+// What would be published is there, nothing else, and resolves by its name.
+const about = JSON.parse(fs.readFileSync(path.join(folder, 'package.json'), 'utf8'));
+assert.deepEqual(fs.readdirSync(folder).sort(), [...about.files, 'package.json'].sort());
+fs.cpSync(folder, path.join(scratch, 'node_modules', about.name), {recursive: true});
+fs.writeFileSync(path.join(scratch, 'user.mjs'), `
+    import fs from 'node:fs';
+    import {createRequire} from 'node:module';
+    import {loadTessera} from '${about.name}';
+    import * as three from '${about.name}/three';
+    const wasm = createRequire(import.meta.url).resolve('${about.name}/tessera.wasm');
+    export const codec = await loadTessera(fs.readFileSync(wasm));
+    export {three};`);
+const {codec, three} = await import(pathToFileURL(path.join(scratch, 'user.mjs')).href);
+
+function bake(name, ...words) {
+    const file = path.join(scratch, name);
+    execFileSync(tool, ['bake', 'composed', '-o', file, '--spp', '1', '-q', '--effort', '0', ...words]);
+    return codec.openBytes(fs.readFileSync(file));
+}
+
+// What the material asks of three.js.
+class Recorded {
+    constructor(...given) {
+        this.given = given;
+        this.position = {set: (...at) => { this.at = at; }};
+    }
+}
+const THREE = {DataTexture: Recorded, RawShaderMaterial: Recorded, SphereGeometry: Recorded, Mesh: Recorded,
+               GLSL3: '300 es'};
+
+function checkShaders(material) {
+    const [{vertexShader, fragmentShader, defines, uniforms}] = material.given;
+    const head = '#version 300 es\n' + Object.entries(defines).map(([k, v]) => `#define ${k} ${v}\n`).join('');
+    for (const [stage, text] of [['vert', vertexShader], ['frag', fragmentShader]]) {
+        const file = path.join(scratch, `shader.${stage}`);
+        fs.writeFileSync(file, head + text);
+        if (glslang !== undefined) {
+            const run = spawnSync(glslang, [file], {encoding: 'utf8'});
+            assert.equal(run.status, 0, run.stdout);
+        }
+    }
+    for (const name of Object.keys(uniforms))
+        assert.match(fragmentShader, new RegExp(`uniform \\w+ ${name};`));
+}
+
+const sphere = bake('sphere.tess', '--size', '16x8x4x4');
+const rgba = sphere.atlas([0, 16, 0, 8]);
+const mesh = three.tesseraSphere(THREE, sphere.info, rgba);
+assert.deepEqual(mesh.at, sphere.info.centre);
+assert(mesh.given[0].given[0] > sphere.info.radius);
+const [texture, width, height] = mesh.given[1].given[0].uniforms.atlas.value.given;
+assert(texture === rgba && width === 64 && height === 32);
+checkShaders(mesh.given[1]);
+assert.throws(() => three.tesseraMaterial(THREE, sphere.info, new Uint8Array(4)), /16x8x4x4/);
+assert.throws(() => three.tesseraSurface(THREE, sphere.info, rgba, {}), /not on a mesh/);
+
+const surface = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.25', '--directions', '4x4');
+const [U, V] = surface.info.size, pixels = surface.atlas([0, U, 0, V]);
+const geometry = {attributes: {position: 1, normal: 1, uv: 1, tangent: 1}};
+checkShaders(three.tesseraSurface(THREE, surface.info, pixels, geometry).given[1]);
+assert.throws(() => three.tesseraSurface(THREE, surface.info, pixels, {attributes: {position: 1}}), /no normal/);
+assert.throws(() => three.tesseraSphere(THREE, surface.info, pixels), /not on a sphere/);
+console.log(`ok material${glslang === undefined ? ' (no glslangValidator: shaders are not checked)' : ''}`);
+
+fs.writeFileSync(path.join(scratch, 'user.ts'), `
+    import {loadTessera, type Info, type TessFile} from '${about.name}';
+    import {tesseraSphere} from '${about.name}/three';
+    export async function show(THREE: {[name: string]: any}, url: string): Promise<unknown> {
+        const file: TessFile = await (await loadTessera(fetch('tessera.wasm'))).openUrl(url, {tries: 2});
+        const info: Info = file.info;
+        // @ts-expect-error: four numbers are needed
+        await file.fetchAtlas([0, 1]);
+        return tesseraSphere(THREE, info, await file.fetchAtlas([0, info.size[0], 0, info.size[1]]));
+    }`);
+const tsc = spawnSync('tsc', ['--noEmit', '--strict', '--target', 'es2022', '--module', 'nodenext', '--moduleResolution',
+                              'nodenext', '--lib', 'es2022,dom', 'user.ts'], {cwd: scratch, encoding: 'utf8'});
+if (tsc.error)
+    console.log('types were not checked: there is no tsc');
+else
+    assert.equal(tsc.status, 0, tsc.stdout);

@@ -1,0 +1,11 @@
+# The GLSL of decoder_glsl that samples textures, as a module of JavaScript.
+#   cmake "-DFILES=surface.glsl;octahedral.glsl" -DOUTPUT=sampling.js -P sampling.cmake
+set(text)
+foreach(file IN LISTS FILES)
+    file(READ ${file} content)
+    string(REGEX REPLACE "#include [^\n]*\n" "" content "${content}")
+    string(REGEX REPLACE " *//[^\n]*" "" content "${content}")
+    string(REGEX REPLACE "\n\n+" "\n" content "${content}")
+    string(APPEND text "${content}")
+endforeach()
+file(WRITE ${OUTPUT} "// Made of Tessera's decoder_glsl/shaders: where textures are sampled.\nexport const sampling = `${text}`;\n")
