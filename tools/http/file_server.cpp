@@ -13,6 +13,7 @@
 #include <curl/curl.h>
 #include <filesystem>
 #include <httplib.h>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -45,14 +46,25 @@ bool is_of_version(const std::string& if_range, const FileVersion& version) {
     return if_range.empty() || if_range == version.etag || if_range == version.last_modified;
 }
 
+// Browsers take a page, a module or a picture for one only where it is said to be one.
+std::string type_of(const fs::path& file) {
+    static const std::map<std::string, std::string> types = {{".html", "text/html; charset=utf-8"},
+                                                             {".wasm", "application/wasm"},
+                                                             {".js", "text/javascript"},
+                                                             {".json", "application/json"},
+                                                             {".png", "image/png"},
+                                                             {".tess", "application/vnd.tessera"}};
+    const auto found = types.find(file.extension().string());
+    return found == types.end() ? "application/octet-stream" : found->second;
+}
+
 // Sends the parts, or the whole file where there are none. A file that shrinks meanwhile breaks the
 // connection off. The library (0.11) neither cuts ranges to the file nor states its length right when
 // there are several, so it is told nothing of ranges.
-void send_file(std::shared_ptr<ByteSource> file, const std::vector<FilePart>& parts,
-               httplib::Response& response) {
+void send_file(std::shared_ptr<ByteSource> file, std::string type,
+               const std::vector<FilePart>& parts, httplib::Response& response) {
     const std::uint64_t size = file->size();
     const auto body = std::make_shared<PartsBody>(std::move(file));
-    std::string type = "application/octet-stream";
     if (parts.size() > 1) {
         const std::string boundary = "tessera-part-7c1d5b9e-53a2-4f0e-9d6b-8a1f0c3e2b47";
         body->add_multipart(parts, boundary);
@@ -102,12 +114,25 @@ void answer_file(const fs::path& path, const httplib::Request& request,
             return;
         }
     }
-    send_file(std::move(*opened), parts, response);
+    send_file(std::move(*opened), type_of(path), parts, response);
 }
 
-void answer(const fs::path& root, const httplib::Request& request, const httplib::Ranges& ranges,
-            httplib::Response& response) {
+void answer_view_data(const FileServerOptions& options, const fs::path& path,
+                      httplib::Response& response) {
+    const auto data = options.view_data(path.string());
+    response.status = data.ok() ? 200 : 404;
+    if (data.ok())
+        response.set_content(reinterpret_cast<const char*>(data->data()), data->size(),
+                             "application/x-tessera-view");
+    else
+        response.set_content(data.status().message() + "\n", "text/plain");
+}
+
+void answer(const FileServerOptions& options, const fs::path& root, const httplib::Request& request,
+            const httplib::Ranges& ranges, httplib::Response& response) {
     const auto path = find_served(root, request.path);
+    if (path && options.view_data && request.has_param("view") && version_of(*path))
+        return answer_view_data(options, *path, response);
     if (path && !fs::is_directory(*path))
         return answer_file(*path, request, ranges, response);
     if (!path) {
@@ -115,16 +140,35 @@ void answer(const fs::path& root, const httplib::Request& request, const httplib
         response.set_content("There is no such file.\n", "text/plain");
     } else if (!request.path.ends_with('/')) {
         response.set_redirect(fs::path(request.path).filename().string() + "/");
+    } else if (!options.viewer.empty() && request.has_param("f")) {
+        response.set_content(options.viewer, "text/html; charset=utf-8");
     } else {
-        response.set_content(list_folder(*path, request.path), "text/html; charset=utf-8");
+        response.set_content(list_folder(*path, request.path, !options.viewer.empty()),
+                             "text/html; charset=utf-8");
     }
+}
+
+// What pages of other hosts need to read files in parts.
+void allow_other_pages(httplib::Response& response) {
+    response.set_header("Access-Control-Allow-Origin", "*");
+    response.set_header("Access-Control-Expose-Headers",
+                        "Accept-Ranges, Content-Range, ETag, Last-Modified");
+}
+
+void answer_options(httplib::Response& response) {
+    response.status = 204;
+    response.set_header("Allow", "GET, HEAD, OPTIONS");
+    response.set_header("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
+    response.set_header("Access-Control-Allow-Headers", "Range, If-Range, If-Match, If-None-Match");
+    response.set_header("Access-Control-Max-Age", "86400");
 }
 
 } // namespace
 
 class FileServer::Impl {
 public:
-    Impl(fs::path root, const FileServerOptions& options) : root_(std::move(root)) {
+    Impl(fs::path root, const FileServerOptions& options)
+        : options_(options), root_(std::move(root)) {
         server_.set_keep_alive_max_count(requests_per_connection);
         server_.set_tcp_nodelay(true);
         // Not the library's SO_REUSEPORT, with which two servers share a port and nobody is told.
@@ -134,14 +178,19 @@ public:
         });
         server_.set_pre_routing_handler([this](const httplib::Request& request,
                                                httplib::Response& response) {
+            allow_other_pages(response);
+            if (request.method == "OPTIONS") {
+                answer_options(response);
+                return httplib::Server::HandlerResponse::Handled;
+            }
             if (request.method != "GET" && request.method != "HEAD") {
                 response.status = 405; // before its body would be read
-                response.set_header("Allow", "GET, HEAD");
+                response.set_header("Allow", "GET, HEAD, OPTIONS");
                 return httplib::Server::HandlerResponse::Handled;
             }
             // Not const where the library made it; see send_file().
             const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
-            answer(root_, request, ranges, response);
+            answer(options_, root_, request, ranges, response);
             return httplib::Server::HandlerResponse::Handled;
         });
         if (options.log)
@@ -190,6 +239,7 @@ public:
     std::string url_;
 
 private:
+    const FileServerOptions options_;
     const fs::path root_;
     GuardedServer server_;
     std::atomic<bool> ended_{false};

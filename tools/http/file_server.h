@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tessera {
 
@@ -22,13 +23,18 @@ struct FileServerOptions {
     std::string folder;
     std::string host = "127.0.0.1";
     int port = 0; // 0: one that is free
+    // A page of HTML that shows NAME.tess of its folder, asked for as ?f=NAME.tess; empty: there is none.
+    std::string viewer;
+    // What that page asks for as NAME.tess?view: what the file's decoder in the browser does not tell.
+    std::function<Result<std::vector<std::byte>>(const std::string& path)> view_data;
     // Called from several threads, after each answer.
     std::function<void(const ServedRequest&)> log;
 };
 
 // GET and HEAD of regular files below the folder, with one or several byte ranges (at most 64), strong
 // ETags made of size and time of change, Last-Modified, If-Match, If-None-Match, If-Range and
-// If-Unmodified-Since; a folder shows its .tess files and folders. Names that begin with a point, and
+// If-Unmodified-Since; a folder shows its .tess files and folders, with a page that shows the former. Pages
+// of other hosts may read all this (Access-Control-Allow-Origin), for which OPTIONS is answered. Names that begin with a point, and
 // links that lead out of the folder, are not there. Files are streamed, whatever their size.
 //
 // Peers that drip, idle or never end cost little: a request's head has 8 KiB and 10 s, an idle connection

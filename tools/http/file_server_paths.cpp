@@ -34,6 +34,13 @@ std::string html(const std::string& text) {
     return safe;
 }
 
+bool is_below(const fs::path& path, const fs::path& root) {
+    const auto [at, _] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+    return at == root.end();
+}
+
+} // namespace
+
 std::string percent_encoded(const std::string& text) {
     std::string safe;
     for (const char c : text) {
@@ -48,13 +55,6 @@ std::string percent_encoded(const std::string& text) {
     }
     return safe;
 }
-
-bool is_below(const fs::path& path, const fs::path& root) {
-    const auto [at, _] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
-    return at == root.end();
-}
-
-} // namespace
 
 std::optional<fs::path> find_served(const fs::path& root, const std::string& path) {
     fs::path wanted = root;
@@ -104,7 +104,7 @@ bool lists_etag(const std::string& list, const std::string& etag) {
     return false;
 }
 
-std::string list_folder(const fs::path& folder, const std::string& path) {
+std::string list_folder(const fs::path& folder, const std::string& path, bool has_viewer) {
     std::vector<std::string> lines;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -112,11 +112,13 @@ std::string list_folder(const fs::path& folder, const std::string& path) {
         const bool is_folder = entry.is_directory(ignored);
         if (name.front() == '.' || (!is_folder && !name.ends_with(".tess")))
             continue;
-        const std::string slash = is_folder ? "/" : "";
-        std::string line =
-            "<li><a href=\"" + percent_encoded(name) + slash + "\">" + html(name) + slash + "</a>";
-        if (const auto version = version_of(entry.path()))
-            line += " " + std::to_string(version->size) + " bytes";
+        const std::string slash = is_folder ? "/" : "", link = percent_encoded(name) + slash;
+        const auto version = version_of(entry.path());
+        const std::string length = version ? std::to_string(version->size) + " bytes" : "";
+        std::string line = "<li><a href=\"" + link + "\">" + html(name) + slash + "</a> " + length;
+        if (has_viewer && version)
+            line = "<li><a href=\"?f=" + link + "\">" + html(name) + "</a> <a href=\"" + link +
+                   "\">" + length + "</a>";
         lines.push_back(line + "</li>\n");
     }
     std::ranges::sort(lines);

@@ -28,7 +28,12 @@ std::optional<FileVersion> version_of(const std::filesystem::path& file);
 // Whether a list such as `"a", W/"b"` or `*` holds the ETag. Weak ones never match.
 bool lists_etag(const std::string& list, const std::string& etag);
 
-// A page of links to the .tess files and folders in `folder`; `path` is how it was asked for.
-std::string list_folder(const std::filesystem::path& folder, const std::string& path);
+// As a part of a URL's path or query.
+std::string percent_encoded(const std::string& text);
+
+// A page of links to the .tess files and folders in `folder`; `path` is how it was asked for. Where there is
+// a viewer the names lead to it, and the lengths to the files.
+std::string list_folder(const std::filesystem::path& folder, const std::string& path,
+                        bool has_viewer);
 
 } // namespace tessera

@@ -27,6 +27,7 @@ void add_shaders_command(CLI::App& app, Invocation& chosen);
 void add_render_command(CLI::App& app, Invocation& chosen);
 void add_bench_command(CLI::App& app, Invocation& chosen);
 void add_rd_command(CLI::App& app, Invocation& chosen);
+void add_view_command(CLI::App& app, Invocation& chosen);
 void add_serve_command(CLI::App& app, Invocation& chosen);
 
 // At the end of every help.

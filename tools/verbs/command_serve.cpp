@@ -1,7 +1,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/verbs/command.h"
 #ifdef TESSERA_HTTP
-#include "tools/http/file_server.h"
+#include "tools/page/viewer_server.h"
 #endif
 
 #include <chrono>
@@ -31,8 +31,7 @@ void print_request(const ServedRequest& r) {
 }
 
 Status run(const ServeCommand& a) {
-    FileServerOptions options;
-    options.folder = a.folder;
+    FileServerOptions options = folder_with_viewer(a.folder);
     options.host = a.host;
     options.port = a.port;
     if (!a.quiet)
@@ -66,8 +65,9 @@ void add_serve_command(CLI::App& app, Invocation& chosen) {
         c.add_flag("--quiet,-q", a.quiet, "Print the URL, but no requests");
     };
     add_verb<ServeCommand>(
-        app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C",
-        "Prints its URL, then a line for each request: client, method, path, range, status, bytes\n"
+        app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C, with the viewer of `view`",
+        "A browser shows a list there, whose names open the viewer. Prints its URL, then a line "
+        "for each request: client, method, path, range, status, bytes\n"
         "of the body. Plain HTTP without passwords: for one's own machine or a trusted network.\n\n"
         "Examples:\n"
         "  tessera serve textures/\n"

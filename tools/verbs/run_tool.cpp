@@ -13,7 +13,7 @@ namespace {
 
 const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
                              "compare", "sheet",  "shaders", "render", "bench",
-                             "rd",      "serve",  "help",    "version"};
+                             "rd",      "view",   "serve",   "help",   "version"};
 
 const char* const main_help =
     "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
@@ -77,6 +77,7 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
     add_render_command(app, chosen);
     add_bench_command(app, chosen);
     add_rd_command(app, chosen);
+    add_view_command(app, chosen);
     add_serve_command(app, chosen);
     CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
     auto topic = std::make_shared<std::string>();

@@ -1,8 +1,6 @@
 #include "tools/view/render_stage.h"
 
 #include "corpus/bake.h"
-#include "format/sampler.h"
-#include "format/samples.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/parse.h"
@@ -12,6 +10,7 @@
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_renderer.h"
 #include "tools/view/mesh_renderer.h"
+#include "tools/view/outside_colour.h"
 
 namespace tessera {
 namespace {
@@ -24,28 +23,6 @@ constexpr unsigned mesh_rays = 4;
 
 constexpr unsigned usual_truth_rays = 16;
 constexpr unsigned usual_model_paths = 512;
-
-// What an observer of a mesh sees beside it, as the file says; black where it does not.
-Result<glm::dvec3> around_mesh(const ContainerReader& container) {
-    glm::dvec3 colour{0.0};
-    const auto said = container.metadata().find("Background");
-    if (said != container.metadata().end()) {
-        TESSERA_TRY(parse_point(said->second, colour)
-                        .with_context(container.name() + ": its key Background"));
-    }
-    return colour;
-}
-
-// What a texture on a sphere shows where it has no tile.
-glm::dvec3 background_of(const ContainerReader& container) {
-    const TextureDesc& desc = container.desc();
-    const FileFacts facts = container.facts();
-    std::byte texel[8];
-    for (std::size_t c = 0; c < 4; ++c)
-        store_sample(texel + c * sample_bytes(desc.type), facts.background[c], desc.type);
-    const glm::dvec4 value = texel_value(desc, texel);
-    return desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
-}
 
 Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
     const TextureKind kind = kind_of_input(r.original);
@@ -126,10 +103,7 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
     }
-    glm::dvec3 background = background_of(container);
-    if (mesh) {
-        TESSERA_TRY_ASSIGN(background, around_mesh(container));
-    }
+    TESSERA_TRY_ASSIGN(const glm::dvec3 background, outside_colour(container));
     RenderOptions options = asked;
     options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
     const auto on_cpu = [&](TexelSource& texels, const Extent4& block,

@@ -1,0 +1,126 @@
+#include "tools/page/page.h"
+
+#include "tools/page/gzip.h"
+#include "tools/web/web_files.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Lines that are comments, and indents: a browser needs neither.
+std::string without_comments(std::string_view text) {
+    std::string out;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(end);
+        line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+        if (!line.starts_with("//") && line != "\n")
+            out += line;
+    }
+    return out;
+}
+
+std::string html(std::string_view text) {
+    std::string safe;
+    for (const char c : text)
+        safe += c == '&'   ? "&amp;"
+                : c == '<' ? "&lt;"
+                : c == '>' ? "&gt;"
+                : c == '"' ? "&quot;"
+                           : std::string(1, c);
+    return safe;
+}
+
+std::string css(const glm::dvec3& colour) {
+    std::string text = "rgb(";
+    for (glm::length_t i = 0; i < 3; ++i)
+        text += std::to_string(static_cast<int>(std::clamp(colour[i], 0.0, 1.0) * 255 + 0.5)) +
+                (i < 2 ? "," : ")");
+    return text;
+}
+
+std::string script(const char* id, std::span<const std::byte> bytes) {
+    return std::string("<script type=\"text/plain\" id=\"") + id + "\">" + base64(bytes) + "</script>\n";
+}
+
+struct Kit {
+    std::string_view page; // page.html
+    std::vector<std::byte> packed;
+    std::span<const std::byte> wasm; // gzip as well
+};
+
+// The viewer's files but the page itself: a line of JSON with their names and lengths, and the files.
+Result<Kit> make_kit() {
+    Kit kit;
+    nlohmann::ordered_json lengths;
+    std::string all;
+    for (const WebFile& file : web_files()) {
+        if (file.name == "page.html") {
+            kit.page = text_of(file.bytes);
+        } else if (file.name == "tessera.wasm.gz") {
+            kit.wasm = file.bytes;
+        } else {
+            const std::string text = without_comments(text_of(file.bytes));
+            lengths[std::string(file.name)] = text.size();
+            all += text;
+        }
+    }
+    if (kit.wasm.empty())
+        return Status(ErrorCode::unsupported,
+                      "this program was built without the decoder for browsers: install the packages "
+                      "clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 "
+                      "libclang-rt-19-dev-wasm32 wasi-libc, and build it again");
+    all = lengths.dump() + "\n" + all;
+    TESSERA_TRY_ASSIGN(kit.packed, gzip(std::as_bytes(std::span(all))));
+    return kit;
+}
+
+// Puts values in the places of {{names}}.
+std::string filled(std::string_view page,
+                   const std::vector<std::pair<std::string_view, std::string>>& values) {
+    std::string out;
+    for (;;) {
+        const std::size_t at = page.find("{{"), end = page.find("}}", at);
+        if (end == page.npos)
+            return out + std::string(page);
+        out += page.substr(0, at);
+        const std::string_view name = page.substr(at + 2, end - at - 2);
+        for (const auto& [key, value] : values)
+            if (key == name)
+                out += value;
+        page.remove_prefix(end + 2);
+    }
+}
+
+} // namespace
+
+Result<std::string> make_page(const PageContents& contents) {
+    TESSERA_TRY_ASSIGN(const Kit kit, make_kit());
+    const std::string poster =
+        contents.poster.empty() ? "hidden" : "src=\"data:image/png;base64," + base64(contents.poster) + "\"";
+    return filled(kit.page, {{"title", html(contents.title)},
+                             {"background", css(contents.background)},
+                             {"poster", poster},
+                             {"inputs", script("data", contents.view_data) + script("file", contents.file)},
+                             {"kit", base64(kit.packed)},
+                             {"wasm", base64(kit.wasm)}});
+}
+
+Result<std::string> make_server_page() {
+    TESSERA_TRY_ASSIGN(const Kit kit, make_kit());
+    return filled(kit.page, {{"title", "Tessera"},
+                             {"background", "#181818"},
+                             {"poster", "hidden"},
+                             {"kit", base64(kit.packed)},
+                             {"wasm", base64(kit.wasm)}});
+}
+
+} // namespace tessera

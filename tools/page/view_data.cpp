@@ -1,0 +1,155 @@
+#include "tools/page/view_data.h"
+
+#include "tools/page/gzip.h"
+#include "tools/view/mesh_renderer.h"
+#include "tools/view/outside_colour.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+namespace tessera {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Column = std::vector<std::uint32_t>;
+
+constexpr double most_units = 65535;
+constexpr std::uint32_t most_charts = 65535; // of so many colours neighbours are told apart
+
+void add_column(const Column& numbers, unsigned planes, Bytes& out) {
+    Column coded;
+    coded.reserve(numbers.size());
+    std::uint32_t last = 0;
+    for (const std::uint32_t number : numbers) {
+        const auto step = static_cast<std::int32_t>(number - last);
+        coded.push_back(static_cast<std::uint32_t>(step) << 1 ^ static_cast<std::uint32_t>(step >> 31));
+        last = number;
+    }
+    for (unsigned plane = 0; plane < planes; ++plane)
+        for (const std::uint32_t number : coded)
+            out.push_back(static_cast<std::byte>(number >> 8 * plane & 255));
+}
+
+std::uint32_t in_units(double x, double units) {
+    return static_cast<std::uint32_t>(std::clamp(x, 0.0, 1.0) * units + 0.5);
+}
+
+void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3& high, Bytes& out) {
+    for (glm::length_t axis = 0; axis < 3; ++axis) {
+        const double side = high[axis] - low[axis];
+        Column column;
+        for (const glm::vec3& p : mesh.positions)
+            column.push_back(side > 0 ? in_units((p[axis] - low[axis]) / side, most_units) : 0);
+        add_column(column, 3, out);
+    }
+}
+
+// As the octahedral map without mirror: z < 0 is folded over.
+void add_directions(std::span<const glm::vec3> directions, Bytes& out) {
+    Column across, up;
+    for (const glm::dvec3 d : directions) {
+        const double sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+        double p = d.x / sum, q = d.y / sum;
+        if (d.z < 0) {
+            const double x = p;
+            p = (1 - std::abs(q)) * (x < 0 ? -1 : 1);
+            q = (1 - std::abs(x)) * (q < 0 ? -1 : 1);
+        }
+        across.push_back(in_units((p + 1) / 2, most_units));
+        up.push_back(in_units((q + 1) / 2, most_units));
+    }
+    add_column(across, 3, out);
+    add_column(up, 3, out);
+}
+
+void add_uv(const SurfaceMesh& mesh, Bytes& out) {
+    for (glm::length_t axis = 0; axis < 2; ++axis) {
+        Column column;
+        for (const glm::vec2& uv : mesh.uv)
+            column.push_back(in_units(uv[axis], 1 << 24));
+        add_column(column, 4, out);
+    }
+}
+
+void add_triangles(const SurfaceMesh& mesh, Bytes& out) {
+    Column corners;
+    for (const auto& triangle : mesh.triangles)
+        corners.insert(corners.end(), triangle.begin(), triangle.end());
+    add_column(corners, 4, out);
+}
+
+void add_charts(const AtlasMips& mips, Bytes& out) {
+    const auto atlas = mips.size(0);
+    const std::uint32_t width = atlas[0] + mips.size(1)[0];
+    std::uint32_t below = 0;
+    for (unsigned mip = 1; mip <= mips.count(); ++mip)
+        below += mips.size(mip)[1];
+    Column picture(std::size_t{width} * std::max(atlas[1], below), 0);
+    std::unordered_map<std::uint32_t, std::uint32_t> numbers{{0, 0}};
+    for (unsigned mip = 0, first = 0; mip <= mips.count(); first += mip > 0 ? mips.size(mip)[1] : 0, ++mip) {
+        const auto [across, up] = mips.size(mip);
+        for (std::uint32_t v = 0; v < up; ++v)
+            for (std::uint32_t u = 0; u < across; ++u) {
+                const auto next = static_cast<std::uint32_t>((numbers.size() - 1) % most_charts + 1);
+                const std::uint32_t chart = mips.charts(mip)[std::size_t{v} * across + u];
+                const std::size_t column = u + (mip > 0 ? atlas[0] : 0);
+                picture[(first + v) * std::size_t{width} + column] =
+                    numbers.emplace(chart, next).first->second;
+            }
+    }
+    add_column(picture, 3, out);
+}
+
+// WebGL has textures of 8192 texels a side wherever it matters.
+bool fits_a_browser(const AtlasMips& mips) {
+    std::uint32_t below = 0;
+    for (unsigned mip = 1; mip <= mips.count(); ++mip)
+        below += mips.size(mip)[1];
+    return mips.count() > 0 && mips.size(0)[0] + mips.size(1)[0] <= 8192 &&
+           std::max(mips.size(0)[1], below) <= 8192;
+}
+
+nlohmann::json add_mesh(const SurfaceMesh& mesh, const TileGrid& tiles, Bytes& out) {
+    glm::dvec3 low(mesh.positions.front()), high(low);
+    for (const glm::dvec3 p : mesh.positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const AtlasMips mips(mesh, tiles);
+    const bool with_mips = fits_a_browser(mips);
+    add_places(mesh, low, high, out);
+    add_directions(mesh.normals, out);
+    add_directions(mesh_tangents(mesh), out);
+    add_uv(mesh, out);
+    add_triangles(mesh, out);
+    if (with_mips)
+        add_charts(mips, out);
+    return {{"vertices", mesh.positions.size()},
+            {"triangles", mesh.triangles.size()},
+            {"low", {low.x, low.y, low.z}},
+            {"high", {high.x, high.y, high.z}},
+            {"mips", with_mips ? mips.count() : 0},
+            {"atlas", {tiles.size()[axis_u], tiles.size()[axis_v]}}};
+}
+
+} // namespace
+
+Result<std::vector<std::byte>> make_view_data(const ContainerReader& container) {
+    TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(container));
+    TESSERA_TRY_ASSIGN(const auto surface, mesh_surface(container));
+    nlohmann::json about = {{"background", {outside.x, outside.y, outside.z}}};
+    Bytes columns;
+    if (surface)
+        about["mesh"] = add_mesh(surface->mesh, container.grid(0), columns);
+    const std::string line = about.dump() + "\n";
+    Bytes all;
+    for (const char c : line)
+        all.push_back(static_cast<std::byte>(c));
+    all.insert(all.end(), columns.begin(), columns.end());
+    return gzip(all);
+}
+
+} // namespace tessera

@@ -1,0 +1,171 @@
+#include "tools/http/open_bytes.h"
+#include "tools/page/page.h"
+#include "tools/page/view_data.h"
+#include "tools/picture/png_file.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/output_folders.h"
+#include "tools/support/parse.h"
+#include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
+#include "tools/view/outside_colour.h"
+#include "tools/view/render_stage.h"
+#include "tools/view/view_file.h"
+#ifdef TESSERA_HTTP
+#include "tools/http/file_server_paths.h"
+#include "tools/page/viewer_server.h"
+#endif
+
+#include <chrono>
+#include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <spawn.h>
+#include <thread>
+
+extern char** environ;
+
+namespace tessera {
+namespace {
+
+struct ViewCommand {
+    std::string file, output;
+    int port = 0;
+    bool no_open = false, quiet = false;
+};
+
+// Base64 of more would not open in a browser.
+constexpr std::uint64_t most_file_bytes = 256ull << 20;
+
+Status too_large(const std::string& name, std::uint64_t bytes) {
+    return {ErrorCode::unsupported, name + ": " + human_bytes(bytes) +
+                                        " are too much for one page; without -o it is read in parts"};
+}
+
+// Small: it stands in the page, and is seen for a moment.
+constexpr std::uint32_t poster_width = 128, poster_height = 96;
+
+// What the viewer shows first. Nothing where `render` does not draw the kind of texture.
+Result<std::vector<std::byte>> draw_poster(const ViewCommand& a) {
+    if (a.file == "-") // has been read
+        return std::vector<std::byte>{};
+    StageRequest request;
+    request.file = a.file;
+    RenderOptions options;
+    auto stage = set_up_stage(request, options);
+    if (!stage.ok() && stage.status().code() == ErrorCode::unsupported)
+        return std::vector<std::byte>{};
+    TESSERA_TRY(stage.status());
+    CameraPose pose;
+    if (stage->window && stage->window->inside)
+        pose = {stage->window->centre, stage->window->centre + glm::dvec3(-1, 0, 0)};
+    TESSERA_TRY_ASSIGN(const Camera camera, make_camera(pose, {45, poster_width, poster_height}));
+    TESSERA_TRY_ASSIGN(const View view, stage->subject().render(camera));
+    const Picture picture = to_picture(view, stage->desc.type);
+    return encode_png({picture.width, picture.height, 3}, picture.rgb);
+}
+
+Result<std::vector<std::byte>> whole_file(ByteSource& source) {
+    if (source.size() > most_file_bytes)
+        return too_large(source.name(), source.size());
+    std::vector<std::byte> bytes(static_cast<std::size_t>(source.size()));
+    TESSERA_TRY(source.read(0, bytes));
+    return bytes;
+}
+
+Status write_page(const ViewCommand& a) {
+    TESSERA_TRY(check_output_path(a.output));
+    TESSERA_TRY_ASSIGN(const auto source, open_tess_bytes(a.file, "view"));
+    TESSERA_TRY_ASSIGN(const std::vector<std::byte> file, whole_file(*source));
+    const auto memory = wrap_memory(file);
+    TESSERA_TRY_ASSIGN(const Decoder decoder, Decoder::open(*memory));
+    PageContents page;
+    page.title = std::filesystem::path(a.file).filename().string();
+    TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(decoder.container()));
+    page.background = outside;
+    page.file = file;
+    TESSERA_TRY_ASSIGN(page.view_data, make_view_data(decoder.container()));
+    TESSERA_TRY_ASSIGN(page.poster, draw_poster(a));
+    TESSERA_TRY_ASSIGN(const std::string html, make_page(page));
+    TESSERA_TRY(write_bytes(a.output, std::as_bytes(std::span(html))));
+    if (!a.quiet)
+        std::printf("%s: %s, of which the texture %s\n", a.output.c_str(),
+                    human_bytes(html.size()).c_str(), human_bytes(file.size()).c_str());
+    return {};
+}
+
+#ifdef TESSERA_HTTP
+
+// Whatever comes of it: the address is on the screen.
+void open_in_browser(const std::string& url) {
+    const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
+    posix_spawn_file_actions_t silent;
+    posix_spawn_file_actions_init(&silent);
+    for (const int stream : {1, 2})
+        posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
+    pid_t child = 0;
+    posix_spawnp(&child, arguments[0], &silent, nullptr, const_cast<char* const*>(arguments), environ);
+    posix_spawn_file_actions_destroy(&silent);
+}
+
+Status serve_page(const ViewCommand& a) {
+    if (is_url(a.file))
+        return {ErrorCode::bad_argument, a.file + ": a page from this machine shows files of this "
+                                                  "machine; -o page.html takes URLs, too"};
+    TESSERA_TRY(make_server_page().status()); // says at once what is missing
+    TESSERA_TRY(Decoder::open_file(a.file).status());
+    const std::filesystem::path path = std::filesystem::absolute(a.file);
+    FileServerOptions options = folder_with_viewer(path.parent_path().string());
+    options.port = a.port;
+    TESSERA_TRY_ASSIGN(const auto server, FileServer::start(options));
+    const std::string url = server->url() + "?f=" + percent_encoded(path.filename().string());
+    std::printf("%s\n", url.c_str());
+    std::fflush(stdout);
+    if (!a.no_open)
+        open_in_browser(url);
+    while (interrupted_by() == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return {};
+}
+
+#else
+
+Status serve_page(const ViewCommand&) {
+    return {ErrorCode::unsupported, "this program was built without HTTP; -o page.html writes a page"};
+}
+
+#endif
+
+Status run(const ViewCommand& a) {
+    return a.output.empty() ? serve_page(a) : write_page(a);
+}
+
+} // namespace
+
+void add_view_command(CLI::App& app, Invocation& chosen) {
+    const auto declare = [](CLI::App& c, ViewCommand& a) {
+        c.add_option("file", a.file, "A .tess with a texture on a sphere, a mesh, or of planar views")
+            ->required();
+        auto* output = c.add_option("-o,--output", a.output,
+                                    "Write one HTML file with viewer, decoder and texture, which opens "
+                                    "from disk and needs no network");
+        c.add_option("--port", a.port, "Port of the page that is served; 0: one that is free")
+            ->check(CLI::Range(0, 65535))
+            ->capture_default_str()
+            ->excludes(output);
+        c.add_flag("--no-open", a.no_open, "Print the page's address, and open no browser")
+            ->excludes(output);
+        c.add_flag("--quiet,-q", a.quiet, "Print no summary");
+    };
+    add_verb<ViewCommand>(
+        app, chosen, "view", "Show a texture in a browser",
+        "Without -o a page is served from this machine (127.0.0.1) until Ctrl-C, and opened where\n"
+        "there is xdg-open. It reads the file in parts: large ones, and those made with --layers,\n"
+        "are seen at once. The page's ? says what mouse and keys do.\n\n"
+        "Examples:\n"
+        "  tessera view scene.tess\n"
+        "  tessera view scene.tess -o scene.html\n"
+        "  tessera view http://host/scene.tess -o scene.html",
+        declare, run);
+}
+
+} // namespace tessera

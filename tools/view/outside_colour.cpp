@@ -1,0 +1,42 @@
+#include "tools/view/outside_colour.h"
+
+#include "format/sampler.h"
+#include "format/samples.h"
+#include "tools/support/parse.h"
+
+#include <cstddef>
+
+namespace tessera {
+namespace {
+
+// What an observer of a mesh sees beside it, as the file says; black where it does not.
+Result<glm::dvec3> around_mesh(const ContainerReader& container) {
+    glm::dvec3 colour{0.0};
+    const auto said = container.metadata().find("Background");
+    if (said != container.metadata().end()) {
+        TESSERA_TRY(parse_point(said->second, colour)
+                        .with_context(container.name() + ": its key Background"));
+    }
+    return colour;
+}
+
+// What a texture on a sphere shows where it has no tile.
+glm::dvec3 background_of(const ContainerReader& container) {
+    const TextureDesc& desc = container.desc();
+    const FileFacts facts = container.facts();
+    std::byte texel[8];
+    for (std::size_t c = 0; c < 4; ++c)
+        store_sample(texel + c * sample_bytes(desc.type), facts.background[c], desc.type);
+    const glm::dvec4 value = texel_value(desc, texel);
+    return desc.channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
+}
+
+} // namespace
+
+Result<glm::dvec3> outside_colour(const ContainerReader& container) {
+    if (container.description().proxy == Proxy::mesh)
+        return around_mesh(container);
+    return background_of(container);
+}
+
+} // namespace tessera

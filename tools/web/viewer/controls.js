@@ -1,0 +1,123 @@
+// Mouse, touch and keys -> changes of the pose. Angles and steps are in parts of the picture's height.
+
+class Controls {
+    static turn = 2.4; // radians for a drag as long as the picture is high
+
+    constructor(canvas, viewer) {
+        Object.assign(this, {canvas, viewer, pointers: new Map()});
+        canvas.addEventListener('pointerdown', event => this.down(event));
+        canvas.addEventListener('pointermove', event => this.move(event));
+        for (const name of ['pointerup', 'pointercancel'])
+            canvas.addEventListener(name, event => this.pointers.delete(event.pointerId));
+        canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
+        canvas.addEventListener('contextmenu', event => event.preventDefault());
+        canvas.addEventListener('dblclick', () => viewer.reset());
+        addEventListener('keydown', event => this.key(event));
+    }
+
+    down(event) {
+        this.canvas.setPointerCapture(event.pointerId);
+        this.canvas.focus();
+        this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    }
+
+    move(event) {
+        const last = this.pointers.get(event.pointerId);
+        if (!last)
+            return;
+        const now = [event.clientX, event.clientY], before = [...this.pointers.values()];
+        this.pointers.set(event.pointerId, now);
+        const height = this.canvas.clientHeight, [x, y] = scale(sub(now, last), 1 / height);
+        if (before.length === 2) { // two fingers: the middle pans, the distance zooms
+            const [a, b] = this.pointers.values(), [p, q] = before;
+            this.zoom(Math.hypot(...sub(p, q)) / Math.max(1, Math.hypot(...sub(a, b))));
+            this.pan(x / 2, y / 2);
+        } else if (before.length === 1) {
+            const second = event.buttons & 6 || event.shiftKey; // another button, or with shift
+            if (second)
+                this.pan(x, y);
+            else
+                this.drag(x, y, event.ctrlKey || event.altKey);
+        }
+    }
+
+    wheel(event) {
+        event.preventDefault();
+        const lines = event.deltaY * (event.deltaMode === 1 ? 16 : 1);
+        if (this.viewer.surface.planar && event.shiftKey)
+            this.focus((lines || event.deltaX) * 0.002);
+        else if (this.viewer.surface.planar && (event.ctrlKey || event.altKey))
+            this.aperture(Math.exp(-lines * 0.001));
+        else
+            this.zoom(Math.exp(lines * 0.001));
+    }
+
+    key(event) {
+        if (event.ctrlKey || event.metaKey || event.altKey)
+            return;
+        const step = 0.05, [x, y] = {ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step],
+                                     ArrowDown: [0, step]}[event.key] || [0, 0];
+        const actions = {
+            '+': () => this.zoom(0.9), '=': () => this.zoom(0.9), '-': () => this.zoom(1 / 0.9),
+            '[': () => this.focus(-0.05), ']': () => this.focus(0.05),
+            ',': () => this.aperture(1 / 1.2), '.': () => this.aperture(1.2),
+            r: () => this.viewer.reset(), Home: () => this.viewer.reset(), v: () => this.viewer.frameAll(),
+            f: () => this.viewer.fullScreen(), i: () => this.viewer.toggleFigures(), h: () => this.viewer.toggleHelp()};
+        if (x || y)
+            event.shiftKey ? this.pan(x, y) : this.drag(-x, -y);
+        else if (actions[event.key])
+            actions[event.key]();
+        else
+            return;
+        event.preventDefault();
+    }
+
+    drag(x, y, other) {
+        const {viewer} = this, {pose, surface} = viewer;
+        if (surface.planar)
+            return other ? this.focus(y * 4) : viewer.pose = this.stepped(pose, [-x, -y]);
+        const turn = Controls.turn;
+        if (surface.inside) // what is seen follows the hand
+            viewer.pose = turned(pose, x * turn / 2, y * turn / 2);
+        else
+            viewer.pose = orbited(pose, -x * turn, y * turn);
+    }
+
+    // The observer of planar views moves: as far as the cameras reach.
+    stepped(pose, by) {
+        const [, , s, t] = this.viewer.info.size, cameras = [s - 1, t - 1];
+        return {...pose, observer: pose.observer.map((at, i) => clamp(at - by[i] * Math.max(...cameras) * 1.5, 0, cameras[i]))};
+    }
+
+    pan(x, y) {
+        const {viewer} = this, {pose, surface} = viewer;
+        if (surface.planar) {
+            const [left, top, right, bottom] = surface.window(viewer.view()), height = bottom - top, [u, v] = viewer.info.size;
+            viewer.pose = {...pose, middle: [clamp(pose.middle[0] - x * height / u, 0, 1), clamp(pose.middle[1] - y * height / v, 0, 1)]};
+        } else
+            viewer.pose = panned(pose, viewer.fov, x, y);
+    }
+
+    // By this factor, below 1 nearer.
+    zoom(factor) {
+        const {viewer} = this, {pose, surface} = viewer;
+        if (surface.planar)
+            viewer.pose = {...pose, zoom: clamp(pose.zoom / factor, 0.25, 64)};
+        else if (surface.inside)
+            viewer.fov = clamp(viewer.fov * factor, 5, 120);
+        else
+            viewer.pose = {...pose, eye: add(pose.look, scale(sub(pose.eye, pose.look), factor))};
+    }
+
+    focus(by) {
+        const {viewer} = this;
+        if (viewer.surface.planar)
+            viewer.pose = {...viewer.pose, disparity: clamp(viewer.pose.disparity + by, -64, 64)};
+    }
+
+    aperture(factor) {
+        const {viewer} = this, [, , s, t] = viewer.info.size;
+        if (viewer.surface.planar)
+            viewer.pose = {...viewer.pose, reach: clamp(viewer.pose.reach * factor, 1, Math.max(1, Math.min(12, Math.max(s, t) / 2)))};
+    }
+}

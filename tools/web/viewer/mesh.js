@@ -1,0 +1,51 @@
+// The mesh of a texture, as `tessera view` writes it beside the file (tools/web/page/view_data.h): columns of
+// integers, each the difference to the one before it, zigzag, split into planes of bytes.
+
+class MeshData {
+    // about: what the first line says; bytes: what follows it.
+    constructor(about, bytes) {
+        let at = 0;
+        const column = (count, planes) => {
+            const out = new Int32Array(count);
+            for (let plane = 0; plane < planes; ++plane, at += count)
+                for (let i = 0; i < count; ++i)
+                    out[i] |= bytes[at + i] << 8 * plane;
+            for (let i = 0, last = 0; i < count; ++i)
+                last = out[i] = last + (out[i] >>> 1 ^ -(out[i] & 1));
+            return out;
+        };
+        const {vertices, triangles, low, high, mips, atlas} = about;
+        const places = [0, 1, 2].map(() => column(vertices, 3));
+        this.low = low;
+        this.high = high;
+        this.mips = mips;
+        this.positions = new Float32Array(vertices * 3);
+        for (let axis = 0; axis < 3; ++axis)
+            for (let i = 0; i < vertices; ++i)
+                this.positions[3 * i + axis] = low[axis] + (high[axis] - low[axis]) * places[axis][i] / 65535;
+        this.normals = directions(column(vertices, 3), column(vertices, 3));
+        this.tangents = directions(column(vertices, 3), column(vertices, 3));
+        const u = column(vertices, 4), v = column(vertices, 4);
+        this.uv = new Float32Array(vertices * 2);
+        for (let i = 0; i < vertices; ++i) {
+            this.uv[2 * i] = u[i] / 2 ** 24;
+            this.uv[2 * i + 1] = v[i] / 2 ** 24;
+        }
+        this.indices = new Uint32Array(column(triangles * 3, 4));
+        this.charts = new Charts(null, atlas, mips);
+        this.charts.ids = mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
+    }
+}
+
+// Unit vectors from the octahedral square, 0..65535 along both sides.
+function directions(across, up) {
+    const out = new Float32Array(across.length * 3);
+    for (let i = 0; i < across.length; ++i) {
+        let x = across[i] / 32767.5 - 1, y = up[i] / 32767.5 - 1;
+        const z = 1 - Math.abs(x) - Math.abs(y);
+        if (z < 0)
+            [x, y] = [(1 - Math.abs(y)) * (x < 0 ? -1 : 1), (1 - Math.abs(x)) * (y < 0 ? -1 : 1)];
+        out.set(unit([x, y, z]), 3 * i);
+    }
+    return out;
+}

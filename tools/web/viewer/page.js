@@ -1,0 +1,99 @@
+// The page around the viewer: its parts, what they say, and how it starts.
+
+class Page {
+    constructor() {
+        for (const name of ['canvas', 'note', 'figures', 'help', 'poster'])
+            this[name] = document.getElementById(name);
+        this.buttons = document.getElementById('buttons');
+    }
+
+    say(text) {
+        this.note.textContent = text;
+        this.note.hidden = !text;
+    }
+    fail(error) {
+        this.say(error.message || String(error));
+        this.note.classList.add('error');
+        document.title = 'Cannot be shown';
+        console.error(error);
+    }
+    toggle(name) {
+        this[name].hidden = !this[name].hidden;
+    }
+
+    // After each frame.
+    update(viewer) {
+        const {loader, renderer, cache} = viewer;
+        if (!this.poster.hidden && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
+            this.poster.hidden = true;
+            this.say('');
+        }
+        if (loader.failed.size && !this.note.textContent)
+            this.say(`${loader.failed.size} tiles cannot be had: ${loader.failed.values().next().value}`);
+        if (this.figures.hidden)
+            return;
+        const {info, source} = viewer, ms = viewer.frameTime;
+        const lines = [`${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
+            ms ? `${(1000 / ms).toFixed(0)} frames a second` : 'still',
+            `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.coming.size + loader.queue.length} to come`,
+            `${inBytes(renderer.bytes)} on the GPU`];
+        if (source)
+            lines.push(`${inBytes(source.received)} received in ${source.asked} requests`);
+        this.figures.textContent = lines.join('\n');
+    }
+
+    listen(viewer) {
+        this.buttons.addEventListener('click', event => {
+            const action = event.target.dataset.action;
+            if (action)
+                viewer[action]();
+        });
+    }
+}
+
+const inBytes = n => n < 1e3 ? `${n} bytes` : n < 1e6 ? `${(n / 1e3).toFixed(1)} kB` : `${(n / 1e6).toFixed(1)} MB`;
+
+// {about, rest} of what the tool found out about a file: a line of JSON, then bytes; null where it is something else.
+function parsedViewData(bytes) {
+    const end = bytes.indexOf(10);
+    if (end < 0 || bytes[0] !== 123) // {
+        return null;
+    return {about: JSON.parse(new TextDecoder().decode(bytes.subarray(0, end))), rest: bytes.subarray(end + 1)};
+}
+
+// From `tessera serve`; other servers answer with the file itself, or not at all.
+async function fetchedViewData(url) {
+    try {
+        const answer = await fetch(`${url}?view`, {headers: {Range: 'bytes=0-'}});
+        const type = answer.headers.get('Content-Type') || '';
+        if (!answer.ok || !type.includes('x-tessera-view')) {
+            answer.body?.cancel();
+            return null;
+        }
+        return parsedViewData(await unpacked(new Uint8Array(await answer.arrayBuffer())));
+    } catch {
+        return null;
+    }
+}
+
+// kit: see page.html. element(id): the bytes in an element of the page, or null.
+async function showPage(kit, element) {
+    const page = new Page(), viewer = new Viewer(kit, page);
+    window.tessera = viewer; // for whoever wants to script the page
+    try {
+        const bytes = element('file'), data = element('data');
+        if (bytes) {
+            await viewer.start({bytes, viewData: unpacked(data).then(parsedViewData)});
+        } else {
+            const name = new URLSearchParams(location.search).get('f');
+            if (!name)
+                throw Error('No file is named: open this page as ?f=NAME.tess');
+            const url = new URL(name, location.origin + location.pathname).href;
+            document.title = name;
+            await viewer.start({url, viewData: fetchedViewData(url)});
+        }
+        page.listen(viewer);
+    } catch (error) {
+        page.fail(error);
+    }
+}

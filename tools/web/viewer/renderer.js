@@ -1,0 +1,111 @@
+// Draws the surface, ray by ray of each pixel, and finds which tiles a view needs.
+
+// Where in their pixel the rays go, as in tools/view/view_drawing.h: the first one through its centre.
+const rayShift = k => [0.7548776662466927, 0.5698402909980532].map(step => (0.5 + k * step) % 1 - 0.5);
+
+class Renderer {
+    static mostRays = 16;
+
+    constructor(gl, kit, info, surface, cache) {
+        Object.assign(this, {gl, kit, info, surface, cache, coarse: null});
+        this.half = info.type === 'half';
+        // Sums of half-floats want more than 8 bits; without the extension they are cut at white.
+        this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
+        const sampling = ['slots.glsl', 'finish.glsl', 'surface.glsl', 'octahedral.glsl', ...surface.fragment];
+        this.drawing = new Program(gl, kit, surface.vertex, sampling);
+        this.marking = null; // made when it is needed
+        this.sampling = sampling;
+        this.resolving = new Program(gl, kit, ['screen.vert'], ['resolve.frag']);
+        this.sizes = {};
+    }
+
+    // {pixels: [width, height], pose, camera, rays}: rays so far; draws one more.
+    addRay(view, k) {
+        const {gl} = this;
+        this.resize(view.pixels, view.rays);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+        gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, this.rays, 0, k);
+        gl.viewport(0, 0, ...view.pixels);
+        gl.clearBufferfv(gl.COLOR, 0, this.surface.outside);
+        if (this.surface.hasDepth)
+            gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        this.drawSurface(this.drawing, view, rayShift(k), view.rays);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        this.resolving.use({rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    drawSurface(program, view, shift, rays) {
+        const {gl, surface, cache, info, coarse} = this;
+        const camera = view.camera && shiftedCamera(view.camera, shift, ...view.pixels);
+        program.use({
+            size: info.size, tiles: cache.grid.count, tileSide: cache.grid.tileSide,
+            slots: {texture: cache.texture, target: gl.TEXTURE_2D_ARRAY},
+            pages: {texture: cache.pages, target: gl.TEXTURE_2D},
+            slotSize: [cache.layout.width, cache.layout.height],
+            mipRow: [0, 1, 2, 3, 4].map(mip => cache.layout.rows[mip] || 0),
+            coarse: {texture: coarse ? coarse.texture : cache.texture, target: gl.TEXTURE_2D_ARRAY},
+            coarseSize: coarse ? coarse.size : [0, 0, 0, 0], coarseLod: coarse ? coarse.lod : [0, 0],
+            coarseFold: coarse ? coarse.fold : [1, 1], emptyColour: this.empty,
+            ...surface.uniforms(view, camera, rays)});
+        surface.draw(gl);
+    }
+
+    resize([width, height], rays) {
+        const {gl, sizes} = this;
+        if (sizes.width === width && sizes.height === height && sizes.rays >= rays)
+            return;
+        Object.assign(sizes, {width, height, rays});
+        gl.deleteTexture(this.rays);
+        gl.deleteRenderbuffer(this.depth);
+        gl.deleteFramebuffer(this.target);
+        this.rays = arrayTexture(gl, this.format, width, height, rays, gl.NEAREST);
+        this.target = gl.createFramebuffer();
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+        this.depth = this.surface.hasDepth ? this.depthBuffer(width, height) : null;
+    }
+
+    depthBuffer(width, height) {
+        const {gl} = this, buffer = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+        gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, buffer);
+        return buffer;
+    }
+
+    // The tiles that a view needs -> in how many pixels. corner: which of a pixel's directions are looked at, 0..3,
+    // and 4 more for the second of two mips; -1: each pixel others, which is enough where not all count.
+    tilesOf(view, reduction, corner, shift) {
+        const {gl} = this;
+        this.marking ||= new Program(gl, this.kit, this.surface.vertex, this.sampling, ['MARKS']);
+        const pixels = view.pixels.map(n => Math.max(1, Math.ceil(n / reduction)));
+        const texture = gl.createTexture(), target = gl.createFramebuffer();
+        gl.bindTexture(gl.TEXTURE_2D, texture);
+        gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32UI, ...pixels);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+        gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+        const depth = this.surface.hasDepth ? this.depthBuffer(...pixels) : null;
+        gl.viewport(0, 0, ...pixels);
+        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+        if (depth)
+            gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        gl.useProgram(this.marking.program);
+        gl.uniform1i(this.marking.uniforms.get('corner').at, corner);
+        this.drawSurface(this.marking, {...view, pixels}, shift, view.rays * reduction ** 2); // as fine a mip as the view's
+        const words = new Uint32Array(pixels[0] * pixels[1] * 4), counts = new Map();
+        gl.readPixels(0, 0, ...pixels, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.deleteFramebuffer(target);
+        gl.deleteTexture(texture);
+        gl.deleteRenderbuffer(depth);
+        for (const word of words)
+            if (word)
+                counts.set(word - 1, (counts.get(word - 1) || 0) + 1);
+        return counts;
+    }
+
+    get bytes() {
+        const {width = 0, height = 0, rays = 0} = this.sizes;
+        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) + width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
+    }
+}

@@ -1,0 +1,125 @@
+// Where the texels of a tile lie in its slot of the GPU's tile cache. A slot is a picture with the angular
+// images of the tile's places side by side; right of them, of atlases of meshes, those of the mips, each mip
+// below the one before it. Used by the page and its workers.
+
+class SlotLayout {
+    constructor(tileSide, mips) {
+        const [u, v, s, t] = tileSide;
+        this.side = tileSide;
+        this.mips = mips;
+        this.rows = [0]; // first row of places of each mip; of mip 0 the atlas
+        for (let mip = 1, row = 0; mip <= mips; ++mip) {
+            this.rows.push(row);
+            row += Math.ceil(v / 2 ** mip);
+        }
+        const below = mips ? this.rows[mips] + Math.ceil(v / 2 ** mips) : 0;
+        this.width = (u + (mips ? Math.ceil(u / 2) : 0)) * s;
+        this.height = Math.max(v, below) * t;
+    }
+    // The first pixel of a place's angular image, places counted from the tile's first one in that mip.
+    pixel(mip, u, v) {
+        const [side_u, , s, t] = this.side;
+        return ((this.rows[mip] + v) * t) * this.width + (u + (mip ? side_u : 0)) * s;
+    }
+}
+
+// Texels as they are decoded (order v, u, t, s; 8-bit samples, or halves as 16-bit integers) -> the pixels of a
+// slot, RGBA. Grey is shown as grey, alpha not at all: as `tessera render` does.
+// charts: null, or {ids, size} of all mips, see chartsOf() in mesh.js.
+function slotPixels(texels, box, channels, half, layout, charts) {
+    const [u0, u1, v0, v1, s0, s1, t0, t1] = box;
+    const across = u1 - u0, up = v1 - v0, wide = s1 - s0, high = t1 - t0;
+    const out = new (half ? Uint16Array : Uint8Array)(layout.width * layout.height * 4);
+    const opaque = half ? 0x3C00 : 255, colour = channels >= 3;
+    let from = 0;
+    for (let v = 0; v < up; ++v)
+        for (let u = 0; u < across; ++u)
+            for (let t = 0; t < high; ++t) {
+                let to = (layout.pixel(0, u, v) + t * layout.width) * 4;
+                for (let s = 0; s < wide; ++s, from += channels, to += 4) {
+                    out[to] = texels[from];
+                    out[to + 1] = texels[colour ? from + 1 : from];
+                    out[to + 2] = texels[colour ? from + 2 : from];
+                    out[to + 3] = opaque;
+                }
+            }
+    for (let mip = 1; charts && mip <= layout.mips; ++mip)
+        addMip(out, mip, box, half, layout, charts);
+    return out;
+}
+
+// A texel of a mip is the mean over the texels of its own chart in its square (FORMAT.md 5.2).
+function addMip(out, mip, [u0, u1, v0, v1, s0, s1, t0, t1], half, layout, charts) {
+    const wide = s1 - s0, high = t1 - t0, step = 1 << mip;
+    const get = half ? x => halfToFloat(out[x]) : x => out[x];
+    const put = half ? floatToHalf : x => Math.floor(x + 0.5);
+    const sums = new Float64Array(wide * high * 3);
+    for (let y = v0 >> mip; y << mip < v1; ++y)
+        for (let x = u0 >> mip; x << mip < u1; ++x) {
+            const own = charts.at(mip, x, y);
+            if (!own)
+                continue;
+            let count = 0;
+            sums.fill(0);
+            for (let v = y << mip; v < Math.min((y << mip) + step, v1); ++v)
+                for (let u = x << mip; u < Math.min((x << mip) + step, u1); ++u) {
+                    if (charts.at(0, u, v) !== own)
+                        continue;
+                    const first = layout.pixel(0, u - u0, v - v0);
+                    for (let t = 0, i = 0; t < high; ++t)
+                        for (let at = (first + t * layout.width) * 4, s = 0; s < wide; ++s, at += 4, i += 3) {
+                            sums[i] += get(at);
+                            sums[i + 1] += get(at + 1);
+                            sums[i + 2] += get(at + 2);
+                        }
+                    ++count;
+                }
+            const first = layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip));
+            for (let t = 0, i = 0; t < high; ++t)
+                for (let at = (first + t * layout.width) * 4, s = 0; s < wide; ++s, at += 4, i += 3)
+                    for (let c = 0; c < 3; ++c)
+                        out[at + c] = put(sums[i + c] / count);
+        }
+}
+
+function halfToFloat(h) {
+    const sign = h & 0x8000 ? -1 : 1, exponent = h >> 10 & 31, rest = h & 1023;
+    if (exponent === 0)
+        return sign * rest * 2 ** -24;
+    return exponent === 31 ? (rest ? NaN : sign * Infinity) : sign * (1 + rest / 1024) * 2 ** (exponent - 15);
+}
+
+// To the nearest, ties to even.
+function floatToHalf(x) {
+    const sign = x < 0 || Object.is(x, -0) ? 0x8000 : 0, size = Math.abs(x);
+    if (Number.isNaN(x))
+        return 0x7E00;
+    if (size >= 65520)
+        return sign | 0x7C00;
+    const exponent = Math.max(Math.floor(Math.log2(size || 1e-30)), -14), units = size / 2 ** (exponent - 10);
+    let rounded = Math.floor(units);
+    if (units - rounded > 0.5 || (units - rounded === 0.5 && rounded % 2))
+        ++rounded;
+    return sign | (exponent + 14 << 10) + rounded; // 1024 units are the next exponent's; below 2^-14 there is no leading 1
+}
+
+// The charts of an atlas and its mips, one number a texel: 0 none. Laid out as one picture, `width` wide: mips right
+// of the atlas, each below the one before it.
+class Charts {
+    constructor(ids, size, mips) {
+        Object.assign(this, {ids, size, mips});
+        this.width = size[0] + (mips ? Math.ceil(size[0] / 2) : 0);
+        this.rows = [0];
+        for (let mip = 1, row = 0; mip <= mips; ++mip) {
+            this.rows.push(row);
+            row += this.side(mip)[1];
+        }
+        this.height = Math.max(size[1], mips ? this.rows[mips] + this.side(mips)[1] : 0);
+    }
+    side(mip) {
+        return this.size.map(n => Math.ceil(n / 2 ** mip));
+    }
+    at(mip, u, v) {
+        return this.ids[(this.rows[mip] + v) * this.width + u + (mip ? this.size[0] : 0)];
+    }
+}

@@ -1,0 +1,131 @@
+// Colours of angular images out of the tile cache. A tile that is not there shows its coarse texels.
+//
+// With MARKS defined nothing is looked up: marks receives the numbers of tiles that the pixel needs.
+
+uniform highp usampler2D pages;       // a word a tile, 1024 a row: 0, or present | layer << 20 | row << 10 | column
+uniform highp sampler2DArray slots;   // slot_layout.js
+uniform highp sampler2DArray coarse;  // angular images side by side, folded over layers
+uniform ivec4 size;                   // texels along u, v, s, t
+uniform ivec4 tiles;                  // tiles along them
+uniform ivec4 tileSide;               // texels of the largest tile
+uniform ivec2 slotSize;               // pixels
+uniform int mipRow[5];                // places above each mip in a slot
+uniform ivec4 coarseSize;             // texels of the coarse level; 0: there is none
+uniform ivec2 coarseLod;              // texels it joins, as powers of two: spatial, angular
+uniform ivec2 coarseFold;             // angular images along x and y of a layer
+uniform vec4 emptyColour;             // where a tile is missing and nothing stands in
+
+#ifdef MARKS
+uniform int corner; // see Renderer.tilesOf()
+uvec4 marks = uvec4(0u);
+int marked = 0;
+#endif
+
+// The tile that a texel lies in, along one axis, and the first texel of a tile.
+int tileOf(int texel, int axisSize, int axisTiles) {
+    return ((texel + 1) * axisTiles - 1) / axisSize;
+}
+int tileBegin(int tile, int axisSize, int axisTiles) {
+    return tile * axisSize / axisTiles;
+}
+
+// A texel of the atlas or a mip: its tile and where it lies in the tile's slot.
+struct SlotPlace {
+    ivec2 tile;
+    ivec2 place;
+};
+
+SlotPlace slotPlace(ivec2 uv, int mip) {
+    ivec2 first = uv << mip;
+    SlotPlace p;
+    p.tile = ivec2(tileOf(first.x, size.x, tiles.x), tileOf(first.y, size.y, tiles.y));
+    ivec2 begin = ivec2(tileBegin(p.tile.x, size.x, tiles.x), tileBegin(p.tile.y, size.y, tiles.y));
+    p.place = uv - (begin >> mip) + ivec2(mip > 0 ? tileSide.x : 0, mipRow[mip]);
+    return p;
+}
+
+int tileNumber(ivec2 uv, ivec2 st) {
+    return ((st.y * tiles.z + st.x) * tiles.y + uv.y) * tiles.x + uv.x;
+}
+
+uint pageOf(int tile) {
+    return texelFetch(pages, ivec2(tile & 1023, tile >> 10), 0).r;
+}
+
+// The first pixel of an angular image in its slot.
+ivec3 slotPixel(uint page, ivec2 place) {
+    ivec2 slot = ivec2(int(page & 1023u), int((page >> 10) & 1023u));
+    return ivec3(slot * slotSize + place * tileSide.zw, int((page >> 20) & 2047u));
+}
+
+ivec2 directionTile(ivec2 st) {
+    return ivec2(tileOf(st.x, size.z, tiles.z), tileOf(st.y, size.w, tiles.w));
+}
+ivec2 directionBegin(ivec2 tile) {
+    return ivec2(tileBegin(tile.x, size.z, tiles.z), tileBegin(tile.y, size.w, tiles.w));
+}
+
+// The coarse level, mixed linearly between the centres of its texels: place in texels of level 0 from the first
+// texel's edge, direction likewise.
+vec4 coarseImage(ivec2 uv, vec2 st) {
+    ivec2 image = clamp(uv, ivec2(0), coarseSize.xy - 1);
+    ivec2 cell = image / coarseFold;
+    ivec2 at = (image - cell * coarseFold) * coarseSize.zw;
+    int across = (coarseSize.x + coarseFold.x - 1) / coarseFold.x;
+    vec2 place = vec2(at) + clamp(st, vec2(0.5), vec2(coarseSize.zw) - 0.5);
+    return textureLod(coarse, vec3(place / vec2(coarseFold * coarseSize.zw), float(cell.y * across + cell.x)), 0.0);
+}
+vec4 coarseColour(vec2 place, vec2 direction) {
+    if (coarseSize.x == 0)
+        return emptyColour;
+    vec2 at = place / float(1 << coarseLod.x) - 0.5;
+    vec2 st = direction / float(1 << coarseLod.y);
+    ivec2 low = ivec2(floor(at));
+    vec2 w = at - vec2(low);
+    return mix(mix(coarseImage(low, st), coarseImage(low + ivec2(1, 0), st), w.x),
+               mix(coarseImage(low + ivec2(0, 1), st), coarseImage(low + ivec2(1, 1), st), w.x), w.y);
+}
+
+// One texel.
+vec4 texelColour(SlotPlace p, ivec2 uv, int mip, ivec2 st) {
+    ivec2 tile = directionTile(st);
+    uint page = pageOf(tileNumber(p.tile, tile));
+    if (page == 0u)
+        return coarseColour((vec2(uv) + 0.5) * float(1 << mip), vec2(st) + 0.5);
+    return texelFetch(slots, slotPixel(page, p.place) + ivec3(st - directionBegin(tile), 0), 0);
+}
+
+#ifdef MARKS
+// Of four directions a pixel marks one, its neighbours the others; so, too, of the second mip's places.
+int chosen() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    return corner >= 0 ? corner : (at.x & 1) | ((at.y & 1) << 1) | (((at.x + at.y) & 2) << 1);
+}
+void mark(SlotPlace p, ivec2 st) {
+    if (marked < 4 || (chosen() & 4) != 0)
+        marks[marked & 3] = uint(tileNumber(p.tile, directionTile(st))) + 1u;
+    ++marked;
+}
+#endif
+
+// Four texels of the angular image of a texel, low to high, of which high has the weights.
+vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
+    SlotPlace p = slotPlace(uv, mip);
+#ifdef MARKS
+    mark(p, ivec2((chosen() & 1) == 0 ? low.x : high.x, (chosen() & 2) == 0 ? low.y : high.y));
+    return vec4(0.0);
+#else
+    ivec2 tile = directionTile(low);
+    if (tile == directionTile(high)) { // the texture unit mixes
+        uint page = pageOf(tileNumber(p.tile, tile));
+        vec2 beyond = weight * vec2(notEqual(low, high));
+        if (page == 0u)
+            return coarseColour((vec2(uv) + 0.5) * float(1 << mip), vec2(low) + beyond + 0.5);
+        ivec3 pixel = slotPixel(page, p.place) + ivec3(low - directionBegin(tile), 0);
+        vec2 whole = vec2(textureSize(slots, 0).xy);
+        return textureLod(slots, vec3((vec2(pixel.xy) + 0.5 + beyond) / whole, float(pixel.z)), 0.0);
+    }
+    return mix(mix(texelColour(p, uv, mip, low), texelColour(p, uv, mip, ivec2(high.x, low.y)), weight.x),
+               mix(texelColour(p, uv, mip, ivec2(low.x, high.y)), texelColour(p, uv, mip, high), weight.x), weight.y);
+#endif
+}

@@ -1,0 +1,37 @@
+// A pinhole camera outside a textured sphere, or in it: decoder_glsl/shaders/view.glsl and sample.glsl.
+uniform vec4 eye;     // xyz relative to the centre of the sphere; w its radius
+uniform vec3 right;   // half the picture's width, at distance 1
+uniform vec3 up;      // half its height
+uniform vec3 forward;
+uniform vec2 pixels;  // width and height of the picture
+uniform bool inside;
+uniform vec4 outside; // colour where the sphere is missed
+
+vec4 placeColour(ivec2 texel, vec3 direction) {
+    TsrAngularFootprint f = tsr_angular_footprint(texel, size.xy, size.zw, inside, direction);
+    return imageColour(texel, 0, f.low, f.high, f.weight);
+}
+
+// Each of the four surface texels has its own frame, hence its own angles.
+vec4 surfaceColour(vec3 fromCentre, vec3 direction) {
+    TsrSurfaceFootprint f = tsr_surface_footprint(fromCentre, size.xy);
+    vec4 a = placeColour(f.low, direction);
+    vec4 b = placeColour(ivec2(f.high.x, f.low.y), direction);
+    vec4 c = placeColour(ivec2(f.low.x, f.high.y), direction);
+    vec4 d = placeColour(f.high, direction);
+    return mix(mix(a, b, f.weight.x), mix(c, d, f.weight.x), f.weight.y);
+}
+
+void main() {
+    vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
+    vec3 ray = normalize(forward + at.x * right + at.y * up);
+    // The nearest point to the centre first: the usual quadratic loses digits from afar.
+    float along = -dot(eye.xyz, ray);
+    vec3 nearest = eye.xyz + along * ray;
+    float rest = eye.w * eye.w - dot(nearest, nearest);
+    if (rest < 0.0 || (along <= 0.0 && !inside)) {
+        finish(outside);
+        return;
+    }
+    finish(surfaceColour(nearest + (inside ? sqrt(rest) : -sqrt(rest)) * ray, -ray));
+}

@@ -1,0 +1,101 @@
+// What carries the texture: each kind knows its uniforms for a view, and how it is drawn.
+
+class SphereSurface {
+    constructor(info, outside) {
+        Object.assign(this, {info, outside, fragment: ['sphere.frag'], vertex: ['screen.vert'], rays: 1});
+        this.inside = info.inside;
+    }
+    defaultPose() {
+        return this.inside ? {eye: this.info.centre, look: add(this.info.centre, [-1, 0, 0])} : {eye: [10, 0, 0], look: [0, 0, 0]};
+    }
+    // The observer stays on the side that the texture is seen from.
+    allowed(pose) {
+        const arm = sub(pose.eye, this.info.centre), distance = Math.hypot(...arm), {radius} = this.info;
+        return this.inside ? distance < radius * 0.999 : distance > radius * 1.001;
+    }
+    uniforms(view, camera) {
+        return {...camera, eye: [...sub(camera.eye, this.info.centre), this.info.radius], inside: this.inside,
+                outside: this.outside, pixels: view.pixels};
+    }
+    draw(gl) {
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+}
+
+class MeshSurface {
+    constructor(gl, info, mesh, outside) {
+        // Four rays a pixel as `tessera render` has them, when nothing moves.
+        Object.assign(this, {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
+        this.array = gl.createVertexArray();
+        gl.bindVertexArray(this.array);
+        [[mesh.positions, 3], [mesh.normals, 3], [mesh.tangents, 3], [mesh.uv, 2]].forEach(([data, components], i) => {
+            gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+            gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+            gl.vertexAttribPointer(i, components, gl.FLOAT, false, 0, 0);
+            gl.enableVertexAttribArray(i);
+        });
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices, gl.STATIC_DRAW);
+        gl.bindVertexArray(null);
+        this.charts = gl.createTexture();
+        gl.bindTexture(gl.TEXTURE_2D, this.charts);
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        const {width, height, ids} = mesh.mips ? mesh.charts : {width: 1, height: 1, ids: new Uint16Array(1)};
+        gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, width, height);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RED_INTEGER, gl.UNSIGNED_SHORT, ids);
+        nearest(gl, gl.TEXTURE_2D);
+        this.centre = scale(add(mesh.low, mesh.high), 0.5);
+        this.radius = Math.hypot(...sub(mesh.high, mesh.low)) / 2;
+    }
+    defaultPose() {
+        return {eye: [10, 0, 0], look: [0, 0, 0]};
+    }
+    allowed() {
+        return true;
+    }
+    uniforms(view, camera, rays) {
+        const distance = Math.hypot(...sub(camera.eye, this.centre));
+        const far = (distance + this.radius) * 1.01, near = Math.max((distance - this.radius) * 0.99, far / 10000);
+        const {mips, charts} = this.mesh, levels = [0, 1, 2, 3, 4].map(mip => Math.min(mip, mips));
+        return {project: projection(camera, near, far), eye: camera.eye, mips,
+                mipSize: levels.flatMap(mip => charts.side(mip)), chartRow: levels.map(mip => charts.rows[mip]),
+                charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D},
+                angularMap: this.info.angularMap === 'octahedral mirrored' ? 4 : 3, rayWidth: 1 / Math.sqrt(rays)};
+    }
+    draw(gl) {
+        gl.enable(gl.DEPTH_TEST);
+        gl.enable(gl.CULL_FACE);
+        gl.bindVertexArray(this.array);
+        gl.drawElements(gl.TRIANGLES, this.mesh.indices.length, gl.UNSIGNED_INT, 0);
+        gl.bindVertexArray(null);
+        gl.disable(gl.CULL_FACE);
+        gl.disable(gl.DEPTH_TEST);
+    }
+}
+
+class PlanarSurface {
+    constructor(info, outside) {
+        Object.assign(this, {info, outside, fragment: ['planar.frag'], vertex: ['screen.vert'], rays: 1, planar: true});
+    }
+    // The middle of the cameras, all of the picture.
+    defaultPose() {
+        const [, , s, t] = this.info.size;
+        return {observer: [(s - 1) / 2, (t - 1) / 2], disparity: 0, reach: 1, zoom: 1, middle: [0.5, 0.5]};
+    }
+    allowed() {
+        return true;
+    }
+    // The part of the picture that is shown, in texels.
+    window({pose, pixels}) {
+        const [u, v] = this.info.size, texels = Math.max(u / pixels[0], v / pixels[1]) / pose.zoom; // of a pixel
+        const half = scale(pixels, texels / 2), middle = [pose.middle[0] * u, pose.middle[1] * v];
+        return [...sub(middle, half), ...add(middle, half)];
+    }
+    uniforms(view) {
+        const {observer, disparity, reach} = view.pose;
+        return {window: this.window(view), pixels: view.pixels, observer, disparity, reach, outside: this.outside};
+    }
+    draw(gl) {
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+}

@@ -1,0 +1,52 @@
+// Runs in workers, behind tessera.js and slot_layout.js: opens the file and decodes tiles into pixels of slots.
+
+function startTileWorker() {
+    let file, layout, charts = null;
+    const reads = new Map();
+    let lastRead = 0;
+
+    const readFromPage = (offset, length) => new Promise((resolve, reject) => {
+        reads.set(++lastRead, {resolve, reject});
+        postMessage({read: lastRead, offset, length});
+    });
+    const asSamples = texels => file.info.type === 'half'
+        ? new Uint16Array(texels.buffer.slice(texels.byteOffset, texels.byteOffset + texels.byteLength)) : texels;
+
+    const jobs = {
+        async open({wasm, bytes, size}) {
+            const codec = await loadTessera(wasm);
+            file = bytes ? codec.openBytes(bytes) : await codec.openSource({size, read: readFromPage});
+            return {info: file.info};
+        },
+        prepare({tileSide, chartIds, chartSize, mips}) {
+            layout = new SlotLayout(tileSide, mips);
+            charts = mips ? new Charts(chartIds, chartSize, mips) : null;
+            return {};
+        },
+        async tile({box}) {
+            const texels = asSamples(await file.fetchBox(box));
+            return {pixels: slotPixels(texels, box, file.info.channels, file.info.type === 'half', layout, charts)};
+        },
+        // The angular images of a coarse level, as one row of places after the other.
+        async coarse({level}) {
+            const {size} = file.info.levels[level], box = size.flatMap(n => [0, n]);
+            const whole = new SlotLayout(size, 0);
+            return {pixels: slotPixels(asSamples(await file.fetchBox(box, undefined, level)), box, file.info.channels,
+                                       file.info.type === 'half', whole, null)};
+        },
+    };
+
+    onmessage = async ({data}) => {
+        if (data.bytesOf) {
+            const read = reads.get(data.bytesOf);
+            reads.delete(data.bytesOf);
+            return data.error ? read.reject(Error(data.error)) : read.resolve(data.bytes);
+        }
+        try {
+            const answer = await jobs[data.job](data);
+            postMessage({id: data.id, ...answer}, answer.pixels ? [answer.pixels.buffer] : []);
+        } catch (error) {
+            postMessage({id: data.id, error: String(error.message || error)});
+        }
+    };
+}

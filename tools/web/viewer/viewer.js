@@ -1,0 +1,241 @@
+// The viewer: opens the file, brings tiles, draws when something changed. What the page shows of it: page.html.
+
+const usualFov = 45;
+const usualCache = 256; // MB of tiles on the GPU
+
+class Viewer {
+    // kit: text(name), bytes(name); page: {canvas, note, figures, help, poster}.
+    constructor(kit, page) {
+        Object.assign(this, {kit, page, frames: [], waiting: [], ray: 0, changed: 0});
+        this.hash = new URLSearchParams(location.hash.slice(1));
+    }
+
+    // inputs: {bytes} or {url}, and {viewData}: what the tool found out about the file, or a promise of null.
+    async start(inputs) {
+        this.gl = this.context();
+        this.source = inputs.url ? await new RemoteSource(inputs.url, text => this.page.say(text)).open() : null;
+        this.fileBytes = inputs.bytes ? inputs.bytes.length : this.source.size;
+        this.workers = new Workers(this.kit, this.source, inputs.bytes || null);
+        this.info = await this.workers.open();
+        await this.setUp(await inputs.viewData);
+        this.listen();
+        await this.showCoarse();
+        this.change();
+    }
+
+    context() {
+        const gl = this.page.canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true});
+        if (!gl)
+            throw Error('This browser shows no WebGL2, which the viewer draws with. Current versions of Chromium, Firefox and ' +
+                        'Safari have it, unless it was switched off.');
+        this.page.canvas.addEventListener('webglcontextlost', event => {
+            event.preventDefault();
+            this.page.say('The graphics device was reset.');
+        });
+        this.page.canvas.addEventListener('webglcontextrestored', () => location.reload());
+        return gl;
+    }
+
+    async setUp(data) {
+        const {gl, info} = this, level = info.levels[0], about = data ? data.about : {};
+        const background = [...(about.background || shownBackground(info)), 1];
+        const mesh = info.proxy === 'mesh' && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
+        if (info.proxy === 'mesh' && !mesh)
+            throw Error('The texture lies on a mesh, which only `tessera view` and `tessera serve` can unpack: use one of them.');
+        this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
+            : info.proxy === 'planar' ? new PlanarSurface(info, background)
+            : info.proxy === 'sphere' ? new SphereSurface(info, background) : null;
+        if (!this.surface)
+            throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
+        const grid = new TileGrid(level.size, level.tile, level.tiles);
+        const layout = new SlotLayout(level.tile, mesh ? mesh.mips : 0);
+        const budget = (Number(this.hash.get('cache')) || usualCache) * 1e6;
+        this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
+        this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
+        this.renderer.empty = [...shownBackground(info), 1];
+        await this.workers.prepare({tileSide: level.tile, mips: layout.mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
+        this.loader = new TileLoader(this.workers, this.cache, () => this.change(true));
+        this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
+        this.lastPose = this.usual;
+        this.lastFov = Number(this.hash.get('fov')) || usualFov;
+    }
+
+    // Coarse levels, the smallest first: the whole texture at once.
+    async showCoarse() {
+        const {levels, type} = this.info, texel = type === 'half' ? 8 : 4;
+        for (let level = levels.length - 1; level > 0; --level) {
+            const {size, spatialLod, angularLod} = levels[level];
+            if (size.reduce((a, b) => a * b) * texel > 32e6)
+                break;
+            const first = this.workers.run({job: 'coarse', level}).then(({pixels}) => {
+                this.renderer.coarse = new CoarseLevel(this.gl, size, [spatialLod, angularLod], type === 'half', pixels);
+                this.change(true);
+            }).catch(error => this.page.say(error.message));
+            if (level === levels.length - 1)
+                await first;
+        }
+    }
+
+    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views observer=s,t disparity=0 reach=1 zoom=1.
+    poseOfHash() {
+        const pose = {};
+        for (const [name, length] of [['eye', 3], ['look', 3], ['observer', 2], ['middle', 2]]) {
+            const numbers = (this.hash.get(name) || '').split(',').map(Number);
+            if (numbers.length === length && numbers.every(Number.isFinite))
+                pose[name] = numbers;
+        }
+        for (const name of ['disparity', 'reach', 'zoom'])
+            if (this.hash.has(name) && Number.isFinite(Number(this.hash.get(name))))
+                pose[name] = Number(this.hash.get(name));
+        return pose;
+    }
+
+    listen() {
+        this.controls = new Controls(this.page.canvas, this);
+        new ResizeObserver(() => this.change()).observe(this.page.canvas);
+        addEventListener('hashchange', () => {
+            this.hash = new URLSearchParams(location.hash.slice(1));
+            this.lastFov = Number(this.hash.get('fov')) || usualFov;
+            this.pose = {...this.surface.defaultPose(), ...this.poseOfHash()};
+        });
+    }
+
+    get pose() {
+        return this.lastPose;
+    }
+    set pose(pose) {
+        if (!this.surface.allowed(pose))
+            return;
+        this.lastPose = pose;
+        this.moved = performance.now();
+        this.change();
+    }
+    get fov() {
+        return this.lastFov;
+    }
+    set fov(fov) {
+        this.lastFov = fov;
+        this.moved = performance.now();
+        this.change();
+    }
+    reset() {
+        this.lastFov = Number(this.hash.get('fov')) || usualFov;
+        this.pose = this.usual;
+    }
+    // From where the whole thing fills the picture.
+    frameAll() {
+        const {centre, radius} = this.surface.mesh ? this.surface : this.info, arm = sub(this.pose.eye || [], this.pose.look || []);
+        if (!this.surface.planar && !this.surface.inside)
+            this.pose = {look: centre, eye: add(centre, scale(unit(arm), radius / Math.sin(this.fov * Math.PI / 360)))};
+    }
+
+    get moving() {
+        return performance.now() - (this.moved || -1e9) < 150;
+    }
+
+    // What is drawn now: pixels of the display, and the camera.
+    view() {
+        const {canvas} = this.page, fixed = /^(\d+)x(\d+)$/.exec(this.hash.get('size') || '');
+        const ratio = devicePixelRatio || 1;
+        if (fixed)
+            Object.assign(canvas.style, {width: `${fixed[1] / ratio}px`, height: `${fixed[2] / ratio}px`});
+        const most = Math.min(8192, this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE));
+        const pixels = (fixed ? [+fixed[1], +fixed[2]] : [canvas.clientWidth * ratio, canvas.clientHeight * ratio])
+            .map(n => clamp(Math.round(n), 1, most));
+        const aspect = pixels[0] / pixels[1];
+        // In an upright window the angle is that across.
+        const fov = fixed || aspect >= 1 ? this.fov : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
+        const rays = clamp(Number(this.hash.get('rays')) || (this.moving ? 1 : this.surface.rays), 1, Renderer.mostRays);
+        return {pixels, pose: this.pose, rays, camera: this.surface.planar ? null : makeCamera(this.pose, fov, aspect)};
+    }
+
+    // Something is to be drawn; tiles: it is only new texels, the same ones are in view.
+    change(tilesOnly = false) {
+        this.ray = 0;
+        this.stale = true;
+        if (!tilesOnly)
+            this.searched = 'not';
+        this.schedule();
+    }
+
+    schedule() {
+        if (!this.scheduled)
+            this.scheduled = requestAnimationFrame(() => {
+                this.scheduled = 0;
+                this.frame();
+            });
+    }
+
+    frame() {
+        const view = this.view(), {canvas} = this.page;
+        if (canvas.width !== view.pixels[0] || canvas.height !== view.pixels[1])
+            [canvas.width, canvas.height] = view.pixels;
+        if (this.lastRays !== view.rays)
+            this.ray = 0;
+        this.lastRays = view.rays;
+        if (this.ray < view.rays) {
+            const begin = performance.now();
+            this.renderer.addRay(view, this.ray++);
+            this.frames.push([begin, performance.now() - begin]);
+        }
+        this.findTiles(view);
+        this.page.update(this);
+        if (this.ray < view.rays || this.moving || this.searched !== 'all')
+            this.schedule();
+        else if (!this.loader.busy)
+            this.waiting.splice(0).forEach(resolve => resolve());
+    }
+
+    // First a rough search, at once; when that is served a thorough one, whose tiles are few.
+    findTiles(view) {
+        const {cache, loader, renderer} = this;
+        if (cache.tiles.size === cache.grid.tiles)
+            this.searched = 'all';
+        if (this.searched === 'not' && performance.now() - (this.searchedAt || 0) > 60) {
+            this.searchedAt = performance.now();
+            this.counts = renderer.tilesOf(view, 6, -1, [0, 0]);
+            loader.want(this.counts);
+            if (!this.source && cache.holdsAll)
+                loader.wantAll();
+            this.searched = 'roughly';
+        } else if (this.searched === 'roughly' && !this.moving && !loader.busy) {
+            this.counts = new Map(this.counts);
+            for (let corner = 0; corner < 8; ++corner)
+                renderer.tilesOf(view, 1, corner, rayShift(corner % view.rays)).forEach(
+                    (count, tile) => this.counts.set(tile, (this.counts.get(tile) || 0) + count));
+            if (!loader.full)
+                loader.want(this.counts);
+            this.searched = 'all';
+        }
+    }
+
+    // Resolves when the picture is as good as it gets.
+    settled() {
+        return new Promise(resolve => {
+            this.waiting.push(resolve);
+            this.schedule();
+        });
+    }
+
+    fullScreen() {
+        document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
+    }
+    toggleFigures() {
+        this.page.toggle('figures');
+        this.schedule();
+    }
+    toggleHelp() {
+        this.page.toggle('help');
+    }
+
+    // Milliseconds from the first to the last of the newest frames, by frames.
+    get frameTime() {
+        const recent = this.frames.splice(0, Math.max(0, this.frames.length - 30)) && this.frames;
+        return recent.length > 1 ? (recent.at(-1)[0] - recent[0][0]) / (recent.length - 1) : 0;
+    }
+}
+
+// The colour of what has no tile, as the file has it.
+function shownBackground({background}) {
+    return background.length >= 3 ? background.slice(0, 3) : [0, 1, 2].map(() => background[0]);
+}
