@@ -134,11 +134,8 @@ vec2 tsr_angles(TsrFrame frame, vec3 d) {
     return vec2(s, tsr_atan2(y, planar) / tsr_pi + 0.5f);
 }
 
-// Where the angular image of one surface texel is read for the unit direction d, which points from
-// the surface to the observer. Sizes are texels along u and v, and along s and t.
-TsrAngularFootprint tsr_angular_footprint(ivec2 texel, ivec2 surface_size, ivec2 angular_size,
-                                          bool inside, vec3 d) {
-    vec2 angles = tsr_angles(tsr_frame(texel, surface_size, inside), d);
+// Where an angular image is read for (s, t) in 0..1. Its size is texels along s and t.
+TsrAngularFootprint tsr_footprint_of_angles(vec2 angles, ivec2 angular_size) {
     float across = angles.x * float(angular_size.x) - 0.5f;
     float up = angles.y * float(angular_size.y) - 0.5f;
     int i = int(floor(across));
@@ -148,4 +145,12 @@ TsrAngularFootprint tsr_angular_footprint(ivec2 texel, ivec2 surface_size, ivec2
     f.low = ivec2(clamp(i, 0, angular_size.x - 1), clamp(j, 0, angular_size.y - 1));
     f.high = ivec2(clamp(i + 1, 0, angular_size.x - 1), clamp(j + 1, 0, angular_size.y - 1));
     return f;
+}
+
+// The same of one surface texel, for the unit direction d, which points from the surface to the observer. Sizes
+// are texels along u and v, and along s and t.
+TsrAngularFootprint tsr_angular_footprint(ivec2 texel, ivec2 surface_size, ivec2 angular_size,
+                                          bool inside, vec3 d) {
+    return tsr_footprint_of_angles(tsr_angles(tsr_frame(texel, surface_size, inside), d),
+                                   angular_size);
 }

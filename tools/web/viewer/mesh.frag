@@ -19,26 +19,32 @@ uint chartAt(int mip, ivec2 texel) {
 TsrOctahedralTaps taps;
 bool folds;
 
-vec4 placeColour(ivec2 uv, int mip) {
-    ivec2 angular = size.zw;
-    if (!folds) {
-        TsrAngularFootprint f = tsr_ended(taps, angular);
-        return imageColour(uv, mip, f.low, f.high, f.weight);
-    }
-    ivec2 a = tsr_folded(taps.first, angular);
-    ivec2 b = tsr_folded(taps.first + ivec2(1, 0), angular);
-    ivec2 c = tsr_folded(taps.first + ivec2(0, 1), angular);
-    ivec2 d = tsr_folded(taps.first + ivec2(1, 1), angular);
+vec4 foldedColour(ivec2 uv, int mip, ivec2 st, int corner) {
     SlotPlace p = slotPlace(uv, mip);
 #ifdef MARKS
-    int k = chosen() & 3;
-    mark(p, k == 0 ? a : k == 1 ? b : k == 2 ? c : d);
+    if (corner == (chosen() & 3)) {
+        --marked; // in place of what imageColour() has marked
+        mark(p, st);
+    }
     return vec4(0.0);
 #else
-    vec2 w = taps.weight;
-    return mix(mix(texelColour(p, uv, mip, a), texelColour(p, uv, mip, b), w.x),
-               mix(texelColour(p, uv, mip, c), texelColour(p, uv, mip, d), w.x), w.y);
+    return texelColour(p, uv, mip, st);
 #endif
+}
+
+vec4 placeColour(ivec2 uv, int mip) {
+    ivec2 angular = size.zw;
+    TsrAngularFootprint f = tsr_ended(taps, angular);
+    vec4 colour = imageColour(uv, mip, f.low, f.high, f.weight);
+    int corner = folds ? 0 : 4;
+    if (corner == 0)
+        colour = vec4(0.0);
+    for (; corner < 4; ++corner) {
+        ivec2 step = ivec2(corner & 1, corner >> 1);
+        vec2 share = mix(1.0 - taps.weight, taps.weight, vec2(step));
+        colour += share.x * share.y * foldedColour(uv, mip, tsr_folded(taps.first + step, angular), corner);
+    }
+    return colour;
 }
 
 vec4 shares(vec2 w) {
@@ -49,7 +55,7 @@ vec4 mipColour(vec2 uv, int mip) {
     TsrSurfaceFootprint f = tsr_atlas_footprint(uv, size.xy);
     vec4 share = shares(f.weight);
     int level = 0;
-    if (mip > 0) {
+    for (int once = mip > 0 ? 0 : 1; once < 1; ++once) {
         vec2 place = clamp(uv, 0.0, 1.0) * vec2(size.xy);
         uint own = chartAt(0, min(ivec2(place), size.xy - 1));
         TsrSurfaceFootprint g = tsr_atlas_footprint(place / float(1 << mip) / vec2(mipSize[mip]), mipSize[mip]);
@@ -79,8 +85,8 @@ void main() {
     float mip = covered > 1.0 ? min(log2(covered), float(mips)) : 0.0;
     int first = int(mip);
     float second = mip - float(first); // its share
-    vec4 colour = (1.0 - second) * mipColour(surfacePlace, first);
-    if (second > 0.0)
-        colour += second * mipColour(surfacePlace, first + 1);
+    vec4 colour = vec4(0.0);
+    for (int i = 0; i <= (second > 0.0 ? 1 : 0); ++i)
+        colour += (i == 0 ? 1.0 - second : second) * mipColour(surfacePlace, first + i);
     finish(colour);
 }

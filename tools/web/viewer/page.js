@@ -32,7 +32,7 @@ class Page {
             this.say(`${loader.failed.size} tiles cannot be had: ${loader.failed.values().next().value}`);
         if (this.figures.hidden)
             return;
-        const {info, source} = viewer, ms = viewer.frameTime;
+        const {info, source} = viewer, ms = viewer.drawTime;
         const lines = [`${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
             ms ? `${(1000 / ms).toFixed(0)} frames a second` : 'still',
             `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.coming.size + loader.queue.length} to come`,

@@ -36,13 +36,13 @@ class Renderer {
     }
 
     drawSurface(program, view, shift, rays) {
-        const {gl, surface, cache, info, coarse} = this;
+        const {gl, surface, cache, coarse} = this;
         const camera = view.camera && shiftedCamera(view.camera, shift, ...view.pixels);
         program.use({
-            size: info.size, tiles: cache.grid.count, tileSide: cache.grid.tileSide,
+            ...cache.grid.uniforms,
             slots: {texture: cache.texture, target: gl.TEXTURE_2D_ARRAY},
             pages: {texture: cache.pages, target: gl.TEXTURE_2D},
-            slotSize: [cache.layout.width, cache.layout.height],
+            slotSize: [cache.layout.width, cache.layout.height], layerSize: cache.layerSize,
             mipRow: [0, 1, 2, 3, 4].map(mip => cache.layout.rows[mip] || 0),
             coarse: {texture: coarse ? coarse.texture : cache.texture, target: gl.TEXTURE_2D_ARRAY},
             coarseSize: coarse ? coarse.size : [0, 0, 0, 0], coarseLod: coarse ? coarse.lod : [0, 0],

@@ -8,7 +8,10 @@ uniform highp sampler2DArray coarse;  // angular images side by side, folded ove
 uniform ivec4 size;                   // texels along u, v, s, t
 uniform ivec4 tiles;                  // tiles along them
 uniform ivec4 tileSide;               // texels of the largest tile
+uniform vec4 sides, tileCount;        // size and tiles as numbers to calculate with,
+uniform vec4 perTexel, perTile;       // tiles by a texel, texels by a tile
 uniform ivec2 slotSize;               // pixels
+uniform vec2 layerSize;               // pixels of a layer of slots
 uniform int mipRow[5];                // places above each mip in a slot
 uniform ivec4 coarseSize;             // texels of the coarse level; 0: there is none
 uniform ivec2 coarseLod;              // texels it joins, as powers of two: spatial, angular
@@ -21,12 +24,13 @@ uvec4 marks = uvec4(0u);
 int marked = 0;
 #endif
 
-// The tile that a texel lies in, along one axis, and the first texel of a tile.
-int tileOf(int texel, int axisSize, int axisTiles) {
-    return ((texel + 1) * axisTiles - 1) / axisSize;
+// The tiles that texels lie in, and the first texels of tiles. Where a product is no whole number it is at least
+// a part of the axis away from one, so that the quarter decides (TileGrid.checkFloats() tries them all).
+ivec2 tileOf(ivec2 texel, vec2 axisSize, vec2 perTexel) {
+    return ivec2(ceil(vec2(texel + 1) * perTexel - 0.25 / axisSize)) - 1;
 }
-int tileBegin(int tile, int axisSize, int axisTiles) {
-    return tile * axisSize / axisTiles;
+ivec2 tileBegin(ivec2 tile, vec2 axisTiles, vec2 perTile) {
+    return ivec2(floor(vec2(tile) * perTile + 0.25 / axisTiles));
 }
 
 // A texel of the atlas or a mip: its tile and where it lies in the tile's slot.
@@ -38,8 +42,8 @@ struct SlotPlace {
 SlotPlace slotPlace(ivec2 uv, int mip) {
     ivec2 first = uv << mip;
     SlotPlace p;
-    p.tile = ivec2(tileOf(first.x, size.x, tiles.x), tileOf(first.y, size.y, tiles.y));
-    ivec2 begin = ivec2(tileBegin(p.tile.x, size.x, tiles.x), tileBegin(p.tile.y, size.y, tiles.y));
+    p.tile = tileOf(first, sides.xy, perTexel.xy);
+    ivec2 begin = tileBegin(p.tile, tileCount.xy, perTile.xy);
     p.place = uv - (begin >> mip) + ivec2(mip > 0 ? tileSide.x : 0, mipRow[mip]);
     return p;
 }
@@ -59,10 +63,10 @@ ivec3 slotPixel(uint page, ivec2 place) {
 }
 
 ivec2 directionTile(ivec2 st) {
-    return ivec2(tileOf(st.x, size.z, tiles.z), tileOf(st.y, size.w, tiles.w));
+    return tileOf(st, sides.zw, perTexel.zw);
 }
 ivec2 directionBegin(ivec2 tile) {
-    return ivec2(tileBegin(tile.x, size.z, tiles.z), tileBegin(tile.y, size.w, tiles.w));
+    return tileBegin(tile, tileCount.zw, perTile.zw);
 }
 
 // The coarse level, mixed linearly between the centres of its texels: place in texels of level 0 from the first
@@ -86,13 +90,17 @@ vec4 coarseColour(vec2 place, vec2 direction) {
                mix(coarseImage(low + ivec2(0, 1), st), coarseImage(low + ivec2(1, 1), st), w.x), w.y);
 }
 
+// What few pixels need is done in loops that most leave before their first turn: where an if costs the time of both
+// its sides, as without a GPU, such a loop costs nothing.
+
 // One texel.
 vec4 texelColour(SlotPlace p, ivec2 uv, int mip, ivec2 st) {
     ivec2 tile = directionTile(st);
     uint page = pageOf(tileNumber(p.tile, tile));
-    if (page == 0u)
-        return coarseColour((vec2(uv) + 0.5) * float(1 << mip), vec2(st) + 0.5);
-    return texelFetch(slots, slotPixel(page, p.place) + ivec3(st - directionBegin(tile), 0), 0);
+    vec4 colour = texelFetch(slots, slotPixel(page, p.place) + ivec3(st - directionBegin(tile), 0), 0);
+    for (int missing = page == 0u ? 0 : 1; missing < 1; ++missing)
+        colour = coarseColour((vec2(uv) + 0.5) * float(1 << mip), vec2(st) + 0.5);
+    return colour;
 }
 
 #ifdef MARKS
@@ -116,16 +124,19 @@ vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
     return vec4(0.0);
 #else
     ivec2 tile = directionTile(low);
-    if (tile == directionTile(high)) { // the texture unit mixes
-        uint page = pageOf(tileNumber(p.tile, tile));
-        vec2 beyond = weight * vec2(notEqual(low, high));
-        if (page == 0u)
-            return coarseColour((vec2(uv) + 0.5) * float(1 << mip), vec2(low) + beyond + 0.5);
-        ivec3 pixel = slotPixel(page, p.place) + ivec3(low - directionBegin(tile), 0);
-        vec2 whole = vec2(textureSize(slots, 0).xy);
-        return textureLod(slots, vec3((vec2(pixel.xy) + 0.5 + beyond) / whole, float(pixel.z)), 0.0);
+    uint page = pageOf(tileNumber(p.tile, tile));
+    vec2 beyond = weight * vec2(notEqual(low, high)); // where both are the same, nothing lies beside
+    ivec3 pixel = slotPixel(page, p.place) + ivec3(low - directionBegin(tile), 0);
+    vec4 colour = textureLod(slots, vec3((vec2(pixel.xy) + 0.5 + beyond) / layerSize, float(pixel.z)), 0.0);
+    // The texture unit has mixed all four where one tile has them, and it is there.
+    int corner = page != 0u && tile == directionTile(high) ? 4 : 0;
+    if (corner == 0)
+        colour = vec4(0.0);
+    for (; corner < 4; ++corner) {
+        ivec2 st = ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y);
+        vec2 share = mix(1.0 - weight, weight, vec2(corner & 1, corner >> 1));
+        colour += share.x * share.y * texelColour(p, uv, mip, st);
     }
-    return mix(mix(texelColour(p, uv, mip, low), texelColour(p, uv, mip, ivec2(high.x, low.y)), weight.x),
-               mix(texelColour(p, uv, mip, ivec2(low.x, high.y)), texelColour(p, uv, mip, high), weight.x), weight.y);
+    return colour;
 #endif
 }

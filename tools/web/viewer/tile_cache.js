@@ -18,7 +18,8 @@ class TileCache {
         const layers = Math.min(Math.ceil(slots / (this.columns * this.rows)), gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS), 2048);
         this.slots = Math.min(slots, this.columns * this.rows * layers);
         this.bytes = this.columns * width * this.rows * height * layers * texel;
-        this.texture = arrayTexture(gl, half ? gl.RGBA16F : gl.RGBA8, this.columns * width, this.rows * height, layers, gl.LINEAR);
+        this.layerSize = [this.columns * width, this.rows * height];
+        this.texture = arrayTexture(gl, half ? gl.RGBA16F : gl.RGBA8, ...this.layerSize, layers, gl.LINEAR);
         this.pages = gl.createTexture();
         gl.bindTexture(gl.TEXTURE_2D, this.pages);
         this.pageRows = Math.ceil(grid.tiles / 1024);

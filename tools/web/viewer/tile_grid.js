@@ -18,4 +18,24 @@ class TileGrid {
         return this.coordinates(number).flatMap((i, axis) => [0, 1].map(
             end => Math.floor((i + end) * this.size[axis] / this.count[axis])));
     }
+
+    // What the shaders calculate with, in single precision; see tileOf() and tileBegin() in slots.glsl.
+    get uniforms() {
+        const {size, count} = this;
+        return {size, tiles: count, tileSide: this.tileSide, sides: size, tileCount: count,
+                perTexel: size.map((n, axis) => Math.fround(count[axis] / n)), perTile: size.map((n, axis) => Math.fround(n / count[axis]))};
+    }
+    // Throws where single precision is not enough for that, which takes axes of many thousand texels.
+    checkFloats() {
+        const f = Math.fround, {perTexel, perTile} = this.uniforms;
+        this.size.forEach((n, axis) => {
+            const tiles = this.count[axis];
+            for (let tile = 0; tile < tiles; ++tile) {
+                const begin = Math.floor(tile * n / tiles), last = Math.floor((tile + 1) * n / tiles) - 1;
+                const tileOf = texel => Math.ceil(f(f((texel + 1) * perTexel[axis]) - f(0.25 / n))) - 1;
+                if (Math.floor(f(f(tile * perTile[axis]) + f(0.25 / tiles))) !== begin || tileOf(begin) !== tile || tileOf(last) !== tile)
+                    throw Error(`an axis of ${n} texels in ${tiles} tiles is more than this viewer can show`);
+            }
+        });
+    }
 }

@@ -48,13 +48,14 @@ class Viewer {
         if (!this.surface)
             throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
         const grid = new TileGrid(level.size, level.tile, level.tiles);
+        grid.checkFloats();
         const layout = new SlotLayout(level.tile, mesh ? mesh.mips : 0);
         const budget = (Number(this.hash.get('cache')) || usualCache) * 1e6;
         this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
         await this.workers.prepare({tileSide: level.tile, mips: layout.mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
-        this.loader = new TileLoader(this.workers, this.cache, () => this.change(true));
+        this.loader = new TileLoader(this.workers, this.cache, () => this.sharpen());
         this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
         this.lastPose = this.usual;
         this.lastFov = Number(this.hash.get('fov')) || usualFov;
@@ -152,10 +153,18 @@ class Viewer {
     // Something is to be drawn; tiles: it is only new texels, the same ones are in view.
     change(tilesOnly = false) {
         this.ray = 0;
-        this.stale = true;
         if (!tilesOnly)
             this.searched = 'not';
         this.schedule();
+    }
+
+    // Tiles have come: drawn at once where they are the last, else now and then, as drawing may take longer.
+    sharpen() {
+        const now = performance.now();
+        if (this.loader.busy && now - (this.sharpenedAt || 0) < 100 + 2 * this.drawTime)
+            return;
+        this.sharpenedAt = now;
+        this.change(true);
     }
 
     schedule() {
@@ -174,9 +183,8 @@ class Viewer {
             this.ray = 0;
         this.lastRays = view.rays;
         if (this.ray < view.rays) {
-            const begin = performance.now();
             this.renderer.addRay(view, this.ray++);
-            this.frames.push([begin, performance.now() - begin]);
+            this.frames.push(performance.now());
         }
         this.findTiles(view);
         this.page.update(this);
@@ -228,10 +236,11 @@ class Viewer {
         this.page.toggle('help');
     }
 
-    // Milliseconds from the first to the last of the newest frames, by frames.
-    get frameTime() {
-        const recent = this.frames.splice(0, Math.max(0, this.frames.length - 30)) && this.frames;
-        return recent.length > 1 ? (recent.at(-1)[0] - recent[0][0]) / (recent.length - 1) : 0;
+    // Milliseconds from one frame to the next, of the newest that followed each other; 0: there are none.
+    get drawTime() {
+        this.frames.splice(0, this.frames.length - 20);
+        const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 1000);
+        return steps.length ? steps.reduce((a, b) => a + b) / steps.length : 0;
     }
 }
 
