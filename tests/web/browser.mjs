@@ -36,20 +36,21 @@ export class Browser {
         message.error ? answer.reject(Error(message.error.message)) : answer.resolve(message.result);
     }
 
+    // sessionId: null speaks to the browser instead of the tab.
     send(method, params = {}, sessionId = this.session) {
         const id = ++this.lastId;
         const answer = new Promise((resolve, reject) => this.answers.set(id, {resolve, reject}));
-        this.process.stdio[3].write(JSON.stringify({id, method, params, sessionId}) + '\0');
+        this.process.stdio[3].write(JSON.stringify({id, method, params, sessionId: sessionId ?? undefined}) + '\0');
         return Promise.race([answer, this.gone]);
     }
 
     // A new tab; the one before it is closed.
     async open(url, width = 640, height = 480, ratio = 1) {
         const old = this.target;
-        this.target = (await this.send('Target.createTarget', {url: 'about:blank'}, undefined)).targetId;
-        this.session = (await this.send('Target.attachToTarget', {targetId: this.target, flatten: true}, undefined)).sessionId;
+        this.target = (await this.send('Target.createTarget', {url: 'about:blank'}, null)).targetId;
+        this.session = (await this.send('Target.attachToTarget', {targetId: this.target, flatten: true}, null)).sessionId;
         if (old)
-            await this.send('Target.closeTarget', {targetId: old}, undefined);
+            await this.send('Target.closeTarget', {targetId: old}, null);
         this.said = [];
         await this.send('Runtime.enable');
         await this.resize(width, height, ratio);
@@ -114,8 +115,10 @@ export class Browser {
     }
 
     async close() {
-        await Promise.race([this.send('Browser.close', {}, undefined).catch(() => {}), this.gone.catch(() => {})]);
+        this.send('Browser.close', {}, null).catch(() => {});
+        const late = setTimeout(() => this.process.kill('SIGKILL'), 5000);
         await this.gone.catch(() => {});
+        clearTimeout(late);
         rmSync(this.folder, {recursive: true, force: true, maxRetries: 5, retryDelay: 100});
     }
 }

@@ -141,6 +141,8 @@ Result<std::vector<std::byte>> make_view_data(const ContainerReader& container) 
     TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(container));
     TESSERA_TRY_ASSIGN(const auto surface, mesh_surface(container));
     nlohmann::json about = {{"background", {outside.x, outside.y, outside.z}}};
+    if (const auto said = container.metadata().find("Cameras"); said != container.metadata().end())
+        about["cameras"] = said->second;
     Bytes columns;
     if (surface)
         about["mesh"] = add_mesh(surface->mesh, container.grid(0), columns);

@@ -37,19 +37,20 @@ class Controls {
             if (second)
                 this.pan(x, y);
             else
-                this.drag(x, y, event.ctrlKey || event.altKey);
+                this.drag(x, y);
         }
     }
 
+    // Nearer and farther; of planar views the focus, with shift the aperture, with ctrl (or pinched) nearer and farther.
     wheel(event) {
         event.preventDefault();
-        const lines = event.deltaY * (event.deltaMode === 1 ? 16 : 1);
-        if (this.viewer.surface.planar && event.shiftKey)
-            this.focus((lines || event.deltaX) * 0.002);
-        else if (this.viewer.surface.planar && (event.ctrlKey || event.altKey))
-            this.aperture(Math.exp(-lines * 0.001));
-        else
+        const lines = (event.deltaY || event.deltaX) * (event.deltaMode === 1 ? 16 : 1);
+        if (!this.viewer.surface.planar || event.ctrlKey)
             this.zoom(Math.exp(lines * 0.001));
+        else if (event.shiftKey)
+            this.aperture(Math.exp(-lines * 0.002));
+        else
+            this.focus(lines * 0.001);
     }
 
     key(event) {
@@ -72,28 +73,27 @@ class Controls {
         event.preventDefault();
     }
 
-    drag(x, y, other) {
-        const {viewer} = this, {pose, surface} = viewer;
+    drag(x, y) {
+        const {viewer} = this, {pose, surface} = viewer, turn = Controls.turn;
         if (surface.planar)
-            return other ? this.focus(y * 4) : viewer.pose = this.stepped(pose, [-x, -y]);
-        const turn = Controls.turn;
-        if (surface.inside) // what is seen follows the hand
+            viewer.pose = {...pose, eye: this.stepped(pose.eye, [-x, y])};
+        else if (surface.inside) // what is seen follows the hand
             viewer.pose = turned(pose, x * turn / 2, y * turn / 2);
         else
             viewer.pose = orbited(pose, -x * turn, y * turn);
     }
 
-    // The observer of planar views moves: as far as the cameras reach.
-    stepped(pose, by) {
-        const [, , s, t] = this.viewer.info.size, cameras = [s - 1, t - 1];
-        return {...pose, observer: pose.observer.map((at, i) => clamp(at - by[i] * Math.max(...cameras) * 1.5, 0, cameras[i]))};
+    // The observer of planar views moves as far as the cameras reach.
+    stepped(eye, by) {
+        const {reachOfGrid} = this.viewer.surface, all = 3 * Math.max(...reachOfGrid);
+        return eye.map((at, i) => i < 2 ? clamp(at + by[i] * all, -reachOfGrid[i], reachOfGrid[i]) : at);
     }
 
     pan(x, y) {
         const {viewer} = this, {pose, surface} = viewer;
         if (surface.planar) {
-            const [left, top, right, bottom] = surface.window(viewer.view()), height = bottom - top, [u, v] = viewer.info.size;
-            viewer.pose = {...pose, middle: [clamp(pose.middle[0] - x * height / u, 0, 1), clamp(pose.middle[1] - y * height / v, 0, 1)]};
+            const height = 2 * viewer.view().camera.up[1], half = [surface.width / 2, surface.height / 2];
+            viewer.pose = {...pose, middle: add(pose.middle, [-x * height, y * height]).map((at, i) => clamp(at, -half[i], half[i]))};
         } else
             viewer.pose = panned(pose, viewer.fov, x, y);
     }

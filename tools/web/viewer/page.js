@@ -24,7 +24,8 @@ class Page {
     // After each frame.
     update(viewer) {
         const {loader, renderer, cache} = viewer;
-        if (!this.poster.hidden && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
+        if (!this.begun && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
+            this.begun = performance.now(); // since the page was opened
             this.poster.hidden = true;
             this.say('');
         }
@@ -33,7 +34,7 @@ class Page {
         if (this.figures.hidden)
             return;
         const {info, source} = viewer, ms = viewer.drawTime;
-        const lines = [`${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
+        const lines = [`first picture after ${this.begun?.toFixed(0)} ms`, `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
             ms ? `${(1000 / ms).toFixed(0)} frames a second` : 'still',
             `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.coming.size + loader.queue.length} to come`,
             `${inBytes(renderer.bytes)} on the GPU`];

@@ -1,11 +1,12 @@
-// Views of a planar grid of cameras: the observer moves in the plane of the cameras, and things at one distance
-// are in focus. FORMAT.md 5.3: (s, t) are cameras, (u, v) pixels, v downwards.
-uniform vec4 window;     // texels of the picture's left, top, right, bottom
+// Views of a planar grid of cameras (FORMAT.md 5.3): a ray meets the cameras' plane, z = distance, and the window
+// z = 0, in which all views show the same. (s, t) are cameras, (u, v) pixels of their views; t and v run downwards.
+uniform vec3 eye, forward, right, up;
 uniform vec2 pixels;     // width and height of the picture
-uniform vec2 observer;   // between the cameras, 0..S-1 and 0..T-1
-uniform float disparity; // texels by which what is in focus moves from one camera to the next
-uniform float reach;     // of the aperture, in cameras; 1: between the nearest ones alone
-
+uniform vec2 window;     // width and height of the window, world units
+uniform vec2 spacing;    // from camera to camera
+uniform float distance;  // of the cameras from the window
+uniform float disparity; // texels by which what is in focus moves from one camera to the next; 0: what is in the window
+uniform float reach;     // of the aperture, in cameras; 1: the nearest ones alone, mixed linearly
 uniform vec4 outside;
 
 vec4 cameraColour(ivec2 camera, vec2 at) {
@@ -20,12 +21,17 @@ vec4 cameraColour(ivec2 camera, vec2 at) {
 }
 
 void main() {
-    vec2 at = vec2(gl_FragCoord.x, pixels.y - gl_FragCoord.y) / pixels;
-    vec2 place = mix(window.xy, window.zw, at);
-    if (any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(size.xy)))) {
+    vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
+    vec3 ray = forward + at.x * right + at.y * up;
+    vec3 seen = eye - ray * (eye.z / ray.z);
+    vec2 place = (seen.xy / window * vec2(1.0, -1.0) + 0.5) * sides.xy;
+    if (ray.z >= 0.0 || eye.z <= 0.0 || any(lessThan(place, vec2(0.0))) || any(greaterThan(place, sides.xy))) {
         finish(outside);
         return;
     }
+    vec3 from = eye + ray * ((distance - eye.z) / ray.z);
+    vec2 middle = (sides.zw - 1.0) * 0.5;
+    vec2 observer = clamp(from.xy / spacing * vec2(1.0, -1.0) + middle, vec2(0.0), sides.zw - 1.0);
     ivec2 first = max(ivec2(ceil(observer - reach)), ivec2(0));
     ivec2 last = min(ivec2(floor(observer + reach)), size.zw - 1);
     vec4 sum = vec4(0.0);
@@ -36,15 +42,13 @@ void main() {
             vec2 off = vec2(s, t) - observer;
             vec2 share = max(1.0 - abs(off) / reach, 0.0);
             float weight = share.x * share.y;
-            if (weight > 0.0) {
 #ifdef MARKS
-                if ((cameras++ & 7) != (chosen() & 7))
-                    continue;
-                marked = 0;
+            if (weight == 0.0 || (cameras++ & 7) != (chosen() & 7))
+                continue;
+            marked = 0;
 #endif
-                sum += weight * cameraColour(ivec2(s, t), place + off * disparity);
-                all += weight;
-            }
+            sum += weight * cameraColour(ivec2(s, t), place + off * disparity);
+            all += weight;
         }
     finish(sum / all);
 }

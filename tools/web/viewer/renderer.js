@@ -37,7 +37,7 @@ class Renderer {
 
     drawSurface(program, view, shift, rays) {
         const {gl, surface, cache, coarse} = this;
-        const camera = view.camera && shiftedCamera(view.camera, shift, ...view.pixels);
+        const camera = shiftedCamera(view.camera, shift, ...view.pixels);
         program.use({
             ...cache.grid.uniforms,
             slots: {texture: cache.texture, target: gl.TEXTURE_2D_ARRAY},

@@ -73,27 +73,36 @@ class MeshSurface {
     }
 }
 
+// The observer stands in the plane of the cameras and looks through a window at which he, or she, does not turn.
 class PlanarSurface {
-    constructor(info, outside) {
+    // cameras: spacing along x and y, distance from the window, width of the window, as the file's key Cameras has them.
+    constructor(info, outside, cameras) {
         Object.assign(this, {info, outside, fragment: ['planar.frag'], vertex: ['screen.vert'], rays: 1, planar: true});
+        const [u, v, s, t] = info.size;
+        // Where the file does not say it: a window 2 wide, under 40 degrees; the grid spans a quarter of its distance.
+        const usual = 1 / Math.tan(Math.PI / 9), step = usual / 4 / Math.max(1, s - 1, t - 1);
+        const [x, y, distance, width] = cameras || [step, step, usual, 2];
+        Object.assign(this, {spacing: [x, y], distance, width, height: width * v / u});
+        this.reachOfGrid = [(s - 1) / 2 * x, (t - 1) / 2 * y];
     }
-    // The middle of the cameras, all of the picture.
+    // In the middle of the cameras; all of the window is seen.
     defaultPose() {
-        const [, , s, t] = this.info.size;
-        return {observer: [(s - 1) / 2, (t - 1) / 2], disparity: 0, reach: 1, zoom: 1, middle: [0.5, 0.5]};
+        return {eye: [0, 0, this.distance], middle: [0, 0], zoom: 1, disparity: 0, reach: 1};
     }
-    allowed() {
-        return true;
+    allowed(pose) {
+        return pose.eye[2] > 0;
     }
-    // The part of the picture that is shown, in texels.
-    window({pose, pixels}) {
-        const [u, v] = this.info.size, texels = Math.max(u / pixels[0], v / pixels[1]) / pose.zoom; // of a pixel
-        const half = scale(pixels, texels / 2), middle = [pose.middle[0] * u, pose.middle[1] * v];
-        return [...sub(middle, half), ...add(middle, half)];
+    // Of a pose that says where the observer looks (from the hash) as for any other surface, else through the window.
+    camera({eye, look, middle, zoom}, fov, aspect) {
+        if (look)
+            return makeCamera({eye, look}, fov, aspect);
+        const half = Math.max(this.height, this.width / aspect) / 2 / zoom;
+        return {eye, forward: sub([...middle, 0], eye), right: [half * aspect, 0, 0], up: [0, half, 0]};
     }
-    uniforms(view) {
-        const {observer, disparity, reach} = view.pose;
-        return {window: this.window(view), pixels: view.pixels, observer, disparity, reach, outside: this.outside};
+    uniforms(view, camera) {
+        const {disparity, reach} = view.pose;
+        return {...camera, pixels: view.pixels, window: [this.width, this.height], spacing: this.spacing, distance: this.distance,
+                disparity, reach, outside: this.outside};
     }
     draw(gl) {
         gl.drawArrays(gl.TRIANGLES, 0, 3);

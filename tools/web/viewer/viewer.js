@@ -43,7 +43,7 @@ class Viewer {
         if (info.proxy === 'mesh' && !mesh)
             throw Error('The texture lies on a mesh, which only `tessera view` and `tessera serve` can unpack: use one of them.');
         this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
-            : info.proxy === 'planar' ? new PlanarSurface(info, background)
+            : info.proxy === 'planar' ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
             : info.proxy === 'sphere' ? new SphereSurface(info, background) : null;
         if (!this.surface)
             throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
@@ -77,12 +77,12 @@ class Viewer {
         }
     }
 
-    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views observer=s,t disparity=0 reach=1 zoom=1.
+    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views disparity=0 reach=1 middle=x,y zoom=1.
     poseOfHash() {
         const pose = {};
-        for (const [name, length] of [['eye', 3], ['look', 3], ['observer', 2], ['middle', 2]]) {
-            const numbers = (this.hash.get(name) || '').split(',').map(Number);
-            if (numbers.length === length && numbers.every(Number.isFinite))
+        for (const [name, length] of [['eye', 3], ['look', 3], ['middle', 2]]) {
+            const numbers = numbersOf(this.hash.get(name), length);
+            if (numbers)
                 pose[name] = numbers;
         }
         for (const name of ['disparity', 'reach', 'zoom'])
@@ -143,11 +143,11 @@ class Viewer {
         const most = Math.min(8192, this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE));
         const pixels = (fixed ? [+fixed[1], +fixed[2]] : [canvas.clientWidth * ratio, canvas.clientHeight * ratio])
             .map(n => clamp(Math.round(n), 1, most));
-        const aspect = pixels[0] / pixels[1];
+        const aspect = pixels[0] / pixels[1], {surface, pose} = this;
         // In an upright window the angle is that across.
         const fov = fixed || aspect >= 1 ? this.fov : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
-        const rays = clamp(Number(this.hash.get('rays')) || (this.moving ? 1 : this.surface.rays), 1, Renderer.mostRays);
-        return {pixels, pose: this.pose, rays, camera: this.surface.planar ? null : makeCamera(this.pose, fov, aspect)};
+        const rays = clamp(Number(this.hash.get('rays')) || (this.moving ? 1 : surface.rays), 1, Renderer.mostRays);
+        return {pixels, pose, rays, camera: surface.planar ? surface.camera(pose, fov, aspect) : makeCamera(pose, fov, aspect)};
     }
 
     // Something is to be drawn; tiles: it is only new texels, the same ones are in view.
@@ -242,6 +242,12 @@ class Viewer {
         const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 1000);
         return steps.length ? steps.reduce((a, b) => a + b) / steps.length : 0;
     }
+}
+
+// "1,2,3" -> [1, 2, 3]; null where it is anything else.
+function numbersOf(text, count) {
+    const numbers = (text || '').split(',').map(Number);
+    return text && numbers.length === count && numbers.every(Number.isFinite) ? numbers : null;
 }
 
 // The colour of what has no tile, as the file has it.

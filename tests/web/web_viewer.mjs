@@ -1,0 +1,238 @@
+// The viewer in a real browser: what it draws is what `tessera render` draws, and hands and networks may do what
+// they do.   node web_viewer.mjs TESSERA [CHROMIUM]
+// Exit codes: 0 all is well, 1 not, 77 there is no Chromium (or this tool has no decoder for browsers).
+import assert from 'node:assert/strict';
+import {execFileSync, spawn, spawnSync} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {createServer} from 'node:http';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {Browser} from './browser.mjs';
+import {compared, readPng} from './png.mjs';
+
+const [tool, program = 'chromium'] = process.argv.slice(2);
+const near = 0.999;          // of the pixels are within a step of 255
+const pageBudget = 200_000;  // bytes of viewer and decoder in a page
+const folder = mkdtempSync(join(tmpdir(), 'tessera-viewer-'));
+const inFolder = name => join(folder, name);
+const tessera = (...args) => execFileSync(tool, args, {stdio: ['ignore', 'pipe', 'pipe']});
+
+// Views of 5x5 cameras: a pattern far away and a square nearer, which moves by two texels from camera to camera.
+function planarTexels([U, V, S, T]) {
+    const out = Buffer.alloc(U * V * S * T * 3);
+    let at = 0;
+    for (let v = 0; v < V; ++v)
+        for (let u = 0; u < U; ++u)
+            for (let t = 0; t < T; ++t)
+                for (let s = 0; s < S; ++s, at += 3) {
+                    const x = u - 2 * (s - 2), y = v - 2 * (t - 2), isNear = x >= 18 && x < 30 && y >= 10 && y < 22;
+                    out.set(isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60], at);
+                }
+    return out;
+}
+
+function makeTextures() {
+    const quick = ['--spp', '1', '--effort', '0', '-q'];
+    tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
+    tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size', '64x32x8x8', ...quick);
+    tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick);
+    writeFileSync(inFolder('planar.rgb'), planarTexels([48, 36, 5, 5]));
+    tessera('encode', inFolder('planar.rgb'), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder('planar.tess'), '--effort', '0', '-q');
+}
+
+const options = ({eye, look, fov}) => [['--eye', eye], ['--look', look], ['--fov', fov]].flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
+function rendered(name, pose) {
+    tessera('render', inFolder(name), '-o', inFolder('v.png'), '--size', '200x150', '-q', ...options(pose));
+    return readPng(readFileSync(inFolder('v.png')));
+}
+const hash = pose => '#size=200x150' + Object.entries(pose).map(([name, value]) => `&${name}=${value}`).join('');
+
+function agrees(picture, png, what) {
+    const {share, most, psnr} = compared(picture, png);
+    console.log(`${what}: ${(100 * share).toFixed(3)} % within 1 of 255, at most ${most}, ${psnr.toFixed(1)} dB`);
+    assert(share >= near, `${what}: only ${100 * share} % of the pixels agree`);
+}
+// Not one colour everywhere.
+const hasContent = ({rgba}) => new Set(rgba.toString('latin1').match(/.{4}/gs)).size > 20;
+
+const tests = {
+    async 'pages that stand alone show what render draws'(browser) {
+        const inside = {eye: '0.1,1.15,0.05', look: '1,0.3,1.2', fov: 80};
+        for (const [name, ...poses] of [['sphere', {}, {eye: '0.5,10,0.2'}], ['inside', inside], ['mesh', {}, {eye: '30,18,9', fov: 12}]]) {
+            tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
+            for (const pose of poses) {
+                await browser.open(`file://${inFolder(name)}.html${hash(pose)}`);
+                agrees(await browser.picture(), rendered(`${name}.tess`, pose), `${name} ${JSON.stringify(pose)}`);
+            }
+        }
+    },
+
+    async 'viewer and decoder keep their budget'() {
+        const page = readFileSync(inFolder('sphere.html'), 'latin1');
+        const own = page.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '').replace(/base64,[^"]*/, '').length;
+        console.log(`viewer and decoder: ${own} bytes of a page of ${page.length}`);
+        assert(own < pageBudget, `${own} bytes`);
+        assert(!/(src|href)="(?!data:)/.test(page), 'the page needs nothing else');
+    },
+
+    async 'planar views: parallax, focus and aperture'(browser) {
+        tessera('view', inFolder('planar.tess'), '-o', inFolder('planar.html'), '-q');
+        await browser.open(`file://${inFolder('planar.html')}${hash({})}`, 200, 150);
+        const middle = await browser.picture();
+        // The middle camera, one texel for 25 / 6 pixels: those of the view at their places.
+        const texels = planarTexels([48, 36, 5, 5]);
+        let wrong = 0;
+        for (let v = 1; v < 35; ++v)
+            for (let u = 1; u < 47; ++u) {
+                const pixel = 4 * (Math.floor((v + 0.5) * 150 / 36) * 200 + Math.floor((u + 0.5) * 200 / 48));
+                const texel = 3 * (((v * 48 + u) * 5 + 2) * 5 + 2);
+                wrong += [0, 1, 2].some(c => Math.abs(middle.rgba[pixel + c] - texels[texel + c]) > 60);
+            }
+        assert(wrong < 0.1 * 34 * 46, `${wrong} texels are not where they belong`);
+        await browser.drag([100, 75], [60, 75]);
+        const moved = await browser.picture();
+        assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'dragging shows parallax');
+        await browser.mouse('mouseWheel', 100, 75, {deltaX: 0, deltaY: 2000});
+        await browser.mouse('mouseWheel', 100, 75, {deltaX: 0, deltaY: -400, modifiers: 8});
+        const focused = await browser.picture(), pose = await browser.evaluate('tessera.pose');
+        assert.equal(pose.disparity.toFixed(3), '2.000');
+        assert(pose.reach > 1.5);
+        assert(compared(focused, {...moved, channels: 4, pixels: moved.rgba}).share < 0.9, 'focus and aperture change the picture');
+    },
+
+    async 'hands: drag, wheel, keys, reset'(browser) {
+        await browser.open(`file://${inFolder('mesh.html')}#size=200x150`, 200, 150);
+        await browser.picture();
+        await browser.drag([100, 75], [130, 85]);
+        await browser.mouse('mouseWheel', 100, 75, {deltaX: 0, deltaY: -150});
+        const {eye, look} = await browser.evaluate('tessera.pose');
+        assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
+        agrees(await browser.picture(), rendered('mesh.tess', {eye: eye.join(), look: look.join()}), 'mesh after drag and wheel');
+        await browser.key('i');
+        assert.match(await browser.evaluate(`document.getElementById('figures').textContent`), /tiles|/);
+        await browser.evaluate(`document.querySelector('[data-action=reset]').click()`);
+        assert.deepEqual(await browser.evaluate('tessera.pose.eye'), [10, 0, 0]);
+    },
+
+    async 'displays of high density and other windows'(browser) {
+        await browser.open(`file://${inFolder('sphere.html')}`, 120, 90, 2);
+        await browser.picture();
+        assert.deepEqual(await browser.evaluate('[tessera.gl.canvas.width, tessera.gl.canvas.height]'), [240, 180]);
+        await browser.resize(90, 120, 1);
+        await browser.until('tessera.gl.canvas.width === 90 && tessera.gl.canvas.height === 120', 'the canvas follows the window');
+        assert(hasContent(await browser.picture()));
+    },
+
+    async 'what cannot be shown says why'(browser) {
+        const page = readFileSync(inFolder('sphere.html'), 'latin1');
+        const file = readFileSync(inFolder('sphere.tess'));
+        file[20] ^= 255; // in the header
+        writeFileSync(inFolder('damaged.html'), page.replace(/id="file">[^<]*/, `id="file">${file.toString('base64')}`), 'latin1');
+        await browser.open(`file://${inFolder('damaged.html')}`);
+        await browser.until(`document.getElementById('note').classList.contains('error')`, 'a message');
+        assert.match(await browser.note(), /header|damaged|checksum/i);
+        await browser.open('about:blank');
+        await browser.send('Page.addScriptToEvaluateOnNewDocument', {source: 'HTMLCanvasElement.prototype.getContext = () => null'});
+        await browser.send('Page.enable');
+        await browser.send('Page.navigate', {url: `file://${inFolder('sphere.html')}`});
+        await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
+        assert.match(await browser.note(), /WebGL2/);
+    },
+
+    async 'from a server: in parts, over a bad line, in a small cache'(browser, {url}) {
+        const line = await badLine(url);
+        try {
+            await browser.open(`${line.url}?f=sphere.tess${hash({}).replace('#', '#cache=1.6&')}`);
+            agrees(await browser.picture(), rendered('sphere.tess', {}), 'sphere from a server');
+            const {slots, tiles, first, coarse} = await browser.evaluate(`({slots: tessera.cache.slots, tiles: tessera.cache.grid.tiles,
+                coarse: !!tessera.renderer.coarse, first: tessera.source.asked})`);
+            assert(slots < tiles && coarse, `${slots} of ${tiles}`);
+            assert(line.broken > 0 && first > line.broken, 'requests were lost and asked again');
+            for (const pose of [{eye: '0,0,10'}, {}]) { // there and back: tiles make room for others
+                await browser.evaluate(`location.hash = '${hash(pose).replace('#', '#cache=1.6&')}'`);
+                await browser.until(`tessera.pose.eye.join() === '${pose.eye ?? '10,0,0'}'`, 'the hash is followed');
+                agrees(await browser.picture(), rendered('sphere.tess', pose), `sphere from a server ${JSON.stringify(pose)}`);
+            }
+        } finally {
+            line.close();
+        }
+        await browser.open(`${url}?f=mesh.tess${hash({})}`);
+        agrees(await browser.picture(), rendered('mesh.tess', {}), 'mesh from a server');
+        await browser.open(`${url}?f=nothing.tess`);
+        await browser.until(`document.getElementById('note').classList.contains('error')`, 'a message');
+        assert.match(await browser.note(), /no such file/);
+    },
+};
+
+// Between browser and server: every third request of a part is cut off.
+async function badLine(server) {
+    const line = {broken: 0};
+    let parts = 0;
+    const proxy = createServer(async (request, response) => {
+        if (request.headers.range && ++parts % 3 === 2) {
+            ++line.broken;
+            return request.socket.destroy();
+        }
+        const {range} = request.headers;
+        const answer = await fetch(server.replace(/\/$/, '') + request.url, range ? {headers: {range}} : {});
+        response.writeHead(answer.status, Object.fromEntries([...answer.headers].filter(([name]) => !/^(connection|keep-alive|transfer-encoding)$/.test(name))));
+        response.end(Buffer.from(await answer.arrayBuffer()));
+    });
+    await new Promise(ready => proxy.listen(0, '127.0.0.1', ready));
+    line.url = `http://127.0.0.1:${proxy.address().port}/`;
+    line.close = () => {
+        proxy.closeAllConnections();
+        proxy.close();
+    };
+    return line;
+}
+
+async function startServer() {
+    const process = spawn(tool, ['view', inFolder('sphere.tess'), '--no-open'], {stdio: ['ignore', 'pipe', 'inherit']});
+    const line = await new Promise((resolve, reject) => {
+        process.stdout.once('data', data => resolve(String(data).trim()));
+        process.once('exit', code => reject(Error(`tessera view ended (${code})`)));
+    });
+    assert(line.endsWith('?f=sphere.tess'), line);
+    return {url: line.replace(/\?.*/, ''), stop: () => process.kill('SIGTERM')};
+}
+
+async function main() {
+    if (spawnSync(program, ['--version']).error) {
+        console.log(`SKIPPED: there is no ${program} here; Debian's package is chromium`);
+        return 77;
+    }
+    makeTextures();
+    const tried = spawnSync(tool, ['view', inFolder('sphere.tess'), '-o', inFolder('sphere.html')]);
+    if (tried.status === 5) {
+        console.log(`SKIPPED: ${tried.stderr}`);
+        return 77;
+    }
+    const server = await startServer(), browser = new Browser(program);
+    let failed = 0;
+    try {
+        for (const [name, test] of Object.entries(tests)) {
+            const begin = Date.now();
+            try {
+                await test(browser, server);
+                console.log(`ok      ${name}, ${((Date.now() - begin) / 1000).toFixed(1)} s`);
+            } catch (error) {
+                ++failed;
+                console.log(`FAILED  ${name}: ${error.stack}`);
+                writeFileSync(join(tmpdir(), 'web_viewer_failed.png'), await browser.screenshot().catch(() => ''));
+            }
+        }
+    } finally {
+        await browser.close();
+        server.stop();
+    }
+    return failed ? 1 : 0;
+}
+
+let code = 1;
+try {
+    code = await main();
+} finally {
+    rmSync(folder, {recursive: true, force: true});
+}
+process.exit(code);
