@@ -5,7 +5,7 @@ uniform vec2 pixels;     // width and height of the picture
 uniform vec2 window;     // width and height of the window, world units
 uniform vec2 spacing;    // from camera to camera
 uniform float distance;  // of the cameras from the window
-uniform float disparity; // texels by which what is in focus moves from one camera to the next; 0: what is in the window
+uniform vec2 disparity;  // texels by which what is in focus moves from one camera to the next; 0: what is in the window
 uniform float reach;     // of the aperture, in cameras; 1: the nearest ones alone, mixed linearly
 uniform vec4 outside;
 

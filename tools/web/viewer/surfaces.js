@@ -92,6 +92,10 @@ class PlanarSurface {
     allowed(pose) {
         return pose.eye[2] > 0;
     }
+    // Of what is at this distance from the cameras, in texels from one camera to the next.
+    disparityAt(focus) {
+        return this.spacing[0] * (1 - this.distance / focus) * this.info.size[0] / this.width;
+    }
     // Of a pose that says where the observer looks (from the hash) as for any other surface, else through the window.
     camera({eye, look, middle, zoom}, fov, aspect) {
         if (look)
@@ -100,9 +104,9 @@ class PlanarSurface {
         return {eye, forward: sub([...middle, 0], eye), right: [half * aspect, 0, 0], up: [0, half, 0]};
     }
     uniforms(view, camera) {
-        const {disparity, reach} = view.pose;
-        return {...camera, pixels: view.pixels, window: [this.width, this.height], spacing: this.spacing, distance: this.distance,
-                disparity, reach, outside: this.outside};
+        const {disparity, reach} = view.pose, {width, height, spacing, distance, outside} = this;
+        return {...camera, pixels: view.pixels, window: [width, height], spacing, distance, reach, outside,
+                disparity: [disparity, disparity * spacing[1] / spacing[0]]};
     }
     draw(gl) {
         gl.drawArrays(gl.TRIANGLES, 0, 3);

@@ -77,7 +77,7 @@ class Viewer {
         }
     }
 
-    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views disparity=0 reach=1 middle=x,y zoom=1.
+    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views focus=2.7 reach=1 middle=x,y zoom=1.
     poseOfHash() {
         const pose = {};
         for (const [name, length] of [['eye', 3], ['look', 3], ['middle', 2]]) {
@@ -85,9 +85,11 @@ class Viewer {
             if (numbers)
                 pose[name] = numbers;
         }
-        for (const name of ['disparity', 'reach', 'zoom'])
-            if (this.hash.has(name) && Number.isFinite(Number(this.hash.get(name))))
+        for (const name of ['reach', 'zoom'])
+            if (Number(this.hash.get(name)) > 0)
                 pose[name] = Number(this.hash.get(name));
+        if (this.surface.planar && Number(this.hash.get('focus')) > 0)
+            pose.disparity = this.surface.disparityAt(Number(this.hash.get('focus')));
         return pose;
     }
 
