@@ -39,7 +39,8 @@ std::string base64(std::span<const std::byte> bytes) {
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         unsigned three = 0;
         for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8 | (i + k < bytes.size() ? std::to_integer<unsigned>(bytes[i + k]) : 0);
+            three =
+                three << 8 | (i + k < bytes.size() ? std::to_integer<unsigned>(bytes[i + k]) : 0);
         for (std::size_t k = 0; k < 4; ++k)
             text += i + k > bytes.size() ? '=' : digits[three >> (18 - 6 * k) & 63];
     }

@@ -48,7 +48,8 @@ std::string css(const glm::dvec3& colour) {
 }
 
 std::string script(const char* id, std::span<const std::byte> bytes) {
-    return std::string("<script type=\"text/plain\" id=\"") + id + "\">" + base64(bytes) + "</script>\n";
+    return std::string("<script type=\"text/plain\" id=\"") + id + "\">" + base64(bytes) +
+           "</script>\n";
 }
 
 struct Kit {
@@ -74,10 +75,11 @@ Result<Kit> make_kit() {
         }
     }
     if (kit.wasm.empty())
-        return Status(ErrorCode::unsupported,
-                      "this program was built without the decoder for browsers: install the packages "
-                      "clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 "
-                      "libclang-rt-19-dev-wasm32 wasi-libc, and build it again");
+        return Status(
+            ErrorCode::unsupported,
+            "this program was built without the decoder for browsers: install the packages "
+            "clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 "
+            "libclang-rt-19-dev-wasm32 wasi-libc, and build it again");
     all = lengths.dump() + "\n" + all;
     TESSERA_TRY_ASSIGN(kit.packed, gzip(std::as_bytes(std::span(all))));
     return kit;
@@ -105,13 +107,15 @@ std::string filled(std::string_view page,
 Result<std::string> make_page(const PageContents& contents) {
     TESSERA_TRY_ASSIGN(const Kit kit, make_kit());
     const std::string poster =
-        contents.poster.empty() ? "hidden" : "src=\"data:image/png;base64," + base64(contents.poster) + "\"";
-    return filled(kit.page, {{"title", html(contents.title)},
-                             {"background", css(contents.background)},
-                             {"poster", poster},
-                             {"inputs", script("data", contents.view_data) + script("file", contents.file)},
-                             {"kit", base64(kit.packed)},
-                             {"wasm", base64(kit.wasm)}});
+        contents.poster.empty() ? "hidden"
+                                : "src=\"data:image/png;base64," + base64(contents.poster) + "\"";
+    return filled(kit.page,
+                  {{"title", html(contents.title)},
+                   {"background", css(contents.background)},
+                   {"poster", poster},
+                   {"inputs", script("data", contents.view_data) + script("file", contents.file)},
+                   {"kit", base64(kit.packed)},
+                   {"wasm", base64(kit.wasm)}});
 }
 
 Result<std::string> make_server_page() {

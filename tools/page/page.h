@@ -14,8 +14,8 @@ namespace tessera {
 // What a page that stands alone holds besides the viewer.
 struct PageContents {
     std::string title;
-    glm::dvec3 background{0.1}; // around the picture, as displayed, 0..1
-    std::vector<std::byte> poster; // a PNG that is shown while the page opens; may be empty
+    glm::dvec3 background{0.1};       // around the picture, as displayed, 0..1
+    std::vector<std::byte> poster;    // a PNG that is shown while the page opens; may be empty
     std::vector<std::byte> view_data; // make_view_data()
     std::span<const std::byte> file;  // the .tess
 };

@@ -25,7 +25,8 @@ void add_column(const Column& numbers, unsigned planes, Bytes& out) {
     std::uint32_t last = 0;
     for (const std::uint32_t number : numbers) {
         const auto step = static_cast<std::int32_t>(number - last);
-        coded.push_back(static_cast<std::uint32_t>(step) << 1 ^ static_cast<std::uint32_t>(step >> 31));
+        coded.push_back(static_cast<std::uint32_t>(step) << 1 ^
+                        static_cast<std::uint32_t>(step >> 31));
         last = number;
     }
     for (unsigned plane = 0; plane < planes; ++plane)
@@ -37,7 +38,8 @@ std::uint32_t in_units(double x, double units) {
     return static_cast<std::uint32_t>(std::clamp(x, 0.0, 1.0) * units + 0.5);
 }
 
-void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3& high, Bytes& out) {
+void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3& high,
+                Bytes& out) {
     for (glm::length_t axis = 0; axis < 3; ++axis) {
         const double side = high[axis] - low[axis];
         Column column;
@@ -89,11 +91,13 @@ void add_charts(const AtlasMips& mips, Bytes& out) {
         below += mips.size(mip)[1];
     Column picture(std::size_t{width} * std::max(atlas[1], below), 0);
     std::unordered_map<std::uint32_t, std::uint32_t> numbers{{0, 0}};
-    for (unsigned mip = 0, first = 0; mip <= mips.count(); first += mip > 0 ? mips.size(mip)[1] : 0, ++mip) {
+    for (unsigned mip = 0, first = 0; mip <= mips.count();
+         first += mip > 0 ? mips.size(mip)[1] : 0, ++mip) {
         const auto [across, up] = mips.size(mip);
         for (std::uint32_t v = 0; v < up; ++v)
             for (std::uint32_t u = 0; u < across; ++u) {
-                const auto next = static_cast<std::uint32_t>((numbers.size() - 1) % most_charts + 1);
+                const auto next =
+                    static_cast<std::uint32_t>((numbers.size() - 1) % most_charts + 1);
                 const std::uint32_t chart = mips.charts(mip)[std::size_t{v} * across + u];
                 const std::size_t column = u + (mip > 0 ? atlas[0] : 0);
                 picture[(first + v) * std::size_t{width} + column] =

@@ -37,8 +37,9 @@ struct ViewCommand {
 constexpr std::uint64_t most_file_bytes = 256ull << 20;
 
 Status too_large(const std::string& name, std::uint64_t bytes) {
-    return {ErrorCode::unsupported, name + ": " + human_bytes(bytes) +
-                                        " are too much for one page; without -o it is read in parts"};
+    return {ErrorCode::unsupported,
+            name + ": " + human_bytes(bytes) +
+                " are too much for one page; without -o it is read in parts"};
 }
 
 // Small: it stands in the page, and is seen for a moment.
@@ -103,7 +104,8 @@ void open_in_browser(const std::string& url) {
     for (const int stream : {1, 2})
         posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
     pid_t child = 0;
-    posix_spawnp(&child, arguments[0], &silent, nullptr, const_cast<char* const*>(arguments), environ);
+    posix_spawnp(&child, arguments[0], &silent, nullptr, const_cast<char* const*>(arguments),
+                 environ);
     posix_spawn_file_actions_destroy(&silent);
 }
 
@@ -130,7 +132,8 @@ Status serve_page(const ViewCommand& a) {
 #else
 
 Status serve_page(const ViewCommand&) {
-    return {ErrorCode::unsupported, "this program was built without HTTP; -o page.html writes a page"};
+    return {ErrorCode::unsupported,
+            "this program was built without HTTP; -o page.html writes a page"};
 }
 
 #endif
@@ -143,11 +146,13 @@ Status run(const ViewCommand& a) {
 
 void add_view_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ViewCommand& a) {
-        c.add_option("file", a.file, "A .tess with a texture on a sphere, a mesh, or of planar views")
+        c.add_option("file", a.file,
+                     "A .tess with a texture on a sphere, a mesh, or of planar views")
             ->required();
-        auto* output = c.add_option("-o,--output", a.output,
-                                    "Write one HTML file with viewer, decoder and texture, which opens "
-                                    "from disk and needs no network");
+        auto* output =
+            c.add_option("-o,--output", a.output,
+                         "Write one HTML file with viewer, decoder and texture, which opens "
+                         "from disk and needs no network");
         c.add_option("--port", a.port, "Port of the page that is served; 0: one that is free")
             ->check(CLI::Range(0, 65535))
             ->capture_default_str()
