@@ -54,7 +54,7 @@ TEST_F(Cli, ReportsWrongUsage) {
     fail(1, "encode x.rgb -o x.tess --size 3x3x3", {"--size", "3x3x3"});
     fail(1, "encode x.rgb -o x.tess --size 1048576x1048576x1048576x1048576", {"2^48"});
     fail(1, "bake nowhere -o x.tess", {"nowhere", "composed"});
-    fail(1, "bake composed -o x.jpeg", {"x.jpeg"});
+    fail(1, "bake composed -o x.txt", {"x.txt"});
     fail(1, small_scene + "-o x.rgb --quality 3", {".tess"});
     EXPECT_TRUE(names().empty());
 }

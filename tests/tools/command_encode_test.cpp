@@ -210,4 +210,14 @@ TEST_F(EncodeVerb, TakesViewsOfCameras) {
     EXPECT_FALSE(fs::exists(at("x.tess")));
 }
 
+TEST_F(EncodeVerb, HoldsPicturesWithinItsMemory) {
+    spit(at("large.gray"), "");
+    fs::resize_file(at("large.gray"), 8 << 20); // a hole
+    succeed("encode large.gray --size 2048x1024x2x2 --effort 0 -q -o large.tess");
+    fail(5, "decode large.tess -o large.png --threads 1 --memory 97M",
+         {"large.png", "held in memory", "--memory"});
+    EXPECT_FALSE(fs::exists(at("large.png")));
+    succeed("decode large.tess -q -o large.png");
+}
+
 } // namespace

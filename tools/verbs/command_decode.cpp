@@ -46,10 +46,24 @@ private:
     Extent4 origin_;
 };
 
+// A picture is held whole beside the slabs.
+Status hold_picture(const std::string& path, std::uint64_t bytes, std::uint64_t& slab_bytes) {
+    if (bytes > slab_bytes / 2)
+        return {ErrorCode::over_budget,
+                path + ": the picture's " + std::to_string(bytes) +
+                    " bytes have to be held in memory, only " + std::to_string(slab_bytes / 2) +
+                    " are allowed (.exr and views/ are written piece by piece)"};
+    slab_bytes -= bytes;
+    return {};
+}
+
 Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& box,
                    TextureDesc desc) {
-    TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
+    TESSERA_TRY_ASSIGN(auto slab_bytes, slab_budget(a.memory, a.texture.threads));
     desc.size = box.extent();
+    if (kind_of(a.output) == TextureKind::picture)
+        TESSERA_TRY(with_memory_hint(
+            hold_picture(a.output, desc.box_bytes(Box4::whole(desc.size)), slab_bytes)));
     TESSERA_TRY_ASSIGN(const auto asked, make_view_hints(a.texture));
     const ContainerReader& file = decoder.container();
     ViewLayout layout = layout_for(asked, file.metadata());
