@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace TESSERA_PUBLIC tessera {
 
@@ -62,8 +63,9 @@ private:
     std::string path_, temporary_; // the latter empty: there is nothing to remove
 };
 
-// Removes the temporary files and folders of all outputs that are not committed, in any thread. For a
-// process that ends by _exit() next: whoever begins, finishes or discards an output after this waits for ever.
-void remove_unfinished_outputs();
+// Removes the temporary files and folders of all outputs that are not committed, in any thread, and returns
+// what is worth keeping: folders of journals with finished tiles. For a process that ends by _exit() next:
+// whoever begins, finishes or discards an output after this waits for ever.
+std::vector<std::string> remove_unfinished_outputs();
 
 } // namespace tessera

@@ -5,6 +5,7 @@
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
 #include "format/io/system_calls.h"
+#include "format/io/unfinished.h"
 #include "format/output_file.h"
 
 #include <fcntl.h>
@@ -203,6 +204,12 @@ bool holds_finished_tiles(const std::string& output) {
 Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
     std::unique_ptr<Journal> journal(new Journal(journal_path(output)));
     TESSERA_TRY(journal->lock());
+    note_unfinished(journal->folder_, [held = journal.get()] {
+        if (holds_tiles(held->folder_))
+            return true;
+        held->remove();
+        return false;
+    });
     return journal;
 }
 
@@ -243,6 +250,7 @@ Status Journal::lock() {
 Journal::~Journal() {
     if (lock_ < 0)
         return;
+    forget_unfinished(folder_);
     if (!removed_ && !holds_tiles(folder_))
         remove();
     ::close(lock_);

@@ -3,7 +3,7 @@
 #include "format/output_file.h"
 
 #include <filesystem>
-#include <set>
+#include <map>
 
 namespace tessera {
 
@@ -11,7 +11,7 @@ namespace {
 
 struct Unfinished {
     std::recursive_mutex mutex;
-    std::set<std::string> paths;
+    std::map<std::string, std::function<bool()>> ends; // by path
 };
 
 // Never destroyed: threads may still be at work when the process ends.
@@ -22,25 +22,31 @@ Unfinished& unfinished() {
 
 } // namespace
 
-void note_unfinished(const std::string& path) {
+void note_unfinished(const std::string& path, std::function<bool()> end) {
     const std::lock_guard lock(unfinished().mutex);
-    unfinished().paths.insert(path);
+    unfinished().ends[path] = std::move(end);
 }
 
 void forget_unfinished(const std::string& path) {
     const std::lock_guard lock(unfinished().mutex);
-    unfinished().paths.erase(path);
+    unfinished().ends.erase(path);
 }
 
 std::unique_lock<std::recursive_mutex> hold_unfinished() {
     return std::unique_lock(unfinished().mutex);
 }
 
-void remove_unfinished_outputs() {
+std::vector<std::string> remove_unfinished_outputs() {
     unfinished().mutex.lock(); // for good: nothing new begins, nothing gets its name
-    std::error_code ignored;
-    for (const std::string& path : unfinished().paths)
-        std::filesystem::remove_all(path, ignored);
+    std::vector<std::string> kept;
+    for (const auto& [path, end] : unfinished().ends) {
+        std::error_code ignored;
+        if (!end)
+            std::filesystem::remove_all(path, ignored);
+        else if (end())
+            kept.push_back(path);
+    }
+    return kept;
 }
 
 } // namespace tessera

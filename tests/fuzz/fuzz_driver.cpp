@@ -1,9 +1,11 @@
 // Runs a fuzz target without libFuzzer:
 //   fuzz_x_corpus                    a fixed pseudo-random corpus: random bytes and damaged seeds
+//   fuzz_x_corpus --corpus DIR       that, and the inputs in a folder, if there is one
 //   fuzz_x_corpus --write-seeds DIR  writes the seeds
 //   fuzz_x_corpus FILE...            those inputs, for instance a crash that libFuzzer stored
 #include "tests/fuzz/fuzz_target.h"
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -37,28 +39,35 @@ void run_corpus(int rounds) {
                     static_cast<std::byte>(random() % 2 ? 1u << random() % 8 : random() & 255);
         }
         run(input);
+        if (tessera::fuzz::mend != nullptr) {
+            tessera::fuzz::mend(input);
+            run(input);
+        }
     }
+}
+
+void run_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    run(tessera::fuzz::bytes_of(std::string((std::istreambuf_iterator<char>(file)), {})));
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    if (argc == 3 && std::string(argv[1]) == "--write-seeds") {
-        int number = 0;
-        for (const Bytes& seed : tessera::fuzz::seeds())
-            std::ofstream(std::string(argv[2]) + "/seed" + std::to_string(number++),
-                          std::ios::binary)
-                .write(reinterpret_cast<const char*>(seed.data()),
-                       static_cast<std::streamsize>(seed.size()));
+    const std::string option = argc == 3 ? argv[1] : "";
+    if (option == "--write-seeds") {
+        tessera::fuzz::write_seeds(argv[2]);
         return 0;
     }
-    for (int i = 1; i < argc; ++i) {
-        std::ifstream file(argv[i], std::ios::binary);
-        const std::string text((std::istreambuf_iterator<char>(file)), {});
-        const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
-        run(Bytes(bytes, bytes + text.size()));
+    if (argc == 1 || option == "--corpus")
+        run_corpus(TESSERA_FUZZ_ROUNDS);
+    if (option == "--corpus") {
+        std::error_code none;
+        for (const auto& entry : std::filesystem::directory_iterator(argv[2], none))
+            run_file(entry.path().string());
+        return 0;
     }
-    if (argc == 1)
-        run_corpus(4000);
+    for (int i = 1; i < argc; ++i)
+        run_file(argv[i]);
     return 0;
 }

@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
@@ -17,6 +20,24 @@ using Bytes = std::vector<std::byte>;
 
 // Valid inputs, which the driver damages and --write-seeds stores for libFuzzer.
 std::vector<Bytes> seeds();
+
+// Makes all checksums of a damaged input right again, so that what lies behind them is met, too. Without one
+// in the target's file, inputs have no checksums.
+[[gnu::weak]] void mend(Bytes& input);
+
+// Stores the seeds in a folder.
+inline void write_seeds(const std::string& folder) {
+    int number = 0;
+    for (const Bytes& seed : seeds())
+        std::ofstream(folder + "/seed" + std::to_string(number++), std::ios::binary)
+            .write(reinterpret_cast<const char*>(seed.data()),
+                   static_cast<std::streamsize>(seed.size()));
+}
+
+inline Bytes bytes_of(std::string_view text) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+    return {bytes, bytes + text.size()};
+}
 
 // Ends the process, so that both libFuzzer and ctest notice.
 inline void require(bool condition, const char* what) {

@@ -5,9 +5,9 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <ctime>
 #include <semaphore.h>
+#include <string>
 #include <thread>
 #include <unistd.h>
 
@@ -27,9 +27,12 @@ void watch_for_signal() {
     while (::sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
     std::this_thread::sleep_for(longest_end);
-    remove_unfinished_outputs();
-    const char words[] = "tessera: error: interrupted\n";
-    (void)!::write(STDERR_FILENO, words, std::strlen(words));
+    std::string words = "tessera: error: interrupted";
+    for (const std::string& journal : remove_unfinished_outputs())
+        words +=
+            "; finished tiles are kept in " + journal + "; the same command with --resume goes on";
+    words += "\n";
+    (void)!::write(STDERR_FILENO, words.data(), words.size());
     std::signal(received, SIG_DFL); // so that a shell sees why we ended
     ::kill(::getpid(), received);
     for (;;)

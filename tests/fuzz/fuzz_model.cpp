@@ -1,0 +1,67 @@
+// glTF and OBJ: the first byte says which (g: .gltf, b: .glb, o: .obj, p: .ply), the rest is the file.
+#include "corpus/model/model.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/support/model_files.h"
+
+#include <unistd.h>
+
+namespace tessera::fuzz {
+namespace {
+
+const char* ending_of(char kind) {
+    switch (kind) {
+    case 'g':
+        return ".gltf";
+    case 'b':
+        return ".glb";
+    case 'p':
+        return ".ply";
+    default:
+        return ".obj";
+    }
+}
+
+} // namespace
+
+std::vector<Bytes> seeds() {
+    corpus::support::GltfText with_material;
+    with_material.primitive = R"(,"material":0)";
+    with_material.more =
+        R"(,"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5}}])";
+    const std::string json = corpus::support::GltfText().text();
+    std::string glb("glTF\2\0\0\0", 8);
+    const auto add = [&glb](std::uint32_t n) { glb.append(reinterpret_cast<const char*>(&n), 4); };
+    const std::string padded = json + std::string((4 - json.size() % 4) % 4, ' ');
+    add(static_cast<std::uint32_t>(20 + padded.size()));
+    add(static_cast<std::uint32_t>(padded.size()));
+    glb += "JSON" + padded;
+    return {
+        bytes_of("g" + json), bytes_of("g" + with_material.text()), bytes_of("b" + glb),
+        bytes_of("ov 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"),
+        bytes_of("pply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")};
+}
+
+} // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tessera;
+    if (size == 0)
+        return 0;
+    const std::string path = "/tmp/tessera_fuzz_" + std::to_string(::getpid()) +
+                             fuzz::ending_of(static_cast<char>(data[0]));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data + 1), static_cast<std::streamsize>(size - 1));
+    const auto model = corpus::load_model(path);
+    ::unlink(path.c_str());
+    if (!model.ok())
+        return 0;
+    fuzz::require(!model->materials.empty(), "a model without materials");
+    for (const corpus::ModelTriangle& triangle : model->triangles) {
+        fuzz::require(triangle.material < model->materials.size(), "a material that is not there");
+        for (const std::uint32_t corner : triangle.vertices)
+            fuzz::require(corner < model->vertices.size(), "a corner that is no vertex");
+    }
+    return 0;
+}
