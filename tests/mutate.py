@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tests of the tests: changes one operator, bound or constant of format/ or codec/ at a time and sees whether
-the fast tests notice. tests/mutate.py BUILD COUNT [--seed N] [--only PREFIX]
+the fast tests notice. tests/mutate.py BUILD COUNT [--seed N] [--only PREFIX] [--tests format_tests]
 
 BUILD is a build folder of this tree with tests. Mutants are drawn by seed; each is built incrementally, tried
 by the tests below, and taken back. A mutant that does not compile counts as none, one whose tests run out of
@@ -13,7 +13,6 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TARGETS = ["format_tests", "codec_tests"]
 # Suites that take less than a second or so, and meet decoding and coding as a whole.
 FILTERS = {"format_tests": "-Sampler*:Octahedral*:Mesh*:SurfaceMesh*",
            "codec_tests": "-Journal*:RateControl*:Mask*:Prediction*:Kernels*:CoarseLevels*:TableTrial*"}
@@ -61,12 +60,12 @@ def run(command, seconds):
         return None
 
 
-def build(folder):
-    return run(["ninja", "-C", folder, *TARGETS], SECONDS["build"]) == 0
+def build(folder, targets):
+    return run(["ninja", "-C", folder, *targets], SECONDS["build"]) == 0
 
 
-def catches(folder):
-    for target in TARGETS:
+def catches(folder, targets):
+    for target in targets:
         if run([f"{folder}/bin/{target}", f"--gtest_filter={FILTERS[target]}", "--gtest_fail_fast"],
                SECONDS["test"]) != 0:
             return target
@@ -79,9 +78,10 @@ def main():
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="files that begin with this, such as format/container")
+    parser.add_argument("--tests", choices=list(FILTERS), nargs="+", default=list(FILTERS))
     a = parser.parse_args()
     folder = str(pathlib.Path(a.build).resolve())
-    if not build(folder) or catches(folder):
+    if not build(folder, a.tests) or catches(folder, a.tests):
         sys.exit("the tests fail without any change")
     drawn = [p for p in places() if str(p[0].relative_to(ROOT)).startswith(a.only)]
     random.Random(a.seed).shuffle(drawn)
@@ -96,15 +96,15 @@ def main():
         where = f"{path.relative_to(ROOT)}:{number + 1}: {old.strip()}  ->  {lines[number].strip()}"
         try:
             path.write_text("\n".join(lines))
-            if not build(folder):
+            if not build(folder, a.tests):
                 void += 1
                 continue
-            by = catches(folder)
+            by = catches(folder, a.tests)
             caught, survived = caught + bool(by), survived + (not by)
             print("caught by " + by if by else "SURVIVED", where, flush=True)
         finally:
             path.write_text(before)
-    build(folder)
+    build(folder, a.tests)
     print(f"{caught} of {caught + survived} mutants caught, {void} did not compile, seed {a.seed}")
 
 
