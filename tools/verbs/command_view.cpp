@@ -1,3 +1,4 @@
+#include "format/sampler.h"
 #include "tools/http/open_bytes.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
@@ -15,6 +16,7 @@
 #include "tools/page/viewer_server.h"
 #endif
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fcntl.h>
@@ -45,24 +47,53 @@ Status too_large(const std::string& name, std::uint64_t bytes) {
 // Small: it stands in the page, and is seen for a moment.
 constexpr std::uint32_t poster_width = 128, poster_height = 96;
 
-// What the viewer shows first. Nothing where `render` does not draw the kind of texture.
-Result<std::vector<std::byte>> draw_poster(const ViewCommand& a) {
-    if (a.file == "-") // has been read
+Result<std::vector<std::byte>> to_png(const Picture& picture) {
+    return encode_png({picture.width, picture.height, 3}, picture.rgb);
+}
+
+// Of planar views the one in the middle, every n-th texel.
+Result<Picture> middle_view(const Decoder& decoder) {
+    const Extent4& size = decoder.desc().size;
+    const std::uint32_t s = size[axis_s] / 2, t = size[axis_t] / 2;
+    const std::uint32_t step =
+        std::max({size[axis_u] / poster_width, size[axis_v] / poster_height, 1u});
+    const Box4 box{{0, 0, s, t}, {size[axis_u], size[axis_v], s + 1, t + 1}};
+    std::vector<std::byte> texels(decoder.desc().box_bytes(box));
+    TESSERA_TRY(decoder.decode_box(box, texels));
+    View view{size[axis_u] / step, size[axis_v] / step, {}};
+    for (std::uint32_t v = 0; v < view.height; ++v)
+        for (std::uint32_t u = 0; u < view.width; ++u) {
+            const std::size_t texel = std::size_t{v} * step * size[axis_u] + std::size_t{u} * step;
+            const glm::dvec4 value =
+                texel_value(decoder.desc(), texels.data() + texel * decoder.desc().texel_bytes());
+            for (glm::length_t c = 0; c < 3; ++c)
+                view.rgb.push_back(
+                    static_cast<float>(decoder.desc().channels >= 3 ? value[c] : value.x));
+        }
+    return to_picture(view, decoder.desc().type);
+}
+
+// What the viewer shows first; nothing where it is not known how to draw that, or the file was a stream.
+Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& decoder) {
+    const Description& about = decoder.container().description();
+    if (about.proxy == Proxy::none && about.angular_map == AngularMap::planar_views) {
+        TESSERA_TRY_ASSIGN(const Picture picture, middle_view(decoder));
+        return to_png(picture);
+    }
+    if (a.file == "-")
         return std::vector<std::byte>{};
     StageRequest request;
     request.file = a.file;
     RenderOptions options;
-    auto stage = set_up_stage(request, options);
-    if (!stage.ok() && stage.status().code() == ErrorCode::unsupported)
-        return std::vector<std::byte>{};
-    TESSERA_TRY(stage.status());
+    TESSERA_TRY_ASSIGN(const Stage stage, set_up_stage(request, options));
     CameraPose pose;
-    if (stage->window && stage->window->inside)
-        pose = {stage->window->centre, stage->window->centre + glm::dvec3(-1, 0, 0)};
+    if (stage.window && stage.window->inside)
+        pose = {stage.window->centre, stage.window->centre + glm::dvec3(-1, 0, 0)};
     TESSERA_TRY_ASSIGN(const Camera camera, make_camera(pose, {45, poster_width, poster_height}));
-    TESSERA_TRY_ASSIGN(const View view, stage->subject().render(camera));
-    const Picture picture = to_picture(view, stage->desc.type);
-    return encode_png({picture.width, picture.height, 3}, picture.rgb);
+    if (stage.window && !check_side(*stage.window, camera).ok())
+        return std::vector<std::byte>{};
+    TESSERA_TRY_ASSIGN(const View view, stage.subject().render(camera));
+    return to_png(to_picture(view, stage.desc.type));
 }
 
 Result<std::vector<std::byte>> whole_file(ByteSource& source) {
@@ -85,7 +116,7 @@ Status write_page(const ViewCommand& a) {
     page.background = outside;
     page.file = file;
     TESSERA_TRY_ASSIGN(page.view_data, make_view_data(decoder.container()));
-    TESSERA_TRY_ASSIGN(page.poster, draw_poster(a));
+    TESSERA_TRY_ASSIGN(page.poster, draw_poster(a, decoder));
     TESSERA_TRY_ASSIGN(const std::string html, make_page(page));
     TESSERA_TRY(write_bytes(a.output, std::as_bytes(std::span(html))));
     if (!a.quiet)
