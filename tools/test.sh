@@ -27,7 +27,16 @@ case "${1:-}" in
 *) usage "unknown option '$1'" ;;
 esac
 
+# A browser is large: where it cannot be had, its test says that it is left out.
+install_browser() {
+    command -v chromium >/dev/null && command -v node >/dev/null && return
+    say "Installing Chromium and node for the viewer's test"
+    apt-get install -y -qq --no-install-recommends chromium nodejs >/dev/null 2>&1 ||
+        say "No Chromium could be installed: web_viewer is skipped"
+}
+
 install_missing
+[ -n "$kind" ] || install_browser
 if [ -n "$kind" ]; then
     folder=build-${kind//,/-}
     # -O1: as much again would go into compiling as into running.

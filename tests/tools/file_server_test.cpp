@@ -186,6 +186,54 @@ TEST_F(Serve, ListsTesseraFiles) {
     EXPECT_EQ(field(ask("GET", "/inner"), "Location"), "inner/");
 }
 
+TEST_F(Serve, PagesOfOtherHostsMayRead) {
+    const std::string options = ask("OPTIONS", "/a.tess", "Origin: http://x\r\n");
+    EXPECT_EQ(status(options), "204");
+    EXPECT_EQ(field(options, "Access-Control-Allow-Origin"), "*");
+    EXPECT_NE(field(options, "Access-Control-Allow-Headers").find("Range"), std::string::npos);
+    EXPECT_EQ(status(ask("POST", "/a.tess")), "404");
+    for (const char* target : {"/a.tess", "/", "/none.tess"})
+        EXPECT_EQ(field(ask("GET", target), "Access-Control-Allow-Origin"), "*") << target;
+}
+
+TEST_F(Serve, SaysWhatFilesAre) {
+    const std::pair<const char*, const char*> types[] = {{"tess", "application/vnd.tessera"},
+                                                         {"html", "text/html; charset=utf-8"},
+                                                         {"wasm", "application/wasm"},
+                                                         {"js", "text/javascript"},
+                                                         {"txt", "application/octet-stream"}};
+    for (const auto& [ending, type] : types) {
+        spit(std::string("root/x.") + ending, "x");
+        EXPECT_EQ(field(ask("GET", std::string("/x.") + ending), "Content-Type"), type);
+    }
+}
+
+TEST_F(Serve, ShowsFilesInItsViewer) {
+    FileServerOptions options;
+    options.folder = (base_ / "root").string();
+    options.viewer = "the viewer";
+    options.view_data = [](const std::string& path) -> Result<std::vector<std::byte>> {
+        if (path.ends_with("a.tess"))
+            return std::vector{std::byte{'d'}};
+        return Status(ErrorCode::invalid_file, "not one");
+    };
+    auto server = FileServer::start(options);
+    ASSERT_TRUE(server.ok());
+    server_ = std::move(*server);
+    EXPECT_EQ(body(ask("GET", "/?f=a.tess")), "the viewer");
+    EXPECT_EQ(body(ask("GET", "/inner/?f=a.tess")), "the viewer");
+    const std::string data = ask("GET", "/a.tess?view");
+    EXPECT_EQ(body(data), "d");
+    EXPECT_EQ(field(data, "Content-Type"), "application/x-tessera-view");
+    EXPECT_EQ(status(ask("GET", "/empty.tess?view")), "404");
+    EXPECT_EQ(status(ask("GET", "/none.tess?view")), "404");
+    EXPECT_EQ(body(ask("GET", "/a.tess")), "0123456789");
+    const std::string page = body(ask("GET", "/"));
+    EXPECT_NE(page.find("<a href=\"?f=a.tess\">a.tess</a> <a href=\"a.tess\">10 bytes</a>"),
+              std::string::npos)
+        << page;
+}
+
 TEST_F(Serve, LogsRequests) {
     ask("GET", "/a.tess", "Range: bytes=2-4\r\n");
     ask("GET", "/a%0a%1bb.tess");

@@ -109,6 +109,15 @@ export class Browser {
             await this.mouse('mouseMoved', from[0] + (to[0] - from[0]) * part, from[1] + (to[1] - from[1]) * part, {buttons: 1});
         await this.mouse('mouseReleased', ...to);
     }
+    // Fingers at these places, then at those.
+    async fingers(from, to) {
+        const points = places => places.map(([x, y], id) => ({x, y, id}));
+        await this.send('Input.dispatchTouchEvent', {type: 'touchStart', touchPoints: points(from)});
+        for (const part of [0.5, 1])
+            await this.send('Input.dispatchTouchEvent', {type: 'touchMove', touchPoints: points(
+                from.map(([x, y], i) => [x + (to[i][0] - x) * part, y + (to[i][1] - y) * part]))});
+        await this.send('Input.dispatchTouchEvent', {type: 'touchEnd', touchPoints: []});
+    }
     key(key) {
         return this.send('Input.dispatchKeyEvent', {type: 'keyDown', key, text: key.length === 1 ? key : undefined})
             .then(() => this.send('Input.dispatchKeyEvent', {type: 'keyUp', key}));

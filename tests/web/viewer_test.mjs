@@ -122,7 +122,13 @@ const tests = {
         assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
         agrees(await browser.picture(), rendered('mesh.tess', {eye: eye.join(), look: look.join()}, '400x300'), 'mesh after drag and wheel');
         await browser.key('i');
-        assert.match(await browser.evaluate(`document.getElementById('figures').textContent`), /tiles|/);
+        await browser.until(`document.getElementById('figures').textContent.includes('tiles')`, 'figures');
+        await browser.key('ArrowLeft');
+        assert.notDeepEqual(await browser.evaluate('tessera.pose.eye'), eye);
+        const distance = () => browser.evaluate('Math.hypot(...tessera.pose.eye.map((x, i) => x - tessera.pose.look[i]))');
+        const before = await distance();
+        await browser.fingers([[180, 150], [220, 150]], [[140, 150], [260, 150]]);
+        assert(await distance() < 0.6 * before, 'two fingers apart come nearer');
         await browser.evaluate(`document.querySelector('[data-action=reset]').click()`);
         assert.deepEqual(await browser.evaluate('tessera.pose.eye'), [10, 0, 0]);
     },

@@ -26,9 +26,12 @@ class Page {
         const {loader, renderer, cache} = viewer;
         if (!this.begun && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
             this.begun = performance.now(); // since the page was opened
+            this.bytesAtFirst = viewer.source ? viewer.source.received : 0;
             this.poster.hidden = true;
             this.say('');
         }
+        if (!this.whole && !loader.busy && viewer.searched === 'all')
+            this.whole = performance.now();
         if (loader.failed.size && !this.note.textContent)
             this.say(`${loader.failed.size} tiles cannot be had: ${loader.failed.values().next().value}`);
         if (this.figures.hidden)
