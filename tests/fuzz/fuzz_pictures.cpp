@@ -1,10 +1,11 @@
-// PNG and EXR pictures as textures: the first byte says which, the rest is the file. All of it is read, or
-// refused.
+// PNG, JPEG and EXR pictures as textures: the first byte says how they are taken, the rest is the file. All
+// of it is read, or refused.
 #include "format/io/bytes.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tools/picture/jpeg_file.h"
 #include "tools/picture/png_file.h"
 #include "tools/texture_io/exr_io.h"
-#include "tools/texture_io/png_picture_io.h"
+#include "tools/texture_io/picture_io.h"
 
 #include <ImfRgbaFile.h>
 #include <algorithm>
@@ -64,7 +65,7 @@ Bytes exr_seed(int width, int height) {
 
 // The CRC of every chunk of a PNG.
 void mend(Bytes& input) {
-    if (input.empty() || input[0] == std::byte{'E'})
+    if (input.empty() || (input[0] != std::byte{'P'} && input[0] != std::byte{'Q'}))
         return;
     for (std::size_t at = png_start; at + 12 <= input.size();) {
         const std::size_t length = big_endian(&input[at]);
@@ -79,12 +80,17 @@ void mend(Bytes& input) {
 
 std::vector<Bytes> seeds() {
     std::vector<Bytes> all;
-    for (const std::uint8_t channels : {1, 2, 3, 4}) {
+    const std::pair<std::uint8_t, char> pictures[] = {{1, 'P'}, {2, 'Q'}, {3, 'Q'}, {4, 'P'}};
+    for (const auto& [channels, first] : pictures) {
         const PngShape shape{8, 4, channels};
         Bytes png = *encode_png(shape, Bytes(shape.row_bytes() * shape.height, std::byte{77}));
-        png.insert(png.begin(), std::byte{'P'});
+        png.insert(png.begin(), static_cast<std::byte>(first));
         all.push_back(png);
     }
+    const JpegShape grey{8, 8, 1};
+    Bytes jpeg = *encode_jpeg(grey, Bytes(64, std::byte{99}), 80);
+    jpeg.insert(jpeg.begin(), std::byte{'J'});
+    all.push_back(jpeg);
     all.push_back(exr_seed(8, 4));
     all.push_back(exr_seed(4, 4));
     return all;
@@ -100,10 +106,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const fuzz::Bytes file(bytes + 1, bytes + size);
     TextureHints hints;
     hints.threads = 1;
-    if (data[0] % 2 == 1) // 'E'
+    if (data[0] == 'E')
         hints.size = Extent4{4, 2, 2, 2};
+    if (data[0] == 'Q')
+        hints.views.quilt = ViewGrid{4, 1};
     Description description;
+    ViewsFacts facts;
     fuzz::read_all(data[0] == 'E' ? open_exr(wrap_memory(file), hints, description)
-                                  : open_png_picture(wrap_memory(file), hints));
+                                  : open_picture(wrap_memory(file), hints, facts));
     return 0;
 }

@@ -58,8 +58,9 @@ TEST(Page, HoldsWhatItIsGivenAndNothingElse) {
         EXPECT_NE(page.status().message().find("clang-19"), std::string::npos);
         return;
     }
-    for (const char* part : {"<title>&lt;b&gt;&amp;&quot;</title>", "background: rgb(255,128,0)",
-                             "id=\"file\">dGhlIGZpbGU=<", "id=\"data\">dGhlIGRhdGE=<", "id=\"kit\">H4sI"})
+    for (const char* part :
+         {"<title>&lt;b&gt;&amp;&quot;</title>", "background: rgb(255,128,0)",
+          "id=\"file\">dGhlIGZpbGU=<", "id=\"data\">dGhlIGRhdGE=<", "id=\"kit\">H4sI"})
         EXPECT_NE(page->find(part), page->npos) << part;
     EXPECT_EQ(page->find("{{"), page->npos);
     // The budget of viewer and decoder.
