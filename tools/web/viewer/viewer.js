@@ -6,7 +6,7 @@ const usualCache = 256; // MB of tiles on the GPU
 class Viewer {
     // kit: text(name), bytes(name); page: {canvas, note, figures, help, poster}.
     constructor(kit, page) {
-        Object.assign(this, {kit, page, frames: [], waiting: [], ray: 0, changed: 0});
+        Object.assign(this, {kit, page, frames: [], waiting: [], ray: 0, restsUntil: 0, drawn: null});
         this.hash = new URLSearchParams(location.hash.slice(1));
     }
 
@@ -160,13 +160,24 @@ class Viewer {
         this.schedule();
     }
 
-    // Tiles have come: drawn at once where they are the last, else now and then, as drawing may take longer.
+    // Tiles have come: drawn at once where they are the last, else now and then. Without a GPU a frame takes
+    // longer than a tile, and the processors that draw it are those that decode: they do so for a third of the time.
     sharpen() {
-        const now = performance.now();
-        if (this.loader.busy && now - (this.sharpenedAt || 0) < 100 + 2 * this.drawTime)
+        if (this.loader.busy && (this.isDrawing() || performance.now() < this.restsUntil))
             return;
-        this.sharpenedAt = now;
         this.change(true);
+    }
+
+    // Whether the device still draws the frame that was begun last. Sets how long it rests when it is done.
+    isDrawing() {
+        const {gl} = this;
+        if (this.drawn && gl.getSyncParameter(this.drawn, gl.SYNC_STATUS) === gl.SIGNALED) {
+            gl.deleteSync(this.drawn);
+            this.drawn = null;
+            const now = performance.now();
+            this.restsUntil = now + 100 + 2 * (now - this.drawnSince);
+        }
+        return !!this.drawn;
     }
 
     schedule() {
@@ -184,16 +195,25 @@ class Viewer {
         if (this.lastRays !== view.rays)
             this.ray = 0;
         this.lastRays = view.rays;
-        if (this.ray < view.rays) {
+        if (this.mayDraw(view)) {
             this.renderer.addRay(view, this.ray++);
             this.frames.push(performance.now());
+            if (!this.drawn) {
+                this.drawn = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+                this.drawnSince = performance.now();
+            }
         }
         this.findTiles(view);
         this.page.update(this);
-        if (this.ray < view.rays || this.moving || this.searched !== 'all')
+        if (this.mayDraw(view) || this.moving || this.searched !== 'all')
             this.schedule();
         else if (!this.loader.busy)
             this.waiting.splice(0).forEach(resolve => resolve());
+    }
+
+    // More than one ray a pixel is for a picture that stays.
+    mayDraw(view) {
+        return this.ray < (this.loader.busy ? Math.min(1, view.rays) : view.rays);
     }
 
     // First a rough search, at once; when that is served a thorough one, whose tiles are few.
