@@ -9,6 +9,7 @@
 #include <assimp/scene.h>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 namespace tessera::corpus {
 namespace {
@@ -19,6 +20,13 @@ constexpr int deepest_node = 64;
 double to_linear(double x) {
     x = std::clamp(x, 0.0, 1.0);
     return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+// Assimp (5.2) looks for the end of a header without end.
+template <class Bytes> bool has_ply_header(const Bytes& bytes) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return text.find("\nend_header\n") != text.npos || text.find("\nend_header\r") != text.npos ||
+           text.find("\rend_header\r") != text.npos;
 }
 
 class AssimpScene {
@@ -132,7 +140,10 @@ private:
 } // namespace
 
 Status read_with_assimp(const std::string& path, ModelBuilder& builder) {
-    TESSERA_TRY(read_whole_file(path, most_file_bytes)); // says why a file cannot be read
+    // Says why a file cannot be read.
+    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_file_bytes));
+    if (path.ends_with(".ply") && !has_ply_header(bytes))
+        return {ErrorCode::invalid_file, "its header has no end"};
     Assimp::Importer importer;
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
