@@ -21,9 +21,10 @@ namespace TESSERA_PUBLIC tessera {
 struct RateTarget {
     enum class Kind {
         quality, // value 1..100; 100 is the finest quantiser step (0.75), 8 lower doubles it
-        psnr, // value in dB over all samples; reached from above within 0.05 dB where possible (baked: 0.15)
-        bpt,       // value in bits per texel, all channels; never exceeded
-        bytes,     // value in bytes of the whole file; never exceeded
+        psnr, // value in dB over all samples; reached from above within 0.05 dB where the first pass can
+              // (baked: 0.15), three times that after three passes
+        bpt,       // value in bits per texel, all channels; never exceeded, and met within 2 to 6 %
+        bytes,     // value in bytes of the whole file; likewise
         max_error, // no sample off by more than value: 8-bit steps, or for half float its ulps;
                    // 0 is lossless
     };
@@ -66,6 +67,9 @@ struct EncodeOptions {
     // Those that do not get what costs least, the source's values being one candidate: no target binds
     // them, no figure but bits_per_texel counts them, and NaN is no fault there.
     TexelSource* mask = nullptr;
+    // A PSNR that no quantiser reaches is met by a lossless file; without this only where it is smaller than
+    // the finest quantiser's, and only of sources that are cheap to read again.
+    bool lossless_fallback = false;
     bool layers = false; // coarse levels first, so that any beginning of the file shows the texture
     Metadata metadata;   // key/values; "Software" is filled in when absent, and keys
                          // with "tessera:" in front are the encoder's: how it encoded
@@ -112,7 +116,8 @@ struct EncodeReport {
     unsigned passes = 0;                   // full passes over the source
     std::uint64_t nan_count = 0;           // replaced by 0
     std::uint64_t infinity_count = 0;      // replaced by +-65504
-    std::string note;                      // why a target was missed, if it was
+    bool target_met = true;                // false: a PSNR that no quantiser reaches
+    std::string note;                      // why a target was missed, or met by a lossless file
     std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
 };
 

@@ -263,7 +263,7 @@ typedef struct {
     uint64_t infinity_count; /* replaced by +-65504 */
     uint32_t passes;         /* over the whole texture */
     int32_t target_met;      /* 0: the rate asked for lies beyond what can be reached, see note */
-    char note[256];          /* why not, or "" */
+    char note[256];          /* why not, or why the file is lossless, or "" */
 } tessera_encode_report;
 
 TESSERA_API void tessera_encode_report_init_sized(tessera_encode_report* report,

@@ -18,13 +18,14 @@ namespace TESSERA_PUBLIC tessera {
 // whoever allows more memory can mend, exits with the code of unsupported.
 enum class ErrorCode {
     ok = 0,
-    bad_argument = 1, // the caller asked for something that makes no sense
-    io = 2,           // the operating system refused a read or a write
-    invalid_file = 3, // the bytes are not what FORMAT.md (or the file's own kind) allows
-    runtime = 4,      // out of memory, a failed self-check
-    unsupported = 5,  // valid, but this version cannot do it
-    difference = 7,   // a comparison missed its threshold
-    over_budget = 8,  // more memory is needed than the caller allows
+    bad_argument = 1,  // the caller asked for something that makes no sense
+    io = 2,            // the operating system refused a read or a write
+    invalid_file = 3,  // the bytes are not what FORMAT.md (or the file's own kind) allows
+    runtime = 4,       // out of memory, a failed self-check
+    unsupported = 5,   // valid, but this version cannot do it
+    target_missed = 6, // a file was made, but not as good as it had to be
+    difference = 7,    // a comparison missed its threshold
+    over_budget = 8,   // more memory is needed than the caller allows
 };
 
 // Success, or a code with one plain sentence that names the file and the place.

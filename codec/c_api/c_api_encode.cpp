@@ -174,7 +174,7 @@ tessera_encode_report make_report(const EncodeReport& r, const TextureDesc& desc
     report.nan_count = r.nan_count;
     report.infinity_count = r.infinity_count;
     report.passes = r.passes;
-    report.target_met = r.note.empty() ? 1 : 0;
+    report.target_met = r.target_met ? 1 : 0;
     r.note.copy(report.note, sizeof report.note - 1);
     return report;
 }

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 namespace tessera {
 namespace {
@@ -106,29 +107,43 @@ ContainerContents contents_of(const FileParts& parts) {
     return contents;
 }
 
-// `journal` may be nullptr.
-Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, Journal* journal,
-                            const std::function<Status(const ContainerContents&)>& write) {
-    const auto start = std::chrono::steady_clock::now();
+// An encode up to its file.
+struct Attempt {
+    EncodePlan plan;
+    RateOutcome outcome;
+    LatestLevels latest;
+};
+
+EncodePlan plan_of(TexelSource& source, const EncodeOptions& options, const ToolSwitches& tools,
+                   std::uint64_t texels_that_matter) {
+    const TextureDesc desc = source.desc();
+    const EffortSettings effort = EffortSettings::of(options.effort, tools);
+    return {source,
+            options,
+            {},
+            {desc,
+             desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
+             {},
+             options.rate.kind == RateTarget::Kind::max_error,
+             true},
+            effort,
+            nullptr,
+            options.mask,
+            texels_that_matter,
+            tools};
+}
+
+// Finds the pass that meets the rate. `source` and `options` outlive what comes back; `journal` may be
+// nullptr.
+Result<std::unique_ptr<Attempt>> attempt(TexelSource& source, const EncodeOptions& options,
+                                         Journal* journal) {
     const TextureDesc desc = source.desc();
     TESSERA_TRY_ASSIGN(const std::uint64_t texels_that_matter,
                        count_texels_that_matter(options.mask, desc.size, options.threads));
     TESSERA_TRY_ASSIGN(const ToolSwitches tools, parse_tool_switches(options.tools));
-    const EffortSettings effort = EffortSettings::of(options.effort, tools);
-    EncodePlan plan{
-        source,
-        options,
-        {},
-        {desc,
-         desc.channels >= 3 && effort.ycocg ? ColourTransform::ycocg_r : ColourTransform::none,
-         {},
-         options.rate.kind == RateTarget::Kind::max_error,
-         true},
-        effort,
-        nullptr,
-        options.mask,
-        texels_that_matter,
-        tools};
+    std::unique_ptr<Attempt> made(
+        new Attempt{plan_of(source, options, tools, texels_that_matter), {}, {}});
+    EncodePlan& plan = made->plan;
     const bool resume = options.journal == JournalUse::resume;
     if (journal != nullptr && resume)
         TESSERA_TRY(journal->may_resume(facts_of(plan)));
@@ -142,38 +157,80 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         TESSERA_TRY(journal->begin(facts_of(plan, sample), resume));
         plan.journal = journal;
     }
-
-    LatestLevels latest;
     TESSERA_TRY_ASSIGN(
-        RateOutcome outcome,
+        made->outcome,
         control_rate(plan, sample, [&](const PassResult& pass) -> Result<std::uint64_t> {
-            TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, latest));
+            TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, made->latest));
             return container_bytes(contents_of(parts));
         }));
-    const PassResult& pass = outcome.pass;
-    TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(plan, pass, latest));
-    const ContainerContents contents = contents_of(parts);
-    TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
-    if (options.confirm)
-        TESSERA_TRY(options.confirm());
-    TESSERA_TRY(write(contents));
+    return made;
+}
 
+Result<std::uint64_t> file_bytes_of(Attempt& made) {
+    TESSERA_TRY_ASSIGN(const FileParts parts, parts_of(made.plan, made.outcome.pass, made.latest));
+    return container_bytes(contents_of(parts));
+}
+
+// No step reaches the PSNR that was asked for: a lossless file does, and takes its place where it is
+// smaller or wanted. `lossless` outlives `made`. Its payloads stay in memory: a journal has one encode.
+Status fall_back(const EncodeOptions& lossless, std::unique_ptr<Attempt>& made) {
+    TexelSource& source = made->plan.source;
+    if (!lossless.lossless_fallback && !source.cheap_to_reread())
+        return {};
+    TESSERA_TRY_ASSIGN(std::unique_ptr<Attempt> other, attempt(source, lossless, nullptr));
+    TESSERA_TRY_ASSIGN(const std::uint64_t bytes, file_bytes_of(*other));
+    TESSERA_TRY_ASSIGN(const std::uint64_t missed_by, file_bytes_of(*made));
+    if (!lossless.lossless_fallback && bytes >= missed_by)
+        return {};
+    other->outcome.passes += made->outcome.passes;
+    other->outcome.note =
+        "no quantiser reaches the target: the file is lossless" +
+        std::string(bytes < missed_by ? ", which is smaller than the finest quantiser's" : "");
+    made = std::move(other);
+    return {};
+}
+
+EncodeReport report_on(const Attempt& made, const FileParts& parts, std::uint64_t bytes) {
+    const EncodePlan& plan = made.plan;
+    const PassResult& pass = made.outcome.pass;
+    const TextureDesc& desc = plan.colour.desc;
     EncodeReport report;
     report.file_bytes = bytes;
     report.raw_bytes = desc.box_bytes(Box4::whole(desc.size));
-    const auto texels = static_cast<double>(texel_count(desc.size));
-    report.bits_per_texel = static_cast<double>(bytes) * 8.0 / texels;
+    report.bits_per_texel =
+        static_cast<double>(bytes) * 8.0 / static_cast<double>(texel_count(desc.size));
     if (plan.mask != nullptr)
         report.texels_that_matter = plan.texels_that_matter;
     report.psnr = pass.psnr(desc, plan.texels_that_matter);
     report.max_error = pass.totals.max_error;
     report.nan_count = pass.totals.nan_count;
     report.infinity_count = pass.totals.infinity_count;
-    report.passes = outcome.passes;
-    report.note = outcome.note;
+    report.passes = made.outcome.passes;
+    report.target_met = !made.outcome.is_missed;
+    report.note = made.outcome.note;
     for (const CoarseLevel& level : parts.levels)
         report.coarse_levels.push_back(
             {level.entry.size, level.entry.step_shift, level.payload_bytes()});
+    return report;
+}
+
+// `journal` may be nullptr.
+Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, Journal* journal,
+                            const std::function<Status(const ContainerContents&)>& write) {
+    const auto start = std::chrono::steady_clock::now();
+    TESSERA_TRY_ASSIGN(std::unique_ptr<Attempt> made, attempt(source, options, journal));
+    EncodeOptions lossless = options;
+    lossless.rate = {RateTarget::Kind::max_error, 0};
+    if (made->outcome.is_missed)
+        TESSERA_TRY(fall_back(lossless, made));
+    TESSERA_TRY_ASSIGN(const FileParts parts,
+                       parts_of(made->plan, made->outcome.pass, made->latest));
+    const ContainerContents contents = contents_of(parts);
+    TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
+    if (options.confirm)
+        TESSERA_TRY(options.confirm());
+    TESSERA_TRY(write(contents));
+    EncodeReport report = report_on(*made, parts, bytes);
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;

@@ -1,5 +1,6 @@
 #include "codec/encode/rate_control.h"
 
+#include "codec/encode/rate_forecast.h"
 #include "codec/fit/table_fit.h"
 #include "codec/pass/steps.h"
 #include "codec/trials/base_trial.h"
@@ -13,46 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr double smallest_step = 0.5;
-
-double largest_step(SampleType type) {
-    return type == SampleType::unorm8 ? 512.0 : 32768.0;
-}
-
-// What a pass reached, on an axis where more is a larger step: -PSNR in dB / 6.02, or -log2(bytes).
-struct Point {
-    double log_step = 0, reached = 0;
-};
-
-// Next step to try so that `reached` meets `goal`: inside the bracket if there is one, by the secant
-// of the two nearest points, else by the slope typical of these textures.
-double next_step(std::vector<Point> points, double goal) {
-    std::sort(points.begin(), points.end(), [goal](const Point& a, const Point& b) {
-        return std::fabs(a.reached - goal) < std::fabs(b.reached - goal);
-    });
-    const Point& near = points.front();
-    double slope = 0.7; // of -PSNR / 6.02 and of -log2(bytes), per doubling of the step
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const double run = points[i].log_step - near.log_step;
-        const double rise = points[i].reached - near.reached;
-        if (std::fabs(run) > 1e-4 && rise / run > 0.05) {
-            slope = rise / run;
-            break;
-        }
-    }
-    double next = near.log_step + std::clamp((goal - near.reached) / slope, -4.0, 4.0);
-    double low = -1e9, high = 1e9;
-    for (const Point& p : points)
-        (p.reached < goal ? low : high) =
-            p.reached < goal ? std::max(low, p.log_step) : std::min(high, p.log_step);
-    if (low < high && high - low < 20) {
-        // Where the curve has a cliff the secant creeps; every third step halves the bracket.
-        if (points.size() % 3 == 0)
-            return (low + high) / 2;
-        next = std::clamp(next, low + 0.02 * (high - low), high - 0.02 * (high - low));
-    }
-    return next;
-}
+// Octaves of the step from where tables were learnt to where they are learnt anew.
+constexpr double far_from_tables = 0.5;
 
 class RateSearch {
 public:
@@ -78,7 +41,7 @@ public:
         case Kind::max_error:
             return guaranteed(rate.value);
         case Kind::psnr:
-            return to_goal(-rate.value / 6.0206);
+            return to_psnr(rate.value);
         case Kind::bpt:
             return to_bytes(rate.value * static_cast<double>(texels_) / 8.0);
         case Kind::bytes:
@@ -88,10 +51,8 @@ public:
     }
 
 private:
-    // A whole pass, preceded by one over the sample to learn the tables (and, once, the filter and
-    // which copies there are), and recoded under tables fitted to all of it. Of one that a journal
-    // knows to be finished only the totals come back.
-    Result<PassResult> full_pass(CodingParameters parameters, const char* stage) {
+    // A pass over the sample, to learn the tables (and, once, the filter and which copies there are).
+    Status prepare(CodingParameters& parameters) {
         if (plan_.effort.fit_tables || !smooth_ || !base_ || !filter_) {
             FilterStatistics to_mend;
             EncodePlan plan = plan_;
@@ -116,7 +77,18 @@ private:
             if (plan_.effort.fit_tables)
                 TESSERA_TRY(learn(plan, trained, parameters));
         }
-        return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, stage); });
+        return {};
+    }
+
+    // A whole pass, recoded under tables fitted to all of it. Of one that a journal knows to be finished
+    // only the totals come back.
+    Result<PassResult> whole_pass(const CodingParameters& parameters) {
+        return finished_or(parameters, [&] { return recoded_pass(parameters, passes_, "encode"); });
+    }
+
+    Result<PassResult> prepared_pass(CodingParameters parameters) {
+        TESSERA_TRY(prepare(parameters));
+        return whole_pass(parameters);
     }
 
     // Tables for a whole pass, from the sample's. The first ones are where later passes start from.
@@ -160,11 +132,11 @@ private:
 
     // The pass that was chosen, with its payloads: those of one that was finished before a resume
     // come from the journal now.
-    Result<RateOutcome> outcome_of(PassResult pass, std::string note = {}) {
+    Result<RateOutcome> outcome_of(PassResult pass) {
         if (pass.payloads == nullptr) {
             TESSERA_TRY_ASSIGN(pass, recoded_pass(pass.walked, pass.number, "encode"));
         }
-        return RateOutcome{std::move(pass), passes_, std::move(note)};
+        return RateOutcome{std::move(pass), passes_, false, {}};
     }
 
     CodingParameters for_step(double step) const {
@@ -179,7 +151,7 @@ private:
     CodingParameters at(double log_step) const { return for_step(std::exp2(log_step)); }
 
     Result<RateOutcome> single(double step) {
-        TESSERA_TRY_ASSIGN(PassResult pass, full_pass(for_step(step), "encode"));
+        TESSERA_TRY_ASSIGN(PassResult pass, prepared_pass(for_step(step)));
         return outcome_of(std::move(pass));
     }
 
@@ -203,86 +175,99 @@ private:
         }
         CodingParameters parameters = for_step(best_step);
         parameters.correction_error = static_cast<std::uint16_t>(error);
-        TESSERA_TRY_ASSIGN(PassResult pass, full_pass(parameters, "encode"));
+        TESSERA_TRY_ASSIGN(PassResult pass, prepared_pass(parameters));
         return outcome_of(std::move(pass));
     }
 
-    // Sample PSNR or bytes predict a first step; whole passes correct it.
-    Result<double> first_log_step(double goal, bool bytes) {
-        std::vector<Point> points{};
-        double log_step = 3 + (plan_.colour.desc.type == SampleType::half16 ? 4 : 0);
-        const double share =
-            static_cast<double>(sample_.texel_count()) / static_cast<double>(texels_);
-        const std::uint64_t texels_that_matter = sample_.texels_that_matter();
-        for (int i = 0; i < 6; ++i) {
-            TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(plan_, at(log_step), sample_));
-            const double reached =
-                bytes ? -std::log2(static_cast<double>(pass.payload_bytes() + 1) / share + 1000)
-                      : -pass.psnr(plan_.colour.desc, texels_that_matter) / 6.0206;
-            points.push_back({log_step, reached});
-            if (std::fabs(reached - goal) < 0.02)
-                break;
-            log_step = std::clamp(next_step(points, goal), std::log2(smallest_step),
-                                  std::log2(largest_step(plan_.colour.desc.type)));
-        }
-        return log_step;
-    }
-
-    Result<RateOutcome> to_goal(double goal) {
-        // Another pass over a baker costs minutes, so it has to buy more.
+    Result<RateOutcome> to_psnr(double psnr) {
+        // Another pass over a baker costs minutes, so it has to buy more. The aim is inside the tolerance,
+        // so that one more pass usually ends it.
         const double tolerance = (plan_.source.cheap_to_reread() ? 0.05 : 0.15) / 6.0206;
-        // Aim inside the tolerance, so that one more pass usually ends it.
-        return iterate(
-            goal - tolerance / 2, false,
-            [=](double reached) { return reached <= goal && reached >= goal - tolerance; },
-            [=](double reached) { return reached <= goal; });
+        return iterate({-psnr / 6.0206, tolerance, tolerance / 2, false});
     }
 
     Result<RateOutcome> to_bytes(double bytes) {
-        const double goal = -std::log2(bytes);
         const double tolerance = std::log2(1 / 0.98);
-        return iterate(
-            goal + tolerance / 3, true,
-            [=](double reached) { return reached >= goal && reached <= goal + tolerance; },
-            [=](double reached) { return reached >= goal; });
+        return iterate({-std::log2(bytes), tolerance, tolerance / 3, true});
     }
 
-    // Passes until `good`; otherwise the admissible pass nearest to the goal.
-    template <class Good, class Admissible>
-    Result<RateOutcome> iterate(double goal, bool bytes, Good good, Admissible admissible) {
+    // A target on the axis of RatePoint.
+    struct Goal {
+        double limit;             // never passed
+        double tolerance, inside; // how far from the limit is near enough, and how far passes aim
+        bool bytes;               // else PSNR
+
+        double aim() const { return limit + (bytes ? inside : -inside); }
+        // Below 0: not allowed.
+        double slack(double reached) const { return bytes ? reached - limit : limit - reached; }
+        // Passes at nearly the same step differ, in small textures by more than the tolerance: what is
+        // asked for after several of them is not worth a further one.
+        double near_enough(int passes) const { return tolerance * std::min(passes, 3); }
+    };
+
+    // Makes ready for passes near a step.
+    Status prepare_at(double log_step) {
+        if (prepared_at_ && std::fabs(*prepared_at_ - log_step) < far_from_tables)
+            return {};
+        prepared_at_ = log_step;
+        CodingParameters parameters = at(log_step);
+        TESSERA_TRY(prepare(parameters));
+        if (plan_.effort.fit_tables)
+            tables_ = parameters.parameters;
+        return {};
+    }
+
+    // The step of the first whole pass.
+    Result<double> first_log_step(RateForecast& forecast, double goal) {
+        TESSERA_TRY_ASSIGN(const double log_step, forecast.step_for(goal));
+        TESSERA_TRY(prepare_at(log_step));
+        TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(plan_, at(log_step), sample_));
+        TESSERA_TRY(forecast.learn_from_sample(log_step, pass));
+        return forecast.step_for(goal);
+    }
+
+    // Passes until one is near enough; otherwise the allowed one that is nearest.
+    Result<RateOutcome> iterate(const Goal& goal) {
         const int most = plan_.source.cheap_to_reread() ? 12 : 3;
-        const double low = std::log2(smallest_step);
-        const double high = std::log2(largest_step(plan_.colour.desc.type));
-        TESSERA_TRY_ASSIGN(double log_step, first_log_step(goal, bytes));
-        std::vector<Point> points;
+        const auto [low, high] = StepRange::of(plan_.colour.desc.type);
+        RateForecast forecast(plan_, sample_, goal.bytes);
+        TESSERA_TRY_ASSIGN(double log_step, first_log_step(forecast, goal.aim()));
+        std::vector<RatePoint> points;
         std::optional<PassResult> best;
-        double best_distance = std::numeric_limits<double>::infinity();
-        double last_reached = 0;
+        double best_slack = -std::numeric_limits<double>::infinity();
         double nudge = 0.02; // some 0.1 dB
-        for (int i = 0;; ++i) {
-            TESSERA_TRY_ASSIGN(PassResult pass, full_pass(at(log_step), "encode"));
-            double reached = -pass.psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
-            if (bytes)
-                reached = -std::log2(static_cast<double>(pass.totals.file_bytes));
-            last_reached = reached;
+        for (int passes = 1;; ++passes) {
+            TESSERA_TRY(prepare_at(log_step));
+            TESSERA_TRY_ASSIGN(PassResult pass, whole_pass(at(log_step)));
+            const double reached =
+                goal.bytes ? -std::log2(static_cast<double>(pass.totals.file_bytes))
+                           : -pass.psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
             points.push_back({log_step, reached});
-            const double distance = std::fabs(reached - goal) + (admissible(reached) ? 0 : 1e6);
-            if (distance < best_distance && (admissible(reached) || !bytes)) {
-                best_distance = distance;
+            const double slack = goal.slack(reached);
+            const bool is_better =
+                best_slack < 0 ? slack > best_slack : slack >= 0 && slack < best_slack;
+            if (is_better && (slack >= 0 || !goal.bytes)) {
+                best_slack = slack;
                 if (best)
                     drop(*best);
                 best = std::move(pass);
             } else {
                 drop(pass);
             }
-            if (good(reached) || (log_step >= high && !admissible(reached)))
+            const bool is_met = best_slack >= 0;
+            if ((is_met && best_slack <= goal.near_enough(passes)) ||
+                (log_step >= high && slack < 0))
                 break;
-            double next = std::clamp(next_step(points, goal), low, high);
-            if (i + 1 >= most || std::fabs(next - log_step) < 1e-4) {
-                if (best && best_distance < 1e6)
+            double next = std::clamp(next_step(points, goal.aim()), low, high);
+            if (passes == 1) {
+                TESSERA_TRY(forecast.learn(points.back()));
+                TESSERA_TRY_ASSIGN(next, forecast.step_for(goal.aim()));
+            }
+            if (passes >= most || std::fabs(next - log_step) < 1e-4) {
+                if (is_met)
                     break;
                 // The curve jumps over the goal: on to the side that is allowed.
-                next = std::clamp(log_step + (bytes ? nudge : -nudge), low, high);
+                next = std::clamp(log_step + (goal.bytes ? nudge : -nudge), low, high);
                 nudge *= 2;
                 if (next == log_step)
                     break;
@@ -290,10 +275,13 @@ private:
             log_step = next;
         }
         if (!best)
-            return target_is_missed(std::llround(std::exp2(-last_reached)));
-        return outcome_of(
-            std::move(*best),
-            best_distance >= 1e6 ? "the target lies above what the finest quantiser reaches" : "");
+            return target_is_missed(std::llround(std::exp2(-points.back().reached)));
+        RateOutcome outcome;
+        TESSERA_TRY_ASSIGN(outcome, outcome_of(std::move(*best)));
+        outcome.is_missed = best_slack < 0;
+        if (outcome.is_missed)
+            outcome.note = "the target lies above what the finest quantiser reaches";
+        return outcome;
     }
 
     Status target_is_missed(std::int64_t smallest) const {
@@ -313,9 +301,10 @@ private:
     // Empty until a trial at the step of the first whole pass has told; the same for all passes, so
     // that a search for a step sees no jumps.
     std::optional<bool> smooth_;
-    std::optional<BasePictures> base_; // likewise
-    std::optional<TileFilter> filter_; // likewise
-    std::optional<Parameters> tables_; // likewise
+    std::optional<BasePictures> base_;  // likewise
+    std::optional<TileFilter> filter_;  // likewise
+    std::optional<Parameters> tables_;  // likewise
+    std::optional<double> prepared_at_; // log2 of the step
 };
 
 } // namespace

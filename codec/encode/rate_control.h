@@ -7,12 +7,14 @@ namespace tessera {
 
 struct RateOutcome {
     PassResult pass;
-    unsigned passes = 0; // over the whole source
-    std::string note;    // why the target was missed, if it was
+    unsigned passes = 0;    // over the whole source
+    bool is_missed = false; // a PSNR that no step reaches
+    std::string note;       // why, then
 };
 
 // Runs passes until plan.options.rate is met: size targets are never exceeded and reached within
-// 2 %, PSNR targets are reached from above within 0.05 dB (0.15 dB for sources that are costly to read again), where the texture allows it; sources
+// 2 %, PSNR targets are reached from above within 0.05 dB (0.15 dB for sources that are costly to read again), where the texture allows it: after a second pass twice as
+// far off is near enough, after a third three times. Sources
 // that are costly to read again get at most 3 passes. `file_bytes` tells the size of the file that
 // a pass would make. Errors: the source's; bad_argument when the size target is below the smallest
 // file.

@@ -389,7 +389,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
         TESSERA_TRY(count_journaled(crew, *opened));
         journaled = opened.get();
         payloads = std::move(opened);
-    } else {
+    } else if (plan.keeps_payloads) {
         payloads = std::make_shared<MemoryTileStore>(tiles.size());
     }
     TESSERA_TRY_ASSIGN(const auto slabs, slabs_of(plan));
@@ -410,7 +410,8 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
                 const Box4 box = plan.grid.box(wanted[i]);
                 TESSERA_TRY(read_tile(plan, box, worker.tile, tile));
                 TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
-                return payloads->put(wanted[i], tile, worker.payload);
+                return payloads == nullptr ? Status()
+                                           : payloads->put(wanted[i], tile, worker.payload);
             },
             [&](std::size_t i) {
                 if (plan.options.progress)

@@ -30,7 +30,8 @@ struct EncodePlan {
     Journal* journal = nullptr;  // nullptr: payloads stay in memory
     TexelSource* mask = nullptr; // of texels that matter; nullptr: all do
     std::uint64_t texels_that_matter = 0;
-    ToolSwitches tools = {}; // options.tools, parsed
+    ToolSwitches tools = {};    // options.tools, parsed
+    bool keeps_payloads = true; // of whole passes; else only the figures are wanted
 };
 
 struct PassResult {
@@ -39,7 +40,7 @@ struct PassResult {
     CodingParameters parameters; // that the payloads are coded with
     std::vector<CodedTile> tiles;
     std::shared_ptr<TileStore>
-        payloads; // of `tiles`; nullptr for a sample, and for a pass of which
+        payloads; // of `tiles`; nullptr for a sample, for a plan that keeps none, and for a pass of which
                   // a journal kept no more than the totals
     PassTotals totals;
 

@@ -48,9 +48,21 @@ TEST(Rate, PsnrIsReachedFromAbove) {
             EXPECT_EQ(encoded.report.note, "");
         }
     }
-    MemoryTexture noise = named_texture(describe({8, 8, 4, 4}), "noise");
-    const Encoded missed = encode(noise, options_for({Kind::psnr, 110}));
-    EXPECT_NE(missed.report.note, "");
+}
+
+// A lossless file takes the place of one of the finest quantiser where it is smaller, or wanted.
+TEST(Rate, PsnrBeyondEveryQuantiser) {
+    MemoryTexture noise = named_texture(describe({9, 8, 5, 4}, SampleType::half16), "noise");
+    EncodeOptions options = options_for({Kind::psnr, 119}, 0);
+    const Encoded cheaper = encode(noise, options);
+    EXPECT_EQ(cheaper.report.target_met, cheaper.report.psnr >= 119);
+    EXPECT_NE(cheaper.report.note, "");
+    options.lossless_fallback = true;
+    const Encoded wanted = encode(noise, options);
+    EXPECT_TRUE(wanted.report.target_met);
+    EXPECT_EQ(wanted.report.max_error, 0u);
+    EXPECT_LE(cheaper.file.size(), wanted.file.size());
+    EXPECT_EQ(decode_all(wanted.file, noise.desc()), noise.texels);
 }
 
 TEST(Rate, SizesAreNeverExceeded) {

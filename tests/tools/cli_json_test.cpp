@@ -31,9 +31,11 @@ TEST_F(CliJson, EncodeSaysWhatItAchieved) {
     const Json lossless = json(encode + "--max-error 0");
     EXPECT_EQ(lossless["lossless"], true);
     EXPECT_TRUE(lossless["psnr"].is_null());
-    const Json missed = json(encode + "--target-psnr 110"); // above what the finest step reaches
-    EXPECT_EQ(missed["target_met"], false);
-    EXPECT_NE(missed["note"], "");
+    const Json beyond =
+        json(encode + "--target-psnr 110 --lossless-fallback"); // no step reaches it
+    EXPECT_EQ(beyond["target_met"], true);
+    EXPECT_EQ(beyond["lossless"], true);
+    EXPECT_NE(beyond["note"], "");
     EXPECT_EQ(json(encode + "--target-bytes 2000")["target_met"], true);
     const Json levels = json(encode + "--layers")["levels"];
     ASSERT_GE(levels.size(), 1u);

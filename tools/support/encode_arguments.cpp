@@ -76,6 +76,8 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     rate->add_option("--max-error", a.max_error,
                      "No sample off by more: 8-bit steps, or ulps of half; 0 is lossless")
         ->check(number_between(0, 65535));
+    app.add_flag("--lossless-fallback", a.lossless_fallback,
+                 "Where no quantiser reaches --target-psnr: a lossless file, even if larger");
     app.add_option("--effort", a.effort, "0 (fastest) to 5 (smallest)")
         ->check(CLI::Range(0, most_effort))
         ->default_str(std::to_string(usual_effort));
@@ -113,6 +115,9 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
     options.rate_name = rate_option(a);
+    if (a.lossless_fallback && !a.target_psnr)
+        return Status(ErrorCode::bad_argument, "--lossless-fallback: belongs to --target-psnr");
+    options.lossless_fallback = a.lossless_fallback;
     options.effort = a.effort.value_or(usual_effort);
     TESSERA_TRY(check_coding_tools(a.tools).with_context("--tools"));
     options.tools = a.tools;

@@ -15,7 +15,8 @@ struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
     std::optional<int> effort;
-    bool no_verify = false, layers = false, strict = false, resume = false, json = false;
+    bool lossless_fallback = false, no_verify = false, layers = false, strict = false,
+         resume = false, json = false;
     std::string tile, tools, memory;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text

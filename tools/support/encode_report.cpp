@@ -27,24 +27,6 @@ const char* name_of(RateTarget::Kind kind) {
     return "?";
 }
 
-// Whether what was asked for was reached; a quality is a step, and always is.
-bool meets_target(const RateTarget& rate, const EncodeReport& r) {
-    using Kind = RateTarget::Kind;
-    switch (rate.kind) {
-    case Kind::quality:
-        return true;
-    case Kind::psnr:
-        return r.psnr >= rate.value;
-    case Kind::bpt:
-        return r.bits_per_texel <= rate.value;
-    case Kind::bytes:
-        return static_cast<double>(r.file_bytes) <= rate.value;
-    case Kind::max_error:
-        return r.max_error <= rate.value;
-    }
-    return false;
-}
-
 Result<EncodeReport> encode_to_standard_output(TexelSource& source, const EncodeOptions& options) {
     auto report = encode_stream(source, write_standard_output, options);
     if (report.ok())
@@ -61,6 +43,14 @@ Result<EncodeReport> encode_to(TexelSource& source, const std::string& path,
     TESSERA_TRY(make_parent_folders(path));
     auto report = encode_file(source, path, options);
     return report.ok() ? std::move(report) : with_resume_hint(report.status(), path);
+}
+
+Status check_target(const std::string& path, const EncodeOptions& options, const EncodeReport& r) {
+    if (r.target_met)
+        return {};
+    return {ErrorCode::target_missed, path + ": has " + format_number(r.psnr, 2) + " dB, not " +
+                                          format_number(options.rate.value, 2) + ": " + r.note +
+                                          "; --lossless-fallback makes it lossless"};
 }
 
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
@@ -113,7 +103,7 @@ Json report_json(const std::string& path, const TextureDesc& desc, const EncodeO
                  {"max_error", r.max_error},
                  {"seconds", r.seconds},
                  {"passes", r.passes},
-                 {"target_met", meets_target(options.rate, r)},
+                 {"target_met", r.target_met},
                  {"note", r.note},
                  {"nan_count", r.nan_count},
                  {"infinity_count", r.infinity_count},

@@ -14,6 +14,10 @@ namespace tessera {
 Result<EncodeReport> encode_to(TexelSource& source, const std::string& path,
                                const EncodeOptions& options);
 
+// target_missed, where the file that was written is not as good as was asked.
+Status check_target(const std::string& path, const EncodeOptions& options,
+                    const EncodeReport& report);
+
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
                   const EncodeReport& report);
 

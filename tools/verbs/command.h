@@ -33,7 +33,7 @@ void add_serve_command(CLI::App& app, Invocation& chosen);
 // At the end of every help.
 inline constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
-    "5 not supported, 7 difference found.";
+    "5 not supported, 6 target missed, 7 difference found.";
 
 // Declares a verb whose options live in `Arguments` and whose work is run(const Arguments&).
 template <class Arguments, class Declare>

@@ -85,7 +85,7 @@ Status bake_compressed(const BakeCommand& a, const Baking& baking, EncodeOptions
         if (!baking.remark.empty())
             std::fprintf(summary_stream(a.output), "  %s\n", baking.remark.c_str());
     }
-    return {};
+    return check_target(a.output, options, report);
 }
 
 Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOptions& options) {

@@ -151,7 +151,7 @@ Status run(const EncodeCommand& a) {
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source->desc(), *report);
     }
-    return {};
+    return check_target(a.output, options, *report);
 }
 
 } // namespace
