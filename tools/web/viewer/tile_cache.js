@@ -14,10 +14,13 @@ class TileCache {
             throw Error(`the file has ${grid.tiles} tiles, more than this viewer can show`);
         const slots = Math.max(1, Math.min(grid.tiles, Math.floor(budget / (width * height * texel))));
         this.columns = Math.min(slots, Math.max(1, Math.floor(TileCache.layerSide / width)));
-        this.rows = Math.min(Math.ceil(slots / this.columns), Math.max(1, Math.floor(TileCache.layerSide / height)));
-        const layers = Math.min(Math.ceil(slots / (this.columns * this.rows)), gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS), 2048);
-        this.slots = Math.min(slots, this.columns * this.rows * layers);
-        this.bytes = this.columns * width * this.rows * height * layers * texel;
+        // Whole rows and layers: of what does not hold all tiles, as many as the budget has room for.
+        const round = slots < grid.tiles ? Math.floor : Math.ceil;
+        this.rows = clamp(round(slots / this.columns), 1, Math.max(1, Math.floor(TileCache.layerSide / height)));
+        const ofLayer = this.columns * this.rows;
+        const layers = clamp(round(slots / ofLayer), 1, Math.min(gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS), 2048));
+        this.slots = Math.min(grid.tiles, ofLayer * layers);
+        this.bytes = ofLayer * width * height * layers * texel;
         this.layerSize = [this.columns * width, this.rows * height];
         this.texture = arrayTexture(gl, half ? gl.RGBA16F : gl.RGBA8, ...this.layerSize, layers, gl.LINEAR);
         this.pages = gl.createTexture();

@@ -1,7 +1,7 @@
 // The viewer: opens the file, brings tiles, draws when something changed. What the page shows of it: page.html.
 
 const usualFov = 45;
-const usualCache = 256; // MB of tiles on the GPU
+const usualCache = 256; // MiB of tiles on the GPU
 
 class Viewer {
     // kit: text(name), bytes(name); page: {canvas, note, figures, help, poster}.
@@ -50,7 +50,7 @@ class Viewer {
         const grid = new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
         const layout = new SlotLayout(level.tile, mesh ? mesh.mips : 0);
-        const budget = (Number(this.hash.get('cache')) || usualCache) * 1e6;
+        const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20;
         this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
