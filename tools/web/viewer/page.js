@@ -39,7 +39,7 @@ class Page {
         const {info, source} = viewer, ms = viewer.drawTime;
         const lines = [`first picture after ${this.begun?.toFixed(0)} ms`, `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
             ms ? `${(1000 / ms).toFixed(0)} frames a second` : 'still',
-            `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.coming.size + loader.queue.length} to come`,
+            `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.queue.length + loader.coming.size} to come`,
             `${inBytes(renderer.bytes)} on the GPU`];
         if (source)
             lines.push(`${inBytes(source.received)} received in ${source.asked} requests`);

@@ -49,11 +49,10 @@ function slotPixels(texels, box, channels, half, layout, charts) {
 }
 
 // A texel of a mip is the mean over the texels of its own chart in its square (FORMAT.md 5.2).
-function addMip(out, mip, [u0, u1, v0, v1, s0, s1, t0, t1], half, layout, charts) {
-    const wide = s1 - s0, high = t1 - t0, step = 1 << mip;
-    const get = half ? x => halfToFloat(out[x]) : x => out[x];
-    const put = half ? floatToHalf : x => Math.floor(x + 0.5);
-    const sums = new Float64Array(wide * high * 3);
+function addMip(out, mip, box, half, layout, charts) {
+    const [u0, u1, v0, v1, s0, s1, t0, t1] = box, row = (s1 - s0) * 4, high = t1 - t0;
+    const sums = half ? new Float64Array(row * high) : new Uint32Array(row * high);
+    const pixels = half ? Float64Array.from(out, halfToFloat) : out;
     for (let y = v0 >> mip; y << mip < v1; ++y)
         for (let x = u0 >> mip; x << mip < u1; ++x) {
             const own = charts.at(mip, x, y);
@@ -61,25 +60,27 @@ function addMip(out, mip, [u0, u1, v0, v1, s0, s1, t0, t1], half, layout, charts
                 continue;
             let count = 0;
             sums.fill(0);
-            for (let v = y << mip; v < Math.min((y << mip) + step, v1); ++v)
-                for (let u = x << mip; u < Math.min((x << mip) + step, u1); ++u) {
+            for (let v = y << mip; v < Math.min(y + 1 << mip, v1); ++v)
+                for (let u = x << mip; u < Math.min(x + 1 << mip, u1); ++u) {
                     if (charts.at(0, u, v) !== own)
                         continue;
-                    const first = layout.pixel(0, u - u0, v - v0);
-                    for (let t = 0, i = 0; t < high; ++t)
-                        for (let at = (first + t * layout.width) * 4, s = 0; s < wide; ++s, at += 4, i += 3) {
-                            sums[i] += get(at);
-                            sums[i + 1] += get(at + 1);
-                            sums[i + 2] += get(at + 2);
-                        }
+                    addImage(sums, pixels, layout.pixel(0, u - u0, v - v0) * 4, row, high, layout.width * 4);
                     ++count;
                 }
-            const first = layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip));
-            for (let t = 0, i = 0; t < high; ++t)
-                for (let at = (first + t * layout.width) * 4, s = 0; s < wide; ++s, at += 4, i += 3)
-                    for (let c = 0; c < 3; ++c)
-                        out[at + c] = put(sums[i + c] / count);
+            putMean(out, layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip)) * 4, sums, count, half, row, high, layout.width * 4);
         }
+}
+
+function addImage(sums, pixels, at, row, high, stride) {
+    for (let t = 0, i = 0; t < high; ++t, at += stride)
+        for (let s = 0; s < row; ++s, ++i)
+            sums[i] += pixels[at + s];
+}
+
+function putMean(out, at, sums, count, half, row, high, stride) {
+    for (let t = 0, i = 0; t < high; ++t, at += stride)
+        for (let s = 0; s < row; ++s, ++i)
+            out[at + s] = half ? floatToHalf(sums[i] / count) : (2 * sums[i] + count) / (2 * count);
 }
 
 function halfToFloat(h) {

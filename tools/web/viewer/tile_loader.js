@@ -1,9 +1,9 @@
 // Brings the tiles that views need into the cache, those that fill most of the picture first.
 
 class TileLoader {
-    // onTile(): the picture may have changed.
+    // onTile(): a tile that is in view has come, or cannot be had.
     constructor(workers, cache, onTile) {
-        Object.assign(this, {workers, cache, onTile, queue: [], coming: new Set(), failed: new Map(), full: false, decoded: 0});
+        Object.assign(this, {workers, cache, onTile, queue: [], rest: [], coming: new Set(), failed: new Map(), full: false, decoded: 0});
     }
 
     // counts: pixels by tile. What was wanted before and is not any more is left out.
@@ -14,24 +14,24 @@ class TileLoader {
         this.queue = tiles.filter(tile => this.lacks(tile));
         this.pump();
     }
-    // All others, too, where there is room for them.
+    // All others, too, when those are there: the cache has room for them.
     wantAll() {
-        for (let tile = 0; tile < this.cache.grid.tiles; ++tile)
-            if (this.lacks(tile))
-                this.queue.push(tile);
+        if (!this.rest.length)
+            this.rest = Array.from({length: this.cache.grid.tiles}, (_, i) => this.cache.grid.tiles - 1 - i);
         this.pump();
     }
 
     lacks(tile) {
         return !this.cache.has(tile) && !this.failed.has(tile);
     }
+    // Whether tiles in view are still to come.
     get busy() {
-        return this.coming.size > 0 || this.queue.length > 0;
+        return this.queue.length > 0 || [...this.coming].some(tile => this.cache.inView.has(tile));
     }
 
     pump() {
-        while (this.workers.idle > 0 && this.queue.length) {
-            const tile = this.queue.shift();
+        while (this.workers.idle > 0 && this.queue.length + this.rest.length) {
+            const tile = this.queue.length ? this.queue.shift() : this.rest.pop();
             if (this.lacks(tile) && !this.coming.has(tile))
                 this.bring(tile);
         }
@@ -52,6 +52,7 @@ class TileLoader {
         }
         this.coming.delete(tile);
         this.pump();
-        this.onTile();
+        if (this.cache.inView.has(tile))
+            this.onTile();
     }
 }

@@ -261,7 +261,7 @@ class Viewer {
     // Milliseconds from one frame to the next, of the newest that followed each other; 0: there are none.
     get drawTime() {
         this.frames.splice(0, this.frames.length - 20);
-        const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 1000);
+        const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 5000);
         return steps.length ? steps.reduce((a, b) => a + b) / steps.length : 0;
     }
 }
