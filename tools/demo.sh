@@ -2,7 +2,7 @@
 # The main job, end to end. The paper's composed scene, baked straight into compressed files: on the
 # surfaces of its things, and on the paper's sphere around them; what an observer sees of both, beside
 # the ray traced truth. Then the sphere's texture is decoded, compared with the texture itself, and drawn
-# on the GPU, decoded there as the views ask for it. Output: demo_output/.
+# on the GPU, decoded there as the views ask for it; both end as pages for a browser. Output: demo_output/.
 #   tools/demo.sh [UxVxSxT]      default 256x128x16x16
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 SIZE=${1:-256x128x16x16}
@@ -65,6 +65,13 @@ elif [ $code != 0 ]; then
     stop "the views could not be drawn"
 fi
 
+say "Writing both as pages for a browser"
+pages="$OUT/surface.html, $OUT/sphere.html"
+if ! { $T view "$OUT/surface.tess" -o "$OUT/surface.html" && $T view "$OUT/composed.tess" -o "$OUT/sphere.html"; }; then
+    pages="none: see above"
+fi
+
 say "Done. Look at $ROOT/$OUT/sharp.png (surfaces, sphere, truth), views.png (the sphere in detail) and
-   sheet.png (its texture) beside it"
+   sheet.png (its texture) beside it.
+   To walk around them, open these in a browser (drag turns, the wheel comes nearer; no network is needed): $pages"
 ls -l "$OUT"
