@@ -90,13 +90,19 @@ inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, 
     }
 }
 
-void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+// Columns from `begin` on.
+void inverse_planes_part(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
+                         int begin) {
     const std::int32_t* b = basis(n);
-    int i = 0;
+    int i = begin;
     for (; i + lanes <= inner; i += lanes)
         plane_chunk<lanes>(in + i, out + i, support, n, inner, b, lanes);
     if (i < inner)
         plane_chunk<0>(in + i, out + i, support, n, inner, b, inner - i);
+}
+
+void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    inverse_planes_part(in, out, support, n, inner, 0);
 }
 
 void round_rows(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride, int shift) {

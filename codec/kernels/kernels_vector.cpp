@@ -1,9 +1,14 @@
 // Vectors of 128 bits in the compiler's own notation, for NEON, WebAssembly and SSE2. The portable loops
 // serve as they are, vectorised by the compiler, but for the two that it cannot see through.
 #include "codec/kernels/kernels.inl"
+#include "codec/kernels/pair_table.inl"
 
-#ifdef __wasm_simd128__
+#if defined(__wasm_simd128__)
 #include <wasm_simd128.h>
+#define TESSERA_PAIR_PRODUCTS
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+#define TESSERA_PAIR_PRODUCTS
 #endif
 
 namespace tessera {
@@ -129,17 +134,28 @@ inline Short8 shares_of(Short8 d, UShort8 largest, UShort8 full, UShort8 slope) 
 #endif
 }
 
+#ifdef TESSERA_PAIR_PRODUCTS
+// Of the two 16-bit halves of each lane, the products' sum.
+inline Int4 pair_products(Int4 a, Int4 b) {
+#ifdef __wasm_simd128__
+    return (Int4)wasm_i32x4_dot_i16x8((v128_t)a, (v128_t)b);
+#else
+    return (Int4)_mm_madd_epi16((__m128i)a, (__m128i)b);
+#endif
+}
+#endif
+
 // sums, the first four and the others: += a p + b q.
 inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
-#ifdef __wasm_simd128__
+#ifdef TESSERA_PAIR_PRODUCTS
     const auto low = [](Short8 x, Short8 y) {
-        return (v128_t)__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
+        return (Int4)__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
     };
     const auto high = [](Short8 x, Short8 y) {
-        return (v128_t)__builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
+        return (Int4)__builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
     };
-    sums[0] += (Int4)wasm_i32x4_dot_i16x8(low(a, b), low(p, q));
-    sums[1] += (Int4)wasm_i32x4_dot_i16x8(high(a, b), high(p, q));
+    sums[0] += pair_products(low(a, b), low(p, q));
+    sums[1] += pair_products(high(a, b), high(p, q));
 #else
     const auto low = [](Short8 x) {
         return __builtin_convertvector(__builtin_shufflevector(x, x, 0, 1, 2, 3), Int4);
@@ -155,41 +171,110 @@ inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
 // Eight values at once, whose sums stay in registers. Differences fit 16 bits, their shares 7.
 void filter_row_vector(const std::int16_t* centre, const std::int16_t* const* from,
                        const FilterTaps& taps, int n, std::int32_t* out) {
+    const UShort8 largest =
+        UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
+    struct Ring {
+        UShort8 full, slope;
+        Int4 sign; // 0, or all bits where the share is negative
+        const std::int16_t* const* from;
+    };
+    Ring rings[filter_rings];
+    int count = 0;
+    for (std::size_t ring = 0; ring < filter_rings; ++ring) {
+        const std::int32_t strength = taps.strength[ring];
+        if (strength != 0)
+            rings[count++] = {UShort8{} +
+                                  static_cast<std::uint16_t>(strength < 0 ? -strength : strength),
+                              UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]),
+                              Int4{} + (strength < 0 ? -1 : 0), from + 4 * ring};
+    }
     for (int u = 0; u < n; u += 8) {
         const auto own = load_vector<Short8>(centre + u);
         Int4 sums[2] = {Int4{} + 128, Int4{} + 128};
-        for (std::size_t ring = 0; ring < filter_rings; ++ring) {
-            const std::int32_t strength = taps.strength[ring];
-            if (strength == 0)
-                continue;
-            const UShort8 full =
-                UShort8{} + static_cast<std::uint16_t>(strength < 0 ? -strength : strength);
-            const UShort8 slope = UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]);
-            const UShort8 largest =
-                UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
+        for (int r = 0; r < count; ++r) {
+            const Ring& ring = rings[r];
             Int4 of_ring[2] = {};
-            for (std::size_t i = 4 * ring; i < 4 * ring + 4; i += 2) {
-                const Short8 a = load_vector<Short8>(from[i] + u) - own;
-                const Short8 b = load_vector<Short8>(from[i + 1] + u) - own;
-                add_products(of_ring, a, shares_of(a, largest, full, slope), b,
-                             shares_of(b, largest, full, slope));
+            for (int i = 0; i < 4; i += 2) {
+                const Short8 a = load_vector<Short8>(ring.from[i] + u) - own;
+                const Short8 b = load_vector<Short8>(ring.from[i + 1] + u) - own;
+                add_products(of_ring, a, shares_of(a, largest, ring.full, ring.slope), b,
+                             shares_of(b, largest, ring.full, ring.slope));
             }
-            for (int half = 0; half < 2; ++half)
-                sums[half] = strength < 0 ? sums[half] - of_ring[half] : sums[half] + of_ring[half];
+            sums[0] += (of_ring[0] ^ ring.sign) - ring.sign;
+            sums[1] += (of_ring[1] ^ ring.sign) - ring.sign;
         }
         std::int32_t filtered[8];
-        for (int half = 0; half < 2; ++half) {
-            const Int4 sum = sums[half] >> 8;
-            __builtin_memcpy(filtered + 4 * half, &sum, sizeof sum);
-        }
-        const int count = n - u < 8 ? n - u : 8;
-        for (int i = 0; i < count; ++i)
+        const Int4 first = sums[0] >> 8, second = sums[1] >> 8;
+        __builtin_memcpy(filtered, &first, sizeof first);
+        __builtin_memcpy(filtered + 4, &second, sizeof second);
+        const int values = n - u < 8 ? n - u : 8;
+        for (int i = 0; i < values; ++i)
             out[u + i] = centre[u + i] + filtered[i];
     }
 }
 
+#ifdef TESSERA_PAIR_PRODUCTS
+// As inverse_planes_avx2, four columns at a time.
+void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int support, int n,
+                           int inner) {
+    const PairTable& table = pair_table(n);
+    if (!table.fits) {
+        inverse_planes(in, out, support, n, inner);
+        return;
+    }
+    const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
+    int i = 0;
+    for (; i + 4 <= inner; i += 4) {
+        const auto column = [&](int k) {
+            return k < support
+                       ? most(least(load_vector<Int4>(in + k * inner + i), Int4{} + (limit - 1)),
+                              Int4{} - limit)
+                       : Int4{};
+        };
+        // Parts of the values of frequencies k and k + 2, in the two halves of each lane.
+        struct Parts {
+            Int4 high, low;
+        };
+        const auto parts = [&](int k) {
+            const Int4 a = column(k), b = column(k + 2);
+            return Parts{((a >> low_bits) & 0xFFFF) | ((b >> low_bits) << 16),
+                         (a & low_mask) | ((b & low_mask) << 16)};
+        };
+        Parts even[max_pairs], odd[max_pairs];
+        for (int p = 0; p < even_pairs; ++p)
+            even[p] = parts(4 * p + 2);
+        for (int p = 0; p < odd_pairs; ++p)
+            odd[p] = parts(4 * p + 1);
+        const Int4 dc = column(0) << 4;
+        const auto store = [&](int x, Int4 high, Int4 low) {
+            const Int4 carry = (low + (1 << (basis_bits - 1))) >> low_bits;
+            const Int4 value = (high + carry + dc) >> 4;
+            __builtin_memcpy(out + x * inner + i, &value, sizeof value);
+        };
+        for (int x = 0; x <= n - 1 - x; ++x) {
+            Parts e{}, o{};
+            const auto add = [](Parts& sum, const Parts& values, std::int32_t pair) {
+                sum.high += pair_products(values.high, Int4{} + pair);
+                sum.low += pair_products(values.low, Int4{} + pair);
+            };
+            for (int p = 0; p < even_pairs; ++p)
+                add(e, even[p], table.even[x][p]);
+            for (int p = 0; p < odd_pairs; ++p)
+                add(o, odd[p], table.odd[x][p]);
+            store(x, e.high + o.high, e.low + o.low);
+            store(n - 1 - x, e.high - o.high, e.low - o.low);
+        }
+    }
+    if (i < inner)
+        inverse_planes_part(in, out, support, n, inner, i);
+}
+#endif
+
 constexpr Kernels make_vector_kernels() {
     Kernels k = make_kernels("vector");
+#ifdef TESSERA_PAIR_PRODUCTS
+    k.inverse_planes = inverse_planes_vector;
+#endif
     k.store_ycocg8 = store_ycocg8_vector;
     k.filter_row = filter_row_vector;
     return k;

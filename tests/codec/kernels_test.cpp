@@ -183,8 +183,10 @@ TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
                 const auto in = random_integers(random, static_cast<std::size_t>(support * inner));
                 std::vector<std::int32_t> a(static_cast<std::size_t>(n * inner)), b(a.size(), 1);
                 kernels_scalar.inverse_planes(in.data(), a.data(), support, n, inner);
-                kernels_avx2.inverse_planes(in.data(), b.data(), support, n, inner);
-                ASSERT_EQ(a, b) << n << " " << support << " " << inner;
+                for (const Kernels* path : vector_paths()) {
+                    path->inverse_planes(in.data(), b.data(), support, n, inner);
+                    ASSERT_EQ(a, b) << path->name << " " << n << " " << support << " " << inner;
+                }
                 std::vector<std::int32_t> row(static_cast<std::size_t>(support)),
                     out(static_cast<std::size_t>(n));
                 const int i = random.range(0, inner - 1);

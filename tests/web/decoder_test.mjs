@@ -58,7 +58,7 @@ function bake(name, ...words) {
     return file;
 }
 const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
-const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '0');
+const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
 // Files and the hash of their texels: what the library decodes, in whose own tests the golden ones stand.
 const golden = fs.readFileSync(path.join(goldenFolder, 'manifest.txt'), 'utf8').trim().split('\n')
                    .map(line => line.split(' ')).map(([name, hash]) => [path.join(goldenFolder, name), hash]);
@@ -168,6 +168,7 @@ const tests = {
         await assert.rejects(codec.openSource({size: 500, read: async () => new Uint8Array(3)}), /3 of 500/);
         await assert.rejects(codec.openSource({size: 500, read: async () => { throw new Error('cable cut'); }}),
                              /cable cut/);
+        await assert.rejects(codec.openSource({size: NaN, read: async () => []}), /NaN/);
         await assert.rejects(loadTessera(new Uint8Array(8)), Error);
     },
 

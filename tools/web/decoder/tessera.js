@@ -42,6 +42,7 @@ class Codec {
 
     // options: {partial: accept a file that was cut off, damaged: show what is sound of a damaged one}
     openBytes(bytes, options = {}) {
+        bytes = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
         const file = new TessFile(this.module, bytes.length, null);
         file._keep(0, bytes);
         file._open(options);
@@ -63,6 +64,8 @@ class Codec {
 
 class TessFile {
     constructor(module, size, source) {
+        if (!Number.isSafeInteger(size) || size < 0)
+            throw new Error(`a file has no ${size} bytes`);
         this._wasm = instantiate(module);
         this._source = source;
         this._coming = new Map(); // ranges on their way
@@ -261,9 +264,10 @@ class TessFile {
         info.proxyName = proxyName;
         info.angularMap = angularName;
         info.colour = colour;
-        info.metadata = packed ? null : {};
-        for (let i = 0; i + 1 < pairs.length && !packed; i += 2)
-            info.metadata[pairs[i]] = pairs[i + 1];
+        const entries = [];
+        for (let i = 0; i + 1 < pairs.length; i += 2)
+            entries.push([pairs[i], pairs[i + 1]]);
+        info.metadata = packed ? null : Object.fromEntries(entries);
         return info;
     }
 

@@ -109,7 +109,7 @@ export interface ByteSource {
 export class Codec {
     /** May be sent to workers, which call loadTessera() with it. */
     readonly module: WebAssembly.Module;
-    openBytes(bytes: Uint8Array, options?: OpenOptions): TessFile;
+    openBytes(bytes: Uint8Array | ArrayBuffer, options?: OpenOptions): TessFile;
     openSource(source: ByteSource, options?: OpenOptions): Promise<TessFile>;
     openUrl(url: string, options?: OpenOptions & HttpOptions): Promise<TessFile>;
 }
