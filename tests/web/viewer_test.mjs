@@ -41,7 +41,7 @@ function makeTextures() {
     tessera('encode', inFolder('planar.rgb'), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder('planar.tess'), '--effort', '0', '-q');
 }
 
-const options = ({eye, look, fov, focus}) => [['--eye', eye], ['--look', look], ['--fov', fov], ['--focus', focus]].flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
+const options = pose => ['eye', 'look', 'fov', 'focus', 'rays'].map(name => [`--${name}`, pose[name]]).flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
 function rendered(name, pose, size = '200x150') {
     execFileSync(renderer, ['render', inFolder(name), '-o', inFolder('v.png'), '--size', size, '-q', ...options(pose)]);
     return readPng(readFileSync(inFolder('v.png')));
@@ -61,7 +61,7 @@ const tests = {
         const inside = {eye: '0.1,1.15,0.05', look: '1,0.3,1.2', fov: 80};
         // Of a mesh, edges are more of a smaller picture: there a device's raster is coarser than rays.
         for (const [name, size, ...poses] of [['sphere', '200x150', {}, {eye: '0.5,10,0.2'}], ['inside', '200x150', inside],
-                                              ['mesh', '400x300', {}, {eye: '30,18,9', fov: 12}]]) {
+                                              ['mesh', '400x300', {}, {eye: '30,18,9', fov: 12, rays: 1}]]) {
             tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
             for (const pose of poses) {
                 await browser.open(`file://${inFolder(name)}.html${hash(pose, size)}`);
@@ -114,13 +114,13 @@ const tests = {
     },
 
     async 'hands: drag, wheel, keys, reset'(browser) {
-        await browser.open(`file://${inFolder('mesh.html')}#size=400x300`, 400, 300);
+        await browser.open(`file://${inFolder('mesh.html')}${hash({rays: 1}, '400x300')}`, 400, 300);
         await browser.picture();
         await browser.drag([200, 150], [260, 170]);
         await browser.mouse('mouseWheel', 200, 150, {deltaX: 0, deltaY: -150});
         const {eye, look} = await browser.evaluate('tessera.pose');
         assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
-        agrees(await browser.picture(), rendered('mesh.tess', {eye: eye.join(), look: look.join()}, '400x300'), 'mesh after drag and wheel');
+        agrees(await browser.picture(), rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'), 'mesh after drag and wheel');
         await browser.key('i');
         await browser.until(`document.getElementById('figures').textContent.includes('tiles')`, 'figures');
         await browser.key('ArrowLeft');
@@ -175,8 +175,8 @@ const tests = {
         } finally {
             line.close();
         }
-        await browser.open(`${url}?f=mesh.tess${hash({}, '400x300')}`);
-        agrees(await browser.picture(), rendered('mesh.tess', {}, '400x300'), 'mesh from a server');
+        await browser.open(`${url}?f=mesh.tess${hash({rays: 1}, '400x300')}`);
+        agrees(await browser.picture(), rendered('mesh.tess', {rays: 1}, '400x300'), 'mesh from a server');
         await browser.open(`${url}?f=nothing.tess`);
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
         assert.match(await browser.note(), /no such file/);

@@ -25,10 +25,27 @@ const measureFrames = `(async turns => {
         for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER'])
             gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl.LINEAR);
         gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, 0, u * s, v * t, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-        const sample = 'vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {' +
-            'return textureLod(coarse, vec3((vec2((uv << mip) * size.zw + low) + 0.5 + weight * vec2(notEqual(low, high))) / (sides.xy * sides.zw), 0.0), 0.0);}';
-        const program = new Program(gl, {text: name => name === 'slots.glsl' ? kit.text(name).replace(/vec4 imageColour[^]*/, sample) : kit.text(name)},
-                                    surface.vertex, renderer.sampling);
+        // What finds texels in tiles is taken out of the shaders.
+        const sample = \`
+            vec4 shares(vec2 w) { return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y); }
+            vec4 rawImage(ivec2 uv, TsrAngularFootprint f) {
+                vec2 at = vec2(uv * size.zw + f.low) + 0.5 + f.weight * vec2(notEqual(f.low, f.high));
+                return textureLod(coarse, vec3(at / (sides.xy * sides.zw), 0.0), 0.0);
+            }
+            vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint a, TsrAngularFootprint b, TsrAngularFootprint c, TsrAngularFootprint d) {
+                low <<= mip; high <<= mip;
+                return share.x * rawImage(low, a) + share.y * rawImage(ivec2(high.x, low.y), b) + share.z * rawImage(ivec2(low.x, high.y), c) + share.w * rawImage(high, d);
+            }\`;
+        const camera = \`vec4 cameraColour(ivec2 camera, vec2 at) {
+                vec2 place = clamp(at - 0.5, vec2(0.0), vec2(size.xy - 1));
+                ivec2 low = ivec2(place), high = min(low + 1, size.xy - 1);
+                vec4 share = shares(place - vec2(low));
+                #define AT(x, y) texelFetch(coarse, ivec3(ivec2(x, y) * size.zw + camera, 0), 0)
+                return share.x * AT(low.x, low.y) + share.y * AT(high.x, low.y) + share.z * AT(low.x, high.y) + share.w * AT(high.x, high.y);
+            }\n\`;
+        const texts = name => name === 'slots.glsl' ? kit.text(name).replace(/vec4 imageColour[^]*/, sample)
+            : kit.text(name).replace(/vec4 cameraColour[^]*?\\nvoid main/, camera + 'void main');
+        const program = new Program(gl, {text: texts}, surface.vertex, renderer.sampling);
         raw = {program, coarse: {texture, size: [0, 0, 0, 0], lod: [0, 0], fold: [1, 1]}};
     }
     const pixel = new Uint8Array(4);

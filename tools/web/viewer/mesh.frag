@@ -19,36 +19,20 @@ uint chartAt(int mip, ivec2 texel) {
 TsrOctahedralTaps taps;
 bool folds;
 
-vec4 foldedColour(ivec2 uv, int mip, ivec2 st, int corner) {
+// Of one texel, where the directions fold over.
+vec4 foldedColour(ivec2 uv, int mip) {
     SlotPlace p = slotPlace(uv, mip);
+    vec4 colour = vec4(0.0), share = shares(taps.weight);
+    for (int corner = 0; corner < 4; ++corner) {
+        ivec2 st = tsr_folded(taps.first + ivec2(corner & 1, corner >> 1), size.zw);
 #ifdef MARKS
-    if (corner == (chosen() & 3)) {
-        --marked; // in place of what imageColour() has marked
-        mark(p, st);
-    }
-    return vec4(0.0);
+        if (corner == (chosen() & 3))
+            mark(p, st);
 #else
-    return texelColour(p, uv, mip, st);
+        colour += share[corner] * texelColour(p, uv, mip, st);
 #endif
-}
-
-vec4 placeColour(ivec2 uv, int mip) {
-    ivec2 angular = size.zw;
-    TsrAngularFootprint f = tsr_ended(taps, angular);
-    vec4 colour = imageColour(uv, mip, f.low, f.high, f.weight);
-    int corner = folds ? 0 : 4;
-    if (corner == 0)
-        colour = vec4(0.0);
-    for (; corner < 4; ++corner) {
-        ivec2 step = ivec2(corner & 1, corner >> 1);
-        vec2 share = mix(1.0 - taps.weight, taps.weight, vec2(step));
-        colour += share.x * share.y * foldedColour(uv, mip, tsr_folded(taps.first + step, angular), corner);
     }
     return colour;
-}
-
-vec4 shares(vec2 w) {
-    return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y);
 }
 
 vec4 mipColour(vec2 uv, int mip) {
@@ -69,8 +53,14 @@ vec4 mipColour(vec2 uv, int mip) {
             level = mip;
         }
     }
-    return share.x * placeColour(f.low, level) + share.y * placeColour(ivec2(f.high.x, f.low.y), level) +
-           share.z * placeColour(ivec2(f.low.x, f.high.y), level) + share.w * placeColour(f.high, level);
+    TsrAngularFootprint ended = tsr_ended(taps, size.zw);
+    vec4 colour = vec4(0.0);
+    int corner = folds ? 0 : 4;
+    for (int once = folds ? 1 : 0; once < 1; ++once)
+        colour = fourImages(f.low, f.high, level, share, ended, ended, ended, ended);
+    for (; corner < 4; ++corner)
+        colour += share[corner] * foldedColour(ivec2((corner & 1) == 0 ? f.low.x : f.high.x, (corner & 2) == 0 ? f.low.y : f.high.y), level);
+    return colour;
 }
 
 void main() {

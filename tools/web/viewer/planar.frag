@@ -13,11 +13,24 @@ vec4 cameraColour(ivec2 camera, vec2 at) {
     vec2 place = clamp(at - 0.5, vec2(0.0), vec2(size.xy - 1));
     ivec2 low = min(ivec2(place), max(size.xy - 2, ivec2(0)));
     ivec2 high = min(low + 1, size.xy - 1);
-    vec2 w = place - vec2(low);
-    return mix(mix(imageColour(low, 0, camera, camera, vec2(0.0)),
-                   imageColour(ivec2(high.x, low.y), 0, camera, camera, vec2(0.0)), w.x),
-               mix(imageColour(ivec2(low.x, high.y), 0, camera, camera, vec2(0.0)),
-                   imageColour(high, 0, camera, camera, vec2(0.0)), w.x), w.y);
+    vec4 share = shares(place - vec2(low)), colour = vec4(0.0);
+    int corner = 0;
+#ifndef MARKS // nearly always one tile has all four
+    SlotPlace p = slotPlace(low, 0);
+    ivec2 tile = directionTile(camera), next = (high - low) * tileSide.zw;
+    uint page = pageOf(tileNumber(p.tile, tile));
+    ivec3 pixel = slotPixel(page, p.place) + ivec3(camera - directionBegin(tile), 0);
+    colour = share.x * texelFetch(slots, pixel, 0) + share.y * texelFetch(slots, pixel + ivec3(next.x, 0, 0), 0) +
+             share.z * texelFetch(slots, pixel + ivec3(0, next.y, 0), 0) + share.w * texelFetch(slots, pixel + ivec3(next, 0), 0);
+    if (page != 0u && slotPlace(high, 0).tile == p.tile)
+        corner = 4;
+    if (corner == 0)
+        colour = vec4(0.0);
+#endif
+    for (; corner < 4; ++corner)
+        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y), 0,
+                                              camera, camera, vec2(0.0));
+    return colour;
 }
 
 void main() {
@@ -32,8 +45,8 @@ void main() {
     vec3 from = eye + ray * ((distance - eye.z) / ray.z);
     vec2 middle = (sides.zw - 1.0) * 0.5;
     vec2 observer = clamp(from.xy / spacing * vec2(1.0, -1.0) + middle, vec2(0.0), sides.zw - 1.0);
-    ivec2 first = max(ivec2(ceil(observer - reach)), ivec2(0));
-    ivec2 last = min(ivec2(floor(observer + reach)), size.zw - 1);
+    ivec2 first = max(ivec2(floor(observer - reach)) + 1, ivec2(0)); // those at the rim have no share
+    ivec2 last = min(ivec2(ceil(observer + reach)) - 1, size.zw - 1);
     vec4 sum = vec4(0.0);
     float all = 0.0;
     int cameras = 0;
@@ -43,7 +56,7 @@ void main() {
             vec2 share = max(1.0 - abs(off) / reach, 0.0);
             float weight = share.x * share.y;
 #ifdef MARKS
-            if (weight == 0.0 || (cameras++ & 7) != (chosen() & 7))
+            if ((cameras++ & 7) != (chosen() & 7))
                 continue;
             marked = 0;
 #endif

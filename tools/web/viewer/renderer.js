@@ -11,7 +11,7 @@ class Renderer {
         this.half = info.type === 'half';
         // Sums of half-floats want more than 8 bits; without the extension they are cut at white.
         this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
-        const sampling = ['slots.glsl', 'finish.glsl', 'surface.glsl', 'octahedral.glsl', ...surface.fragment];
+        const sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];
         this.drawing = new Program(gl, kit, surface.vertex, sampling);
         this.marking = null; // made when it is needed
         this.sampling = sampling;

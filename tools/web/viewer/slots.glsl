@@ -140,3 +140,49 @@ vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
     return colour;
 #endif
 }
+
+// Which of four, by number.
+ivec2 oneOf(int i, ivec2 a, ivec2 b, ivec2 c, ivec2 d) {
+    return i == 0 ? a : i == 1 ? b : i == 2 ? c : d;
+}
+vec2 oneOf(int i, vec2 a, vec2 b, vec2 c, vec2 d) {
+    return i == 0 ? a : i == 1 ? b : i == 2 ? c : d;
+}
+
+vec4 filtered(ivec3 image, ivec2 begin, TsrAngularFootprint f) {
+    vec2 place = vec2(image.xy + f.low - begin) + 0.5 + f.weight * vec2(notEqual(f.low, f.high));
+    return textureLod(slots, vec3(place / layerSize, float(image.z)), 0.0);
+}
+
+// The angular images of four texels of the atlas or a mip by their shares: low, right of it, above, both. Nearly
+// always one tile has all of them.
+vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint a, TsrAngularFootprint b,
+                TsrAngularFootprint c, TsrAngularFootprint d) {
+    int corner = 0;
+    vec4 colour = vec4(0.0);
+#ifndef MARKS
+    SlotPlace p = slotPlace(low, mip);
+    ivec2 tile = directionTile(min(min(a.low, b.low), min(c.low, d.low)));
+    uint page = pageOf(tileNumber(p.tile, tile));
+    ivec2 begin = directionBegin(tile);
+    ivec3 image = slotPixel(page, p.place);
+    ivec2 next = (high - low) * tileSide.zw;
+    colour = share.x * filtered(image, begin, a) + share.y * filtered(image + ivec3(next.x, 0, 0), begin, b) +
+             share.z * filtered(image + ivec3(0, next.y, 0), begin, c) + share.w * filtered(image + ivec3(next, 0), begin, d);
+    if (page != 0u && slotPlace(high, mip).tile == p.tile &&
+        directionTile(max(max(a.high, b.high), max(c.high, d.high))) == tile)
+        corner = 4;
+    if (corner == 0)
+        colour = vec4(0.0);
+#endif
+    for (; corner < 4; ++corner)
+        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y), mip,
+                                              oneOf(corner, a.low, b.low, c.low, d.low),
+                                              oneOf(corner, a.high, b.high, c.high, d.high),
+                                              oneOf(corner, a.weight, b.weight, c.weight, d.weight));
+    return colour;
+}
+
+vec4 shares(vec2 w) {
+    return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y);
+}

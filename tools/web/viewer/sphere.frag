@@ -7,20 +7,17 @@ uniform vec2 pixels;  // width and height of the picture
 uniform bool inside;
 uniform vec4 outside; // colour where the sphere is missed
 
-vec4 placeColour(ivec2 texel, vec2 longitude, vec2 latitude, vec3 direction) {
-    TsrAngularFootprint f = tsr_footprint_of_angles(tsr_angles(TsrFrame(longitude, latitude), direction), size.zw);
-    return imageColour(texel, 0, f.low, f.high, f.weight);
+TsrAngularFootprint directions(vec2 longitude, vec2 latitude, vec3 direction) {
+    return tsr_footprint_of_angles(tsr_angles(TsrFrame(longitude, latitude), direction), size.zw);
 }
 
 // Each of the four surface texels has its own frame, hence its own angles.
 vec4 surfaceColour(vec3 fromCentre, vec3 direction) {
     TsrSurfaceFootprint f = tsr_surface_footprint(fromCentre, size.xy);
     TsrFrame low = tsr_frame(f.low, size.xy, inside), high = tsr_frame(f.high, size.xy, inside);
-    vec4 a = placeColour(f.low, low.longitude, low.latitude, direction);
-    vec4 b = placeColour(ivec2(f.high.x, f.low.y), high.longitude, low.latitude, direction);
-    vec4 c = placeColour(ivec2(f.low.x, f.high.y), low.longitude, high.latitude, direction);
-    vec4 d = placeColour(f.high, high.longitude, high.latitude, direction);
-    return mix(mix(a, b, f.weight.x), mix(c, d, f.weight.x), f.weight.y);
+    return fourImages(f.low, f.high, 0, shares(f.weight), directions(low.longitude, low.latitude, direction),
+                      directions(high.longitude, low.latitude, direction), directions(low.longitude, high.latitude, direction),
+                      directions(high.longitude, high.latitude, direction));
 }
 
 void main() {

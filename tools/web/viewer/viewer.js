@@ -47,14 +47,15 @@ class Viewer {
             : info.proxy === 'sphere' ? new SphereSurface(info, background) : null;
         if (!this.surface)
             throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
-        const grid = new TileGrid(level.size, level.tile, level.tiles);
+        const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20, mips = mesh ? mesh.mips : 0;
+        const grid = (!this.source && allDirections(level, mips, info.type === 'half' ? 8 : 4, budget)) ||
+            new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
-        const layout = new SlotLayout(level.tile, mesh ? mesh.mips : 0);
-        const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20;
+        const layout = new SlotLayout(grid.tileSide, mips);
         this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
-        await this.workers.prepare({tileSide: level.tile, mips: layout.mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
+        await this.workers.prepare({tileSide: grid.tileSide, mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
         this.loader = new TileLoader(this.workers, this.cache, () => this.sharpen());
         this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
         this.lastPose = this.usual;
@@ -264,6 +265,14 @@ class Viewer {
         const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 5000);
         return steps.length ? steps.reduce((a, b) => a + b) / steps.length : 0;
     }
+}
+
+// Where all of the file is at hand and has room on the GPU, all directions of a place are brought together: then the
+// texture unit mixes any four of them. null: it has not.
+function allDirections({size, tile, tiles}, mips, texelBytes, budget) {
+    const [, , s, t] = size, grid = new TileGrid(size, [tile[0], tile[1], s, t], [tiles[0], tiles[1], 1, 1]);
+    const {width, height} = new SlotLayout(grid.tileSide, mips);
+    return Math.max(width, height) <= 4096 && grid.tiles * width * height * texelBytes <= budget ? grid : null;
 }
 
 // "1,2,3" -> [1, 2, 3]; null where it is anything else.
