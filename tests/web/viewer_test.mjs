@@ -161,14 +161,14 @@ const tests = {
     async 'from a server: in parts, over a bad line, in a small cache'(browser, {url}) {
         const line = await badLine(url);
         try {
-            await browser.open(`${line.url}?f=sphere.tess${hash({}).replace('#', '#cache=1.6&')}`);
+            await browser.open(`${line.url}?f=sphere.tess${hash({}).replace('#', '#parts&cache=1.6&')}`);
             agrees(await browser.picture(), rendered('sphere.tess', {}), 'sphere from a server');
             const {slots, tiles, first, coarse} = await browser.evaluate(`({slots: tessera.cache.slots, tiles: tessera.cache.grid.tiles,
                 coarse: !!tessera.renderer.coarse, first: tessera.source.asked})`);
             assert(slots < tiles && coarse, `${slots} of ${tiles}`);
             assert(line.broken > 0 && first > line.broken, 'requests were lost and asked again');
             for (const pose of [{eye: '-10,0,0'}, {}]) { // there and back: tiles make room for others
-                await browser.evaluate(`location.hash = '${hash(pose).replace('#', '#cache=1.6&')}'`);
+                await browser.evaluate(`location.hash = '${hash(pose).replace('#', '#parts&cache=1.6&')}'`);
                 await browser.until(`tessera.pose.eye.join() === '${pose.eye ?? '10,0,0'}'`, 'the hash is followed');
                 agrees(await browser.picture(), rendered('sphere.tess', pose), `sphere from a server ${JSON.stringify(pose)}`);
             }
@@ -177,6 +177,7 @@ const tests = {
         }
         await browser.open(`${url}?f=mesh.tess${hash({rays: 1}, '400x300')}`);
         agrees(await browser.picture(), rendered('mesh.tess', {rays: 1}, '400x300'), 'mesh from a server');
+        assert(await browser.evaluate('tessera.source.asked') <= 2, 'a small file comes at once');
         await browser.open(`${url}?f=nothing.tess`);
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
         assert.match(await browser.note(), /no such file/);

@@ -2,6 +2,7 @@
 
 const usualFov = 45;
 const usualCache = 256; // MiB of tiles on the GPU
+const smallFile = 1 << 18; // bytes; such a file is fetched as a whole
 
 class Viewer {
     // kit: text(name), bytes(name); page: {canvas, note, figures, help, poster}.
@@ -15,7 +16,10 @@ class Viewer {
         this.gl = this.context();
         this.source = inputs.url ? await new RemoteSource(inputs.url, text => this.page.say(text)).open() : null;
         this.fileBytes = inputs.bytes ? inputs.bytes.length : this.source.size;
-        this.workers = new Workers(this.kit, this.source, inputs.bytes || null);
+        this.bytes = inputs.bytes || null;
+        if (this.source && this.source.size <= smallFile && !this.hash.has('parts'))
+            this.bytes = await this.source.read(0, this.source.size);
+        this.workers = new Workers(this.kit, this.bytes ? null : this.source, this.bytes);
         this.info = await this.workers.open();
         await this.setUp(await inputs.viewData);
         this.listen();
@@ -48,7 +52,7 @@ class Viewer {
         if (!this.surface)
             throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
         const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20, mips = mesh ? mesh.mips : 0;
-        const grid = (!this.source && allDirections(level, mips, info.type === 'half' ? 8 : 4, budget)) ||
+        const grid = (this.bytes && allDirections(level, mips, info.type === 'half' ? 8 : 4, budget)) ||
             new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
         const layout = new SlotLayout(grid.tileSide, mips);
@@ -226,7 +230,7 @@ class Viewer {
             this.searchedAt = performance.now();
             this.counts = renderer.tilesOf(view, 6, -1, [0, 0]);
             loader.want(this.counts);
-            if (!this.source && cache.holdsAll)
+            if (this.bytes && cache.holdsAll)
                 loader.wantAll();
             this.searched = 'roughly';
         } else if (this.searched === 'roughly' && !this.moving && !loader.busy) {
