@@ -64,9 +64,8 @@ RateForecast::RateForecast(const EncodePlan& plan, const Sample& sample, bool by
              static_cast<double>(texel_count(plan.grid.size()))) {}
 
 double RateForecast::reached_by(const PassResult& pass, double share, std::uint64_t texels) const {
-    return bytes_
-               ? -std::log2(static_cast<double>(pass.payload_bytes() + 1) / share + head_bytes)
-               : -pass.psnr(quick_.colour.desc, texels) / 6.0206;
+    return bytes_ ? -std::log2(static_cast<double>(pass.payload_bytes() + 1) / share + head_bytes)
+                  : -pass.psnr(quick_.colour.desc, texels) / 6.0206;
 }
 
 double RateForecast::reached_by_sample(const PassResult& pass) const {
@@ -77,9 +76,8 @@ Result<double> RateForecast::quick(double log_step) {
     for (const RatePoint& point : points_)
         if (point.log_step == log_step)
             return point.reached;
-    TESSERA_TRY_ASSIGN(
-        const PassResult pass,
-        run_pass(quick_, coding_parameters(std::exp2(log_step), quick_), sample_));
+    TESSERA_TRY_ASSIGN(const PassResult pass,
+                       run_pass(quick_, coding_parameters(std::exp2(log_step), quick_), sample_));
     points_.push_back({log_step, reached_by_sample(pass)});
     return points_.back().reached;
 }
