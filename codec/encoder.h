@@ -21,10 +21,10 @@ namespace TESSERA_PUBLIC tessera {
 struct RateTarget {
     enum class Kind {
         quality, // value 1..100; 100 is the finest quantiser step (0.75), 8 lower doubles it
-        psnr, // value in dB over all samples; reached from above within 0.05 dB where the first pass can
-              // (baked: 0.15), three times that after three passes
-        bpt,       // value in bits per texel, all channels; never exceeded, and met within 2 to 6 %
-        bytes,     // value in bytes of the whole file; likewise
+        psnr, // value in dB over all samples; reached from above, within 0.05 dB if a first pass does (baked:
+        // 0.15), twice that if a second does; small textures jump by more
+        bpt,   // value in bits per texel, all channels; never exceeded, mostly met within 2 to 4 %
+        bytes, // value in bytes of the whole file; likewise
         max_error, // no sample off by more than value: 8-bit steps, or for half float its ulps;
                    // 0 is lossless
     };

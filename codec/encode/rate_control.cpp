@@ -201,8 +201,11 @@ private:
         // Below 0: not allowed.
         double slack(double reached) const { return bytes ? reached - limit : limit - reached; }
         // Passes at nearly the same step differ, in small textures by more than the tolerance: what is
-        // asked for after several of them is not worth a further one.
-        double near_enough(int passes) const { return tolerance * std::min(passes, 3); }
+        // allowed after several of them is not worth a further one.
+        double near_enough(int passes) const {
+            return passes < 6 ? tolerance * (1 << std::min(passes - 1, 2))
+                              : std::numeric_limits<double>::infinity();
+        }
     };
 
     // Makes ready for passes near a step.
@@ -261,7 +264,11 @@ private:
             double next = std::clamp(next_step(points, goal.aim()), low, high);
             if (passes == 1) {
                 TESSERA_TRY(forecast.learn(points.back()));
-                TESSERA_TRY_ASSIGN(next, forecast.step_for(goal.aim()));
+                TESSERA_TRY_ASSIGN(const double foretold, forecast.step_for(goal.aim()));
+                // Quick passes may have a cliff where whole ones have none.
+                const bool is_towards_goal = (foretold - log_step) * (goal.aim() - reached) > 0;
+                if (is_towards_goal && std::fabs(foretold - log_step) > 1e-3)
+                    next = foretold;
             }
             if (passes >= most || std::fabs(next - log_step) < 1e-4) {
                 if (is_met)

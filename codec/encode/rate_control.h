@@ -14,7 +14,7 @@ struct RateOutcome {
 
 // Runs passes until plan.options.rate is met: size targets are never exceeded and reached within
 // 2 %, PSNR targets are reached from above within 0.05 dB (0.15 dB for sources that are costly to read again), where the texture allows it: after a second pass twice as
-// far off is near enough, after a third three times. Sources
+// far off is near enough, after a third four times, after a sixth whatever is allowed. Sources
 // that are costly to read again get at most 3 passes. `file_bytes` tells the size of the file that
 // a pass would make. Errors: the source's; bad_argument when the size target is below the smallest
 // file.

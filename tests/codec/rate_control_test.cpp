@@ -44,7 +44,8 @@ TEST(Rate, PsnrIsReachedFromAbove) {
         for (const double psnr : {34.0, 41.5}) {
             const Encoded encoded = encode(texture, options_for({Kind::psnr, psnr}, quick_effort));
             EXPECT_GE(encoded.report.psnr, psnr);
-            EXPECT_LE(encoded.report.psnr, psnr + 0.15);
+            EXPECT_LE(encoded.report.psnr, psnr + 0.25);
+            EXPECT_LE(encoded.report.passes, 6u);
             EXPECT_EQ(encoded.report.note, "");
         }
     }
