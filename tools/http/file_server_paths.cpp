@@ -1,5 +1,7 @@
 #include "tools/http/file_server_paths.h"
 
+#include "tools/support/html_text.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -21,17 +23,6 @@ std::string http_date(std::time_t time) {
     std::snprintf(text, sizeof text, "%s, %02d %s %04d %02d:%02d:%02d GMT", days[t.tm_wday],
                   t.tm_mday, months[t.tm_mon], t.tm_year + 1900, t.tm_hour, t.tm_min, t.tm_sec);
     return text;
-}
-
-std::string html(const std::string& text) {
-    std::string safe;
-    for (const char c : text)
-        safe += c == '&'   ? "&amp;"
-                : c == '<' ? "&lt;"
-                : c == '>' ? "&gt;"
-                : c == '"' ? "&quot;"
-                           : std::string(1, c);
-    return safe;
 }
 
 bool is_below(const fs::path& path, const fs::path& root) {
@@ -115,16 +106,17 @@ std::string list_folder(const fs::path& folder, const std::string& path, bool ha
         const std::string slash = is_folder ? "/" : "", link = percent_encoded(name) + slash;
         const auto version = version_of(entry.path());
         const std::string length = version ? std::to_string(version->size) + " bytes" : "";
-        std::string line = "<li><a href=\"" + link + "\">" + html(name) + slash + "</a> " + length;
+        std::string line =
+            "<li><a href=\"" + link + "\">" + html_text(name) + slash + "</a> " + length;
         if (has_viewer && version)
-            line = "<li><a href=\"?f=" + link + "\">" + html(name) + "</a> <a href=\"" + link +
+            line = "<li><a href=\"?f=" + link + "\">" + html_text(name) + "</a> <a href=\"" + link +
                    "\">" + length + "</a>";
         lines.push_back(line + "</li>\n");
     }
     std::ranges::sort(lines);
     std::string page =
-        "<!DOCTYPE html>\n<html><head><meta charset=\"utf-8\"><title>Tessera: " + html(path) +
-        "</title></head><body>\n<h1>" + html(path) + "</h1>\n<ul>\n";
+        "<!DOCTYPE html>\n<html><head><meta charset=\"utf-8\"><title>Tessera: " + html_text(path) +
+        "</title></head><body>\n<h1>" + html_text(path) + "</h1>\n<ul>\n";
     for (const std::string& line : lines)
         page += line;
     return page + "</ul>\n</body></html>\n";

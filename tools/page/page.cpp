@@ -1,6 +1,7 @@
 #include "tools/page/page.h"
 
 #include "tools/page/gzip.h"
+#include "tools/support/html_text.h"
 #include "tools/web/web_files.h"
 
 #include <algorithm>
@@ -26,17 +27,6 @@ std::string without_comments(std::string_view text) {
             out += line;
     }
     return out;
-}
-
-std::string html(std::string_view text) {
-    std::string safe;
-    for (const char c : text)
-        safe += c == '&'   ? "&amp;"
-                : c == '<' ? "&lt;"
-                : c == '>' ? "&gt;"
-                : c == '"' ? "&quot;"
-                           : std::string(1, c);
-    return safe;
 }
 
 std::string css(const glm::dvec3& colour) {
@@ -110,7 +100,7 @@ Result<std::string> make_page(const PageContents& contents) {
         contents.poster.empty() ? "hidden"
                                 : "src=\"data:image/png;base64," + base64(contents.poster) + "\"";
     return filled(kit.page,
-                  {{"title", html(contents.title)},
+                  {{"title", html_text(contents.title)},
                    {"background", css(contents.background)},
                    {"poster", poster},
                    {"inputs", script("data", contents.view_data) + script("file", contents.file)},

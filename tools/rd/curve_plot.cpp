@@ -1,6 +1,7 @@
 #include "tools/rd/curve_plot.h"
 
 #include "tools/rd/plot_labels.h"
+#include "tools/support/html_text.h"
 #include "tools/support/parse.h"
 
 #include <algorithm>
@@ -76,7 +77,7 @@ std::string px(double value) {
 }
 
 std::string text_at(double x, double y, const std::string& text, const std::string& attributes) {
-    return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" " + attributes + ">" + escaped(text) +
+    return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" " + attributes + ">" + html_text(text) +
            "</text>\n";
 }
 
@@ -142,7 +143,7 @@ std::string line_of(const PlotCurve& series, const Style& style, const Axes& axe
     for (const CurvePoint& p : series.points)
         svg += "<circle cx=\"" + px(axes.x(p.rate)) + "\" cy=\"" + px(axes.y(p.psnr)) + "\" r=\"" +
                px(style.line + 1.6) + "\" fill=\"" + style.colour + "\" stroke=\"#fff\"><title>" +
-               escaped(p.about) + "</title></circle>\n";
+               html_text(p.about) + "</title></circle>\n";
     return svg;
 }
 
@@ -172,29 +173,6 @@ std::string labels(const std::vector<PlotCurve>& all, const std::vector<Style>& 
 }
 
 } // namespace
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-        case '&':
-            out += "&amp;";
-            break;
-        case '<':
-            out += "&lt;";
-            break;
-        case '>':
-            out += "&gt;";
-            break;
-        case '"':
-            out += "&quot;";
-            break;
-        default:
-            out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-        }
-    }
-    return out;
-}
 
 std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts& texts) {
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + px(width) + " " +

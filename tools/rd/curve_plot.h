@@ -23,7 +23,4 @@ struct PlotTexts {
 // The first curve lies on top. Stands alone, and inside HTML.
 std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts& texts);
 
-// `text` as it may stand in SVG and HTML.
-std::string escaped(const std::string& text);
-
 } // namespace tessera

@@ -1,6 +1,7 @@
 // The report as one HTML file that needs nothing else.
 #include "tools/rd/plot.h"
 #include "tools/rd/report.h"
+#include "tools/support/html_text.h"
 #include "tools/support/parse.h"
 
 namespace tessera {
@@ -26,7 +27,7 @@ code { background: #eef0f2; padding: 1px 5px; border-radius: 3px; overflow-wrap:
 
 std::string paragraph(const std::string& text, const char* css_class = "") {
     return std::string("<p") + (*css_class ? std::string(" class=\"") + css_class + "\"" : "") +
-           ">" + escaped(text) + "</p>\n";
+           ">" + html_text(text) + "</p>\n";
 }
 
 std::string table_html(const RdTable& table) {
@@ -38,19 +39,19 @@ std::string table_html(const RdTable& table) {
     };
     std::string html = "<div class=\"table\"><table>\n<tr>";
     for (std::size_t c = 0; c < table.titles.size(); ++c)
-        html += std::string("<th") + css(c) + ">" + escaped(table.titles[c]) + "</th>";
+        html += std::string("<th") + css(c) + ">" + html_text(table.titles[c]) + "</th>";
     html += "</tr>\n";
     for (const auto& row : table.rows) {
         html += row.front().rfind("tessera", 0) == 0 ? "<tr class=\"ours\">" : "<tr>";
         for (std::size_t c = 0; c < row.size(); ++c)
-            html += std::string("<td") + css(c) + ">" + escaped(row[c]) + "</td>";
+            html += std::string("<td") + css(c) + ">" + html_text(row[c]) + "</td>";
         html += "</tr>\n";
     }
     return html + "</table></div>\n";
 }
 
 std::string texture_html(const TextureReport& t) {
-    std::string html = "<h2>" + escaped(t.name) + "</h2>\n";
+    std::string html = "<h2>" + html_text(t.name) + "</h2>\n";
     html += paragraph(t.size + ", " + std::to_string(t.channels) + " channels of " + t.type + ", " +
                           human_bytes(t.raw_bytes) + " raw; " +
                           format_number(t.background_share * 100, 1) +
@@ -63,7 +64,7 @@ std::string texture_html(const TextureReport& t) {
     for (const PlotPart part : {PlotPart::whole, PlotPart::close_up})
         if (const std::string svg = to_svg(t, part); !svg.empty())
             html += "<figure>\n" + svg + "</figure>\n";
-    html += "<h3>BD-rate against " + escaped(t.anchor) + "</h3>\n" + table_html(bd_table(t));
+    html += "<h3>BD-rate against " + html_text(t.anchor) + "</h3>\n" + table_html(bd_table(t));
     html += "<h3>Speed against error, at the setting nearest " + format_number(speed_psnr, 0) +
             " dB</h3>\n" + table_html(speed_table(t));
     html += "<h3>All measurements</h3>\n" + table_html(measurement_table(t));
@@ -77,7 +78,7 @@ std::string texture_html(const TextureReport& t) {
         return html;
     html += "<h3>Not measured</h3>\n<ul>\n";
     for (const RivalChoice::Absent& a : t.absent)
-        html += "<li><b>" + escaped(a.id) + "</b>: " + escaped(a.reason) + "</li>\n";
+        html += "<li><b>" + html_text(a.id) + "</b>: " + html_text(a.reason) + "</li>\n";
     return html + "</ul>\n";
 }
 
@@ -89,13 +90,13 @@ std::string to_page(const RdReport& report) {
                        "<title>Tessera: rate and distortion</title>\n<style>";
     html += style;
     html += "</style></head><body>\n<h1>Rate and distortion</h1>\n";
-    html += "<p class=\"quiet\"><code>" + escaped(report.command) + "</code><br>" +
-            escaped(report.machine) + "</p>\n";
+    html += "<p class=\"quiet\"><code>" + html_text(report.command) + "</code><br>" +
+            html_text(report.machine) + "</p>\n";
     for (const TextureReport& texture : report.textures)
         html += texture_html(texture);
     html += "<h2>What the figures mean</h2>\n<ul>\n";
     for (const std::string& line : definitions(report))
-        html += "<li>" + escaped(line) + "</li>\n";
+        html += "<li>" + html_text(line) + "</li>\n";
     return html + "</ul>\n</body></html>\n";
 }
 
