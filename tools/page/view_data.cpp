@@ -116,7 +116,9 @@ bool fits_a_browser(const AtlasMips& mips) {
            std::max(mips.size(0)[1], below) <= 8192;
 }
 
-nlohmann::json add_mesh(const SurfaceMesh& mesh, const TileGrid& tiles, Bytes& out) {
+nlohmann::json add_mesh(const MeshSurface& surface, const TileGrid& tiles, Bytes& out) {
+    const SurfaceMesh& mesh = surface.mesh;
+    const bool has_tangents = surface.map != AngularMap::octahedral_mirrored; // which needs none
     glm::dvec3 low(mesh.positions.front()), high(low);
     for (const glm::dvec3 p : mesh.positions) {
         low = glm::min(low, p);
@@ -126,13 +128,15 @@ nlohmann::json add_mesh(const SurfaceMesh& mesh, const TileGrid& tiles, Bytes& o
     const bool with_mips = fits_a_browser(mips);
     add_places(mesh, low, high, out);
     add_directions(mesh.normals, out);
-    add_directions(mesh_tangents(mesh), out);
+    if (has_tangents)
+        add_directions(mesh_tangents(mesh), out);
     add_uv(mesh, out);
     add_triangles(mesh, out);
     if (with_mips)
         add_charts(mips, out);
     return {{"vertices", mesh.positions.size()},
             {"triangles", mesh.triangles.size()},
+            {"tangents", has_tangents},
             {"low", {low.x, low.y, low.z}},
             {"high", {high.x, high.y, high.z}},
             {"mips", with_mips ? mips.count() : 0},
@@ -149,7 +153,7 @@ Result<std::vector<std::byte>> make_view_data(const ContainerReader& container) 
         about["cameras"] = said->second;
     Bytes columns;
     if (surface)
-        about["mesh"] = add_mesh(surface->mesh, container.grid(0), columns);
+        about["mesh"] = add_mesh(*surface, container.grid(0), columns);
     const std::string line = about.dump() + "\n";
     Bytes all;
     for (const char c : line)

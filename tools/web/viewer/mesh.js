@@ -14,7 +14,7 @@ class MeshData {
                 last = out[i] = last + (out[i] >>> 1 ^ -(out[i] & 1));
             return out;
         };
-        const {vertices, triangles, low, high, mips, atlas} = about;
+        const {vertices, triangles, tangents, low, high, mips, atlas} = about;
         const places = [0, 1, 2].map(() => column(vertices, 3));
         this.low = low;
         this.high = high;
@@ -24,7 +24,8 @@ class MeshData {
             for (let i = 0; i < vertices; ++i)
                 this.positions[3 * i + axis] = low[axis] + (high[axis] - low[axis]) * places[axis][i] / 65535;
         this.normals = directions(column(vertices, 3), column(vertices, 3));
-        this.tangents = directions(column(vertices, 3), column(vertices, 3));
+        // The mirrored map needs none: any will do.
+        this.tangents = tangents ? directions(column(vertices, 3), column(vertices, 3)) : this.normals;
         const u = column(vertices, 4), v = column(vertices, 4);
         this.uv = new Float32Array(vertices * 2);
         for (let i = 0; i < vertices; ++i) {
