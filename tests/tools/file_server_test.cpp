@@ -207,6 +207,22 @@ TEST_F(Serve, SaysWhatFilesAre) {
     }
 }
 
+TEST_F(Serve, ShowsOneFileAlone) {
+    FileServerOptions options;
+    options.folder = (base_ / "root").string();
+    options.only = "a.tess";
+    options.viewer = "the viewer";
+    auto server = FileServer::start(options);
+    ASSERT_TRUE(server.ok());
+    server_ = std::move(*server);
+    EXPECT_EQ(body(ask("GET", "/?f=a.tess")), "the viewer");
+    const std::string answer = ask("GET", "/a.tess");
+    EXPECT_EQ(body(answer), "0123456789");
+    EXPECT_EQ(field(answer, "Access-Control-Allow-Origin"), "");
+    for (const char* target : {"/inner/", "/inner/b%20%3C1%3E.tess", "/empty.tess", "/a.tess/"})
+        EXPECT_EQ(status(ask("GET", target)), "404") << target;
+}
+
 TEST_F(Serve, ShowsFilesInItsViewer) {
     FileServerOptions options;
     options.folder = (base_ / "root").string();

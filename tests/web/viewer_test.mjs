@@ -182,6 +182,18 @@ const tests = {
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
         assert.match(await browser.note(), /no such file/);
     },
+
+    async 'view serves its file and no other'(browser) {
+        const {url, stop} = await startServer('view', inFolder('sphere.tess'), '--no-open');
+        try {
+            assert(url.endsWith('?f=sphere.tess'), url);
+            await browser.open(`${url}${hash({})}`);
+            agrees(await browser.picture(), rendered('sphere.tess', {}), 'sphere from view');
+            assert.equal((await fetch(url.replace(/\?.*/, 'mesh.tess'))).status, 404);
+        } finally {
+            stop();
+        }
+    },
 };
 
 // Between browser and server: every third request of a part is cut off.
@@ -207,14 +219,13 @@ async function badLine(server) {
     return line;
 }
 
-async function startServer() {
-    const process = spawn(tool, ['view', inFolder('sphere.tess'), '--no-open'], {stdio: ['ignore', 'pipe', 'inherit']});
+async function startServer(...verb) {
+    const process = spawn(tool, verb, {stdio: ['ignore', 'pipe', 'inherit']});
     const line = await new Promise((resolve, reject) => {
         process.stdout.once('data', data => resolve(String(data).trim()));
-        process.once('exit', code => reject(Error(`tessera view ended (${code})`)));
+        process.once('exit', code => reject(Error(`tessera ${verb[0]} ended (${code})`)));
     });
-    assert(line.endsWith('?f=sphere.tess'), line);
-    return {url: line.replace(/\?.*/, ''), stop: () => process.kill('SIGTERM')};
+    return {url: line, stop: () => process.kill('SIGTERM')};
 }
 
 async function main() {
@@ -228,7 +239,7 @@ async function main() {
         console.log(`SKIPPED: ${tried.stderr}`);
         return 77;
     }
-    const server = await startServer(), browser = new Browser(program);
+    const server = await startServer('serve', folder, '--port', '0', '--quiet'), browser = new Browser(program);
     let failed = 0;
     try {
         for (const [name, test] of Object.entries(tests).filter(([name]) => name.includes(only))) {

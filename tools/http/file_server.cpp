@@ -128,9 +128,19 @@ void answer_view_data(const FileServerOptions& options, const fs::path& path,
         response.set_content(data.status().message() + "\n", "text/plain");
 }
 
+// As find_served(), of the one file alone where there is one.
+std::optional<fs::path> find_allowed(const FileServerOptions& options, const fs::path& root,
+                                     const std::string& path) {
+    if (options.only.empty())
+        return find_served(root, path);
+    if (path == "/" && !options.viewer.empty())
+        return root;
+    return path == "/" + options.only ? std::optional(root / options.only) : std::nullopt;
+}
+
 void answer(const FileServerOptions& options, const fs::path& root, const httplib::Request& request,
             const httplib::Ranges& ranges, httplib::Response& response) {
-    const auto path = find_served(root, request.path);
+    const auto path = find_allowed(options, root, request.path);
     if (path && options.view_data && request.has_param("view") && version_of(*path))
         return answer_view_data(options, *path, response);
     if (path && !fs::is_directory(*path))
@@ -140,7 +150,7 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
         response.set_content("There is no such file.\n", "text/plain");
     } else if (!request.path.ends_with('/')) {
         response.set_redirect(fs::path(request.path).filename().string() + "/");
-    } else if (!options.viewer.empty() && request.has_param("f")) {
+    } else if (!options.viewer.empty() && (request.has_param("f") || !options.only.empty())) {
         response.set_content(options.viewer, "text/html; charset=utf-8");
     } else {
         response.set_content(list_folder(*path, request.path, !options.viewer.empty()),
@@ -178,7 +188,8 @@ public:
         });
         server_.set_pre_routing_handler([this](const httplib::Request& request,
                                                httplib::Response& response) {
-            allow_other_pages(response);
+            if (options_.only.empty())
+                allow_other_pages(response);
             if (request.method == "OPTIONS") {
                 answer_options(response);
                 return httplib::Server::HandlerResponse::Handled;

@@ -21,6 +21,8 @@ struct ServedRequest {
 
 struct FileServerOptions {
     std::string folder;
+    // A name in the folder: nothing else of it is served, and to no page of another host; empty: all is.
+    std::string only;
     std::string host = "127.0.0.1";
     int port = 0; // 0: one that is free
     // A page of HTML that shows NAME.tess of its folder, asked for as ?f=NAME.tess; empty: there is none.

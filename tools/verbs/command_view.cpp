@@ -146,8 +146,14 @@ Status serve_page(const ViewCommand& a) {
                                                   "machine; -o page.html takes URLs, too"};
     TESSERA_TRY(make_server_page().status()); // says at once what is missing
     TESSERA_TRY(Decoder::open_file(a.file).status());
-    const std::filesystem::path path = std::filesystem::absolute(a.file);
+    // The file itself, also where the name is a link to it, and nothing that lies beside it: any page that
+    // the browser shows could ask this server for it.
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::canonical(a.file, error);
+    if (error)
+        return {ErrorCode::io, a.file + ": " + error.message()};
     FileServerOptions options = folder_with_viewer(path.parent_path().string());
+    options.only = path.filename().string();
     options.port = a.port;
     TESSERA_TRY_ASSIGN(const auto server, FileServer::start(options));
     const std::string url = server->url() + "?f=" + percent_encoded(path.filename().string());
