@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
@@ -127,16 +128,27 @@ Status write_page(const ViewCommand& a) {
 
 #ifdef TESSERA_HTTP
 
-// Whatever comes of it: the address is on the screen.
+// Whatever comes of it: the address is on the screen. Ctrl-C here must not end a browser that was started for
+// this, and it is not to ignore the signals that we ignore.
 void open_in_browser(const std::string& url) {
     const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
+    sigset_t ignored_here;
+    sigemptyset(&ignored_here);
+    sigaddset(&ignored_here, SIGPIPE);
+    sigaddset(&ignored_here, SIGXFSZ);
+    posix_spawnattr_t apart;
+    posix_spawnattr_init(&apart);
+    posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setpgroup(&apart, 0);
+    posix_spawnattr_setsigdefault(&apart, &ignored_here);
     posix_spawn_file_actions_t silent;
     posix_spawn_file_actions_init(&silent);
     for (const int stream : {1, 2})
         posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
     pid_t child = 0;
-    posix_spawnp(&child, arguments[0], &silent, nullptr, const_cast<char* const*>(arguments),
+    posix_spawnp(&child, arguments[0], &silent, &apart, const_cast<char* const*>(arguments),
                  environ);
+    posix_spawnattr_destroy(&apart);
     posix_spawn_file_actions_destroy(&silent);
 }
 
