@@ -92,7 +92,9 @@ async function showPage(kit, element) {
             const name = new URLSearchParams(location.search).get('f');
             if (!name)
                 throw Error('No file is named: open this page as ?f=NAME.tess');
-            const url = new URL(name, location.origin + location.pathname).href;
+            // A name may hold what means something in an address; one that is an address is taken as it is.
+            const path = /^https?:\/\//.test(name) ? name : name.split('/').map(encodeURIComponent).join('/');
+            const url = new URL(path, location.origin + location.pathname).href;
             document.title = name;
             await viewer.start({url, viewData: fetchedViewData(url)});
         }

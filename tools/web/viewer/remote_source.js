@@ -5,7 +5,7 @@ class RemoteSource {
     static block = 4096;      // bytes that are asked for and kept together
     static gap = 4;           // blocks between two parts that cost less than a request
     static requests = 6;      // at a time
-    static patience = 20e3;   // milliseconds without an answer
+    static patience = 20e3;   // milliseconds without an answer, or without a byte more of it
 
     // onTrouble(text) hears what goes wrong, and '' when it goes right again.
     constructor(url, onTrouble) {
@@ -13,8 +13,9 @@ class RemoteSource {
         this.blocks = new Map();   // number -> Uint8Array
         this.coming = new Map();   // number -> Promise
         this.wanted = new Set();
+        this.waiting = [];         // {b, resolve, reject} of wanted
         this.running = 0;
-        this.waiting = [];         // requests that wait for their turn
+        this.turns = [];           // of requests that wait for one that runs to end
     }
 
     // Learns size and version with the first bytes.
@@ -102,21 +103,28 @@ class RemoteSource {
 
     // At most so many at a time.
     async turn(work) {
-        while (this.running >= RemoteSource.requests)
-            await this.turnOver;
-        let over;
-        ++this.running;
-        this.turnOver = new Promise(resolve => over = resolve);
+        if (this.running < RemoteSource.requests)
+            ++this.running;
+        else
+            await new Promise(go => this.turns.push(go));
         try {
             return await work();
         } finally {
-            --this.running;
-            over();
+            if (this.turns.length)
+                this.turns.shift()(); // who gets the place of this one
+            else
+                --this.running;
         }
     }
 
     async attempt(from, to) {
-        const cut = new AbortController(), timer = setTimeout(() => cut.abort(), RemoteSource.patience);
+        const cut = new AbortController();
+        let timer;
+        const heard = () => {
+            clearTimeout(timer);
+            timer = setTimeout(() => cut.abort(), RemoteSource.patience);
+        };
+        heard();
         ++this.asked;
         try {
             const answer = await fetch(this.url, {headers: {Range: `bytes=${from}-${to}`}, cache: 'no-store', signal: cut.signal});
@@ -125,14 +133,26 @@ class RemoteSource {
             if (answer.status !== 206 && answer.status !== 200)
                 throw Error(answer.status === 404 ? 'there is no such file on the server' : `the server answers ${answer.status}`);
             this.checkVersion(answer);
-            const bytes = new Uint8Array(await answer.arrayBuffer());
-            this.received += bytes.length;
-            return answer.status === 206 ? this.part(answer, from, bytes) : this.whole(from, to, bytes);
+            const bytes = await this.body(answer, heard);
+            return answer.status === 206 ? this.part(answer, from, to, bytes) : this.whole(from, to, bytes);
         } catch (error) {
             // fetch() says TypeError where there is no connection.
             throw error.name === 'TypeError' || error.name === 'AbortError' ? passing('the connection is lost') : error;
         } finally {
             clearTimeout(timer);
+        }
+    }
+
+    // However long a slow line takes for it.
+    async body(answer, heard) {
+        const parts = [];
+        for (const reader = answer.body.getReader();;) {
+            const {done, value} = await reader.read();
+            if (done)
+                return new Uint8Array(await new Blob(parts).arrayBuffer());
+            heard();
+            this.received += value.length;
+            parts.push(value);
         }
     }
 
@@ -144,14 +164,15 @@ class RemoteSource {
         this.version = version;
     }
 
-    part(answer, from, bytes) {
+    part(answer, from, to, bytes) {
         const said = /^bytes (\d+)-(\d+)\/(\d+)$/.exec(answer.headers.get('Content-Range') || '');
-        if (said && (+said[1] !== from || +said[2] - from + 1 !== bytes.length))
-            throw passing('the server sent another part than was asked for');
-        if (said)
-            this.size = +said[3];
-        if (!this.size)
+        if (!this.size && !said)
             throw Error('the server does not say how long the file is (Content-Range)');
+        if (said && this.size && +said[3] !== this.size)
+            throw Error('the file on the server has changed: load the page again');
+        this.size = this.size || +said[3];
+        if ((said && +said[1] !== from) || bytes.length !== Math.min(to + 1, this.size) - from)
+            throw passing('the server sent another part than was asked for');
         return bytes;
     }
 
