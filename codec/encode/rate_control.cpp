@@ -258,8 +258,9 @@ private:
                 drop(pass);
             }
             const bool is_met = best_slack >= 0;
-            if ((is_met && best_slack <= goal.near_enough(passes)) ||
-                (log_step >= high && slack < 0))
+            // Beyond the largest step no file is smaller; a PSNR that is missed there has finer steps left.
+            const bool is_hopeless = goal.bytes && log_step >= high && slack < 0;
+            if ((is_met && best_slack <= goal.near_enough(passes)) || is_hopeless)
                 break;
             double next = std::clamp(next_step(points, goal.aim()), low, high);
             if (passes == 1) {
