@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <mutex>
 #include <unistd.h>
 #include <utility>
 
@@ -32,15 +33,15 @@ std::string time_left(double elapsed, double fraction) {
     return text;
 }
 
-} // namespace
-
-namespace {
 std::atomic<int> shown{0}; // objects that may draw
+
 } // namespace
 
 void show_waiting(std::optional<std::uint64_t> bytes) {
     static Clock::time_point start = Clock::time_point::max(), last;
     static bool drawn = false;
+    static std::mutex mutex; // each server that a command reads from has a thread that comes here
+    const std::lock_guard lock(mutex);
     const auto now = Clock::now();
     if (!bytes) {
         if (std::exchange(drawn, false) && shown == 0)
