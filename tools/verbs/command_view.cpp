@@ -61,7 +61,7 @@ Result<Picture> middle_view(const Decoder& decoder) {
     const Box4 box{{0, 0, s, t}, {size[axis_u], size[axis_v], s + 1, t + 1}};
     std::vector<std::byte> texels(decoder.desc().box_bytes(box));
     TESSERA_TRY(decoder.decode_box(box, texels));
-    View view{size[axis_u] / step, size[axis_v] / step, {}};
+    View view{std::max(size[axis_u] / step, 1u), std::max(size[axis_v] / step, 1u), {}};
     for (std::uint32_t v = 0; v < view.height; ++v)
         for (std::uint32_t u = 0; u < view.width; ++u) {
             const std::size_t texel = std::size_t{v} * step * size[axis_u] + std::size_t{u} * step;
