@@ -173,8 +173,11 @@ struct JpegWriter {
 };
 
 bool write_jpeg(JpegWriter& w, const JpegShape& shape, const std::byte* pixels, int quality) {
-    if (setjmp(w.failure.jump))
+    if (setjmp(w.failure.jump)) {
+        w.bytes =
+            nullptr; // libjpeg says where its memory is at the end only, and may have moved it
         return false;
+    }
     jpeg_create_compress(&w.codec);
     jpeg_mem_dest(&w.codec, &w.bytes, &w.size);
     w.codec.image_width = shape.width;
