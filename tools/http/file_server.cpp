@@ -149,7 +149,7 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
         response.status = 404;
         response.set_content("There is no such file.\n", "text/plain");
     } else if (!request.path.ends_with('/')) {
-        response.set_redirect(fs::path(request.path).filename().string() + "/");
+        response.set_redirect(percent_encoded(fs::path(request.path).filename().string()) + "/");
     } else if (!options.viewer.empty() && (request.has_param("f") || !options.only.empty())) {
         response.set_content(options.viewer, "text/html; charset=utf-8");
     } else {
