@@ -2,6 +2,7 @@
 
 #include "format/output_file.h"
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -14,8 +15,11 @@
 namespace tessera {
 namespace {
 
-volatile std::sig_atomic_t received = 0;
-volatile std::time_t received_at = 0;
+// Any thread may run the handler, and all read what it leaves.
+std::atomic<int> received{0};
+std::atomic<std::time_t> received_at{0};
+static_assert(std::atomic<int>::is_always_lock_free &&
+              std::atomic<std::time_t>::is_always_lock_free);
 
 // How long a command may take to end by itself. Calls that cannot be interrupted (a library that
 // decodes a large picture, a file system that does not answer) take longer.
@@ -43,13 +47,13 @@ void watch_for_signal() {
 // deliver one Ctrl-C twice.
 void remember(int signal) {
     const std::time_t now = std::time(nullptr);
-    if (received && now > received_at + 1)
-        _exit(128 + signal);
-    if (!received) {
-        received_at = now;
-        received = signal;
+    if (received == 0)
+        received_at = now; // before others can see the signal
+    int none = 0;
+    if (received.compare_exchange_strong(none, signal))
         ::sem_post(&first_signal);
-    }
+    else if (now > received_at + 1)
+        _exit(128 + signal);
 }
 
 class InterruptibleSource : public TexelSource {
@@ -123,7 +127,7 @@ int interrupted_by() {
 }
 
 Status check_interrupt() {
-    return received ? Status(ErrorCode::runtime, "interrupted") : Status();
+    return received != 0 ? Status(ErrorCode::runtime, "interrupted") : Status();
 }
 
 std::unique_ptr<TexelSource> interruptible(std::unique_ptr<TexelSource> inner) {
