@@ -60,6 +60,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     TESSERA_TRY(check_target(path));
     // A killed run may have left its temporary file, and process numbers come again.
     constexpr int attempts = 100;
+    const auto held = hold_unfinished(); // no file is there that is not noted
     for (int attempt = 0; attempt < attempts; ++attempt) {
         OutputFile file;
         file.path_ = path;
@@ -84,6 +85,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
     file.path_ = path;
     file.temporary_ = temporary;
     ::unlink(temporary.c_str());
+    const auto held = hold_unfinished();
     file.descriptor_ = sys::open(temporary.c_str(), create_flags, 0666);
     if (file.descriptor_ < 0)
         return system_error(path, "cannot create " + temporary, errno);

@@ -48,6 +48,7 @@ void OutputFolder::discard() {
 Result<OutputFolder> OutputFolder::create(const std::string& path) {
     OutputFolder folder;
     const std::string temporary = beside(path, ".tmp");
+    const auto held = hold_unfinished(); // no folder is there that is not noted
     if (sys::mkdir(temporary.c_str(), 0777) < 0)
         return sys::system_error(path, "cannot create " + temporary, errno);
     note_unfinished(temporary);

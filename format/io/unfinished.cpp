@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 namespace tessera {
-
 namespace {
+
+constexpr int most_removals = 100;
 
 struct Unfinished {
     std::recursive_mutex mutex;
@@ -18,6 +20,15 @@ struct Unfinished {
 Unfinished& unfinished() {
     static Unfinished* const all = new Unfinished;
     return *all;
+}
+
+// Other threads may still add files to the folder while it goes.
+void remove_in_use(const std::string& path) {
+    std::error_code error;
+    int tries = 0;
+    do
+        std::filesystem::remove_all(path, error);
+    while (error == std::errc::directory_not_empty && ++tries < most_removals);
 }
 
 } // namespace
@@ -40,9 +51,8 @@ std::vector<std::string> remove_unfinished_outputs() {
     unfinished().mutex.lock(); // for good: nothing new begins, nothing gets its name
     std::vector<std::string> kept;
     for (const auto& [path, end] : unfinished().ends) {
-        std::error_code ignored;
         if (!end)
-            std::filesystem::remove_all(path, ignored);
+            remove_in_use(path);
         else if (end())
             kept.push_back(path);
     }
