@@ -33,19 +33,13 @@ public:
         return {0, height_};
     }
 
-    // Which runs of such a row hold texels of `box`, first and last + 1.
-    std::pair<std::uint32_t, std::uint32_t> runs_of(const Box4& box) const {
-        if (!layout_.quilt)
-            return {box.begin[axis_u], box.end[axis_u]};
-        return {0, layout_.quilt->s};
-    }
-
-    // The runs of row y, from left to right. Pixels of no texel are in none.
-    template <class Visit> void visit_row(std::uint32_t y, const Visit& visit) const {
+    // The runs of row y that may hold texels of `box`, from left to right. Pixels of no texel are in none.
+    template <class Visit>
+    void visit_row(std::uint32_t y, const Box4& box, const Visit& visit) const {
         if (layout_.quilt)
             visit_quilt(y, visit);
         else
-            for (std::uint32_t u = 0; u < size_[axis_u]; ++u)
+            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                 visit(PictureRun{u * size_[axis_s], size_[axis_s], u, y / size_[axis_t], 0,
                                  y % size_[axis_t], true});
     }

@@ -29,7 +29,7 @@ public:
         const auto [first, last] = layout_.rows_of(box);
         return read_picture_rows(*file_, shape_, desc_.type, first, last,
                                  [&](std::uint32_t y, std::span<const std::byte> row) {
-                                     layout_.visit_row(y, [&](const PictureRun& run) {
+                                     layout_.visit_row(y, box, [&](const PictureRun& run) {
                                          store(run, row.data() + run.x * desc_.texel_bytes());
                                      });
                                  });

@@ -3,7 +3,6 @@
 #include "tools/texture_io/picture_io.h"
 #include "tools/texture_io/picture_layout.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace tessera {
@@ -30,19 +29,13 @@ public:
         : file_(std::move(file)), desc_(desc), sides_(sides_of(desc, layout)),
           layout_(desc.size, layout, static_cast<std::uint32_t>(sides_.width),
                   static_cast<std::uint32_t>(sides_.height)),
-          pixels_(sides_.width * sides_.height * desc.texel_bytes()) {
-        places_.resize(sides_.height);
-        for (std::uint32_t y = 0; y < sides_.height; ++y)
-            layout_.visit_row(y, [&](const PictureRun& run) { places_[y].push_back(run); });
-    }
+          pixels_(sides_.width * sides_.height * desc.texel_bytes()) {}
 
     Status write(const Box4& box, std::span<const std::byte> texels) override {
         TESSERA_TRY(check_box(desc_, box, texels.size()));
         const auto [top, bottom] = layout_.rows_of(box);
-        const auto [first, last] = layout_.runs_of(box);
         for (std::uint32_t y = top; y < bottom; ++y)
-            for (std::uint32_t i = first; i < std::min<std::size_t>(last, places_[y].size()); ++i)
-                take(places_[y][i], y, box, texels);
+            layout_.visit_row(y, box, [&](const PictureRun& run) { take(run, y, box, texels); });
         return {};
     }
 
@@ -77,7 +70,6 @@ private:
     Sides sides_;
     PictureLayout layout_;
     std::vector<std::byte> pixels_;
-    std::vector<std::vector<PictureRun>> places_; // by row
 };
 
 } // namespace
