@@ -1,17 +1,54 @@
 #include "tools/page/viewer_server.h"
 
 #include "format/byte_source.h"
+#include "tools/http/file_server_paths.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <utility>
 
 namespace tessera {
 namespace {
 
-Result<std::vector<std::byte>> view_data_of(const std::string& path) {
+using Bytes = std::vector<std::byte>;
+
+constexpr std::size_t most_kept_view_data = std::size_t{64} << 20; // bytes
+
+Result<Bytes> view_data_of(const std::string& path) {
     TESSERA_TRY_ASSIGN(const auto source, open_file(path));
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
     return make_view_data(container);
 }
+
+// Those of files that were asked for last. That of a large mesh is much work and memory, so one is made at a
+// time, and not again for everybody who asks. Thread-safe.
+class KeptViewData {
+public:
+    Result<Bytes> of(const std::string& path) {
+        const auto version = version_of(path);
+        const std::string key = (version ? version->etag : "") + path;
+        const std::lock_guard lock(mutex_);
+        for (const auto& [name, data] : kept_)
+            if (name == key)
+                return data;
+        TESSERA_TRY_ASSIGN(Bytes made, view_data_of(path));
+        kept_.emplace_back(key, made);
+        bytes_ += made.size();
+        while (bytes_ > most_kept_view_data) {
+            bytes_ -= kept_.front().second.size();
+            kept_.pop_front();
+        }
+        return made;
+    }
+
+private:
+    std::mutex mutex_;
+    std::deque<std::pair<std::string, Bytes>> kept_;
+    std::size_t bytes_ = 0; // of all that are kept
+};
 
 } // namespace
 
@@ -20,7 +57,9 @@ FileServerOptions folder_with_viewer(const std::string& folder) {
     options.folder = folder;
     if (auto page = make_server_page(); page.ok()) {
         options.viewer = std::move(*page);
-        options.view_data = view_data_of;
+        options.view_data = [kept = std::make_shared<KeptViewData>()](const std::string& file) {
+            return kept->of(file);
+        };
     }
     return options;
 }
