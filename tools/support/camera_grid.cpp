@@ -13,11 +13,12 @@ namespace {
 
 constexpr double usual_fov = 40;
 constexpr double usual_width = 2;
-constexpr double usual_span = 0.25;    // of the grid's longer side, in distances
-constexpr double largest_length = 1e6; // world units, as far as an eye may be
+constexpr double usual_span = 0.25; // of the grid's longer side, in distances
+// World units: what one can divide by, and as far as an eye may be.
+constexpr double smallest_length = 1e-12, largest_length = 1e6;
 
 bool is_length(double x) {
-    return x > 0 && x <= largest_length;
+    return x >= smallest_length && x <= largest_length;
 }
 
 // `count` numbers with commas between them.
@@ -59,6 +60,12 @@ Result<CameraGrid> camera_grid(const CameraFacts& facts, const Extent4& size) {
     cameras.spacing_x = spacing[0];
     cameras.spacing_y = spacing[1];
     cameras.width = 2 * cameras.distance * std::tan(half_fov);
+    for (const double length :
+         {cameras.spacing_x, cameras.spacing_y, cameras.distance, cameras.width})
+        if (!is_length(length)) // cameras_in() would not take it back
+            return Status(ErrorCode::bad_argument,
+                          "--camera-spacing, --camera-fov and --camera-focus lead to " +
+                              to_string(cameras) + ", which are not all above 0 and at most 1e6");
     return cameras;
 }
 

@@ -10,6 +10,8 @@
 namespace tessera {
 namespace {
 
+constexpr double nearest_focus = 1e-12; // world units: what one can divide by
+
 // Between which two of `count` samples a coordinate lies, and how much of the second it has.
 struct Between {
     std::uint32_t first = 0, second = 0;
@@ -97,7 +99,7 @@ Result<std::optional<PlanarViews>> planar_views(const ContainerReader& container
         views.cameras,
         cameras_in(container.metadata(), container.desc().size).with_context(container.name()));
     views.focus = focus.value_or(views.cameras.distance);
-    if (!(views.focus > 0))
+    if (!(views.focus >= nearest_focus))
         return Status(ErrorCode::bad_argument, "--focus: is not above 0");
     return std::optional(views);
 }
