@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t longest_pattern = 200;
 constexpr std::size_t most_digits = 9;
-constexpr std::size_t most_stars = 4; // matching tries all their lengths
+constexpr std::size_t most_stars = 4;
 
 char lower(char c) {
     return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -112,17 +112,28 @@ bool ViewPattern::is_number(std::size_t item) const {
            items_[item].kind != Item::Kind::any;
 }
 
-bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbers& numbers) const {
+// What follows is the same whichever way led there, so that no way is tried twice.
+bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbers& numbers,
+                             std::vector<bool>& failed) const {
+    const std::size_t place = left.size() * (items_.size() + 1) + index;
+    if (failed[place])
+        return false;
+    failed[place] = !try_from(index, left, numbers, failed);
+    return !failed[place];
+}
+
+bool ViewPattern::try_from(std::size_t index, std::string_view left, ViewNumbers& numbers,
+                           std::vector<bool>& failed) const {
     if (index == items_.size())
         return left.empty();
     const Item& item = items_[index];
     if (item.kind == Item::Kind::literal)
         return left.size() >= item.text.size() &&
                same_letters(left.substr(0, item.text.size()), item.text) &&
-               match_from(index + 1, left.substr(item.text.size()), numbers);
+               match_from(index + 1, left.substr(item.text.size()), numbers, failed);
     if (item.kind == Item::Kind::any) {
         for (std::size_t length = 0; length <= left.size(); ++length)
-            if (match_from(index + 1, left.substr(length), numbers))
+            if (match_from(index + 1, left.substr(length), numbers, failed))
                 return true;
         return false;
     }
@@ -137,7 +148,7 @@ bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbe
         parse_number(digits.substr(0, length), value);
         field(numbers, item.kind) =
             negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
-        if (match_from(index + 1, digits.substr(length), numbers))
+        if (match_from(index + 1, digits.substr(length), numbers, failed))
             return true;
     }
     return false;
@@ -145,7 +156,8 @@ bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbe
 
 std::optional<ViewNumbers> ViewPattern::match(std::string_view name) const {
     ViewNumbers numbers;
-    return match_from(0, name, numbers) ? std::optional(numbers) : std::nullopt;
+    std::vector<bool> failed((name.size() + 1) * (items_.size() + 1));
+    return match_from(0, name, numbers, failed) ? std::optional(numbers) : std::nullopt;
 }
 
 std::string ViewPattern::name_of(const ViewNumbers& numbers) const {

@@ -39,7 +39,11 @@ private:
     };
     Status add_number(std::string_view inside);
     bool is_number(std::size_t item) const;
-    bool match_from(std::size_t item, std::string_view left, ViewNumbers& numbers) const;
+    // failed: by item and length of `left`, what was tried in vain.
+    bool match_from(std::size_t item, std::string_view left, ViewNumbers& numbers,
+                    std::vector<bool>& failed) const;
+    bool try_from(std::size_t item, std::string_view left, ViewNumbers& numbers,
+                  std::vector<bool>& failed) const;
     static std::optional<std::int64_t>& field(ViewNumbers& numbers, Item::Kind kind);
 
     std::string text_;
