@@ -40,7 +40,7 @@ struct FileServerOptions {
 // links that lead out of the folder, are not there. Files are streamed, whatever their size.
 //
 // Peers that drip, idle or never end cost little: a request's head has 8 KiB and 10 s, an idle connection
-// 5 s, an answer 10 s and 4 KiB/s (half a second where others wait for it), bodies are not read; of 2,000
+// 5 s, an answer is taken at 4 KiB/s in each 10 s (half a second where others wait), bodies are not read; of 2,000
 // connections, or what the system's limit of open files allows, the one that waits longest makes room.
 //
 // Plain HTTP without passwords: for one's own machine or a network that one trusts.

@@ -2,26 +2,26 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
+#include <linux/sockios.h>
 #include <netdb.h>
 #include <poll.h>
 #include <string_view>
 #include <strings.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 
 namespace tessera {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int backlog = 1024;         // connections that wait to be accepted
 constexpr rlim_t files_besides = 300; // of the workers' and the process
 constexpr int poll_milliseconds = 100;
-// Who takes an answer must take it at this rate, but for a grace, which is short when others wait.
+// Who takes an answer must take it at this rate, all the time: what was taken before counts for nothing. It is
+// looked at after so many seconds of waiting, sooner when others wait, too.
 constexpr double slowest_bytes_a_second = 4096;
-constexpr double grace_seconds = 10, crowded_grace_seconds = 0.5;
+constexpr double usual_look_seconds = 10, crowded_look_seconds = 0.5;
 constexpr int keep_alive_seconds = 5; // as the lobby's idle_time
 
 // Each accepted connection goes to the lobby on the thread that accepts.
@@ -85,19 +85,38 @@ private:
     bool wait() const {
         pollfd wanted{socket_, POLLOUT, 0};
         while (::poll(&wanted, 1, poll_milliseconds) == 0) {
-            const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-            const double grace = lobby_.is_crowded() ? crowded_grace_seconds : grace_seconds;
-            if (seconds > grace + static_cast<double>(sent_) / slowest_bytes_a_second)
+            waited_ += poll_milliseconds / 1000.0;
+            if (!is_taking())
                 return false;
         }
         return (wanted.revents & (POLLERR | POLLHUP)) == 0;
     }
 
+    // What lies in the system's own buffer, which may be megabytes, is not the peer's yet.
+    ssize_t taken() const {
+        int queued = 0; // also of answers before this one
+        ::ioctl(socket_, SIOCOUTQ, &queued);
+        return sent_ - queued;
+    }
+
+    // Whether enough was taken since the last look.
+    bool is_taking() const {
+        if (waited_ < (lobby_.is_crowded() ? crowded_look_seconds : usual_look_seconds))
+            return true;
+        const ssize_t now = taken();
+        const bool is_enough =
+            static_cast<double>(now - taken_) >= slowest_bytes_a_second * waited_;
+        waited_ = 0;
+        taken_ = now;
+        return is_enough;
+    }
+
     const int socket_;
     std::string_view head_;
     const ConnectionLobby& lobby_;
-    const Clock::time_point start_ = Clock::now();
-    ssize_t sent_ = 0;
+    ssize_t sent_ = 0;                // to the system
+    mutable double waited_ = 0;       // seconds for the peer, since it was looked at
+    mutable ssize_t taken_ = taken(); // until then
 };
 
 // Whether a line of the head is the field `name`.
