@@ -144,7 +144,7 @@ public:
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
 
     // The tiles of group `group` that are not empty, ascending. Errors: as those of group().
-    Result<std::vector<std::uint64_t>> stored_tiles(std::uint32_t group) const;
+    Result<std::vector<std::uint64_t>> nonempty_tiles(std::uint32_t group) const;
 
     // Whether all bytes that load_tile needs are there: false only in a partial file. Reads the
     // index record if it is not cached. Errors: as those of locate.

@@ -99,8 +99,8 @@ const LevelTable& ContainerReader::level_table() const {
 Result<std::shared_ptr<const GroupIndex>> ContainerReader::group(std::uint32_t group) const {
     return container_->group(group);
 }
-Result<std::vector<std::uint64_t>> ContainerReader::stored_tiles(std::uint32_t group) const {
-    return container_->stored_tiles(group);
+Result<std::vector<std::uint64_t>> ContainerReader::nonempty_tiles(std::uint32_t group) const {
+    return container_->nonempty_tiles(group);
 }
 Result<bool> ContainerReader::is_received(std::uint64_t tile) const {
     return container_->is_received(tile);

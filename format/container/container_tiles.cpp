@@ -71,7 +71,7 @@ Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t gro
     });
 }
 
-Result<std::vector<std::uint64_t>> OpenContainer::stored_tiles(std::uint32_t group) const {
+Result<std::vector<std::uint64_t>> OpenContainer::nonempty_tiles(std::uint32_t group) const {
     TESSERA_TRY_ASSIGN(const auto index, this->group(group));
     std::vector<std::uint64_t> tiles;
     if (index->pages.empty()) // which most groups of a sparse texture are

@@ -30,7 +30,7 @@ public:
     std::span<const std::byte> section_bytes(const std::string& type) const;
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
     Result<TileSummary> summarise_tiles() const;
-    Result<std::vector<std::uint64_t>> stored_tiles(std::uint32_t group) const;
+    Result<std::vector<std::uint64_t>> nonempty_tiles(std::uint32_t group) const;
     Result<bool> is_received(std::uint64_t tile) const;
     Result<TileLocation> locate(std::uint64_t tile) const;
     Status read_tile(std::uint64_t tile, std::vector<std::byte>& out) const;

@@ -55,7 +55,7 @@ next_tiles(const ContainerReader& file, const CondemnedTiles& condemned, std::ui
     std::vector<std::uint64_t> tiles;
     for (; group < file.group_count() && tiles.size() < tiles_at_once; ++group) {
         TESSERA_TRY(check_interrupt());
-        const auto stored = file.stored_tiles(group);
+        const auto stored = file.nonempty_tiles(group);
         if (stored.ok())
             std::ranges::copy_if(*stored, std::back_inserter(tiles),
                                  [&](std::uint64_t tile) { return !condemned.contains(tile); });
