@@ -1,5 +1,5 @@
 // A file on a web server, read in parts. Parts that several workers want at about the same time come by few
-// requests, what was read stays, and a lost connection is tried again until it is back.
+// requests, what was read last stays, and a lost connection is tried again until it is back.
 
 class RemoteSource {
     static block = 4096;      // bytes that are asked for and kept together
@@ -10,7 +10,8 @@ class RemoteSource {
     // onTrouble(text) hears what goes wrong, and '' when it goes right again.
     constructor(url, onTrouble) {
         Object.assign(this, {url, onTrouble, size: 0, received: 0, asked: 0});
-        this.blocks = new Map();   // number -> Uint8Array
+        this.blocks = new Map();   // number -> Uint8Array, what was used last at the end
+        this.most = 1 << 16;       // blocks that are kept: 256 MiB
         this.coming = new Map();   // number -> Promise
         this.wanted = new Set();
         this.waiting = [];         // {b, resolve, reject} of wanted
@@ -27,14 +28,13 @@ class RemoteSource {
 
     async read(offset, length) {
         const {block} = RemoteSource, first = Math.floor(offset / block), last = Math.floor((offset + length - 1) / block);
-        const arrivals = [];
-        for (let b = first; b <= last; ++b)
-            if (!this.blocks.has(b))
-                arrivals.push(this.arrival(b));
-        await Promise.all(arrivals);
+        const missing = () => Array.from({length: last - first + 1}, (_, i) => first + i).filter(b => !this.blocks.has(b));
+        for (let wanted = missing(); wanted.length; wanted = missing()) // other reads may push out what was there
+            await Promise.all(wanted.map(b => this.arrival(b)));
         const out = new Uint8Array(length);
         for (let b = first; b <= last; ++b) {
             const bytes = this.blocks.get(b), begin = b * block - offset;
+            this.keep(b, bytes);
             out.set(bytes.subarray(Math.max(0, -begin), Math.max(0, Math.min(block, length - begin))), Math.max(0, begin));
         }
         return out;
@@ -81,7 +81,14 @@ class RemoteSource {
         const {block} = RemoteSource;
         for (let at = 0; at < bytes.length; at += block)
             if (at + block <= bytes.length || first * block + bytes.length === this.size)
-                this.blocks.set(first + at / block, bytes.subarray(at, at + block));
+                this.keep(first + at / block, bytes.slice(at, at + block)); // alone: the rest may go
+    }
+
+    keep(b, bytes) {
+        this.blocks.delete(b);
+        this.blocks.set(b, bytes);
+        if (this.blocks.size > this.most)
+            this.blocks.delete(this.blocks.keys().next().value);
     }
 
     // Bytes from..to, both included, however long it takes. Errors: what trying again does not mend.
@@ -179,6 +186,7 @@ class RemoteSource {
     // A server without ranges sends all there is.
     whole(from, to, bytes) {
         this.size = bytes.length;
+        this.most = Infinity; // each request would bring all of it again
         this.store(0, bytes);
         return bytes.subarray(from, to + 1);
     }
