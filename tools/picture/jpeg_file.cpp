@@ -173,11 +173,8 @@ struct JpegWriter {
 };
 
 bool write_jpeg(JpegWriter& w, const JpegShape& shape, const std::byte* pixels, int quality) {
-    if (setjmp(w.failure.jump)) {
-        w.bytes =
-            nullptr; // libjpeg says where its memory is at the end only, and may have moved it
+    if (setjmp(w.failure.jump))
         return false;
-    }
     jpeg_create_compress(&w.codec);
     jpeg_mem_dest(&w.codec, &w.bytes, &w.size);
     w.codec.image_width = shape.width;
@@ -242,8 +239,11 @@ Result<std::vector<std::byte>> encode_jpeg(const JpegShape& shape,
         return Status(ErrorCode::unsupported, "a JPEG picture has sides of at most " +
                                                   std::to_string(JPEG_MAX_DIMENSION) + " pixels");
     JpegWriter w;
-    if (!write_jpeg(w, shape, pixels.data(), quality))
+    if (!write_jpeg(w, shape, pixels.data(), quality)) {
+        // libjpeg says where its memory is at the end only, and may have moved it.
+        w.bytes = nullptr;
         return Status(ErrorCode::runtime, std::string("JPEG: ") + w.failure.text);
+    }
     const auto* bytes = reinterpret_cast<const std::byte*>(w.bytes);
     return std::vector<std::byte>(bytes, bytes + w.size);
 }
