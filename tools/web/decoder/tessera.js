@@ -121,6 +121,9 @@ class TessFile {
     close() {
         this._wasm = null;
     }
+    get closed() {
+        return this._wasm === null;
+    }
 
     _picture(level, rgba) {
         const [u, v, s, t] = this.info.levels[level].size;

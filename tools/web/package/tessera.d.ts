@@ -84,6 +84,8 @@ export class TessFile {
     mesh(): null;
     /** Gives all memory back; the file cannot be used any more. */
     close(): void;
+    /** By close(), or for want of memory. */
+    readonly closed: boolean;
 }
 
 export interface OpenOptions {

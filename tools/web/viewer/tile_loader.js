@@ -48,7 +48,10 @@ class TileLoader {
                 this.queue = [];
             }
         } catch (error) {
-            this.failed.set(tile, error.message);
+            if (error.elsewhere)
+                this.queue.push(tile);
+            else
+                this.failed.set(tile, error.message);
         }
         this.coming.delete(tile);
         this.pump();

@@ -46,7 +46,7 @@ function startTileWorker() {
             const answer = await jobs[data.job](data);
             postMessage({id: data.id, ...answer}, answer.pixels ? [answer.pixels.buffer] : []);
         } catch (error) {
-            postMessage({id: data.id, error: String(error.message || error)});
+            postMessage({id: data.id, error: String(error.message || error), gone: !!file?.closed});
         }
     };
 }

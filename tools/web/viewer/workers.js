@@ -26,7 +26,8 @@ class Workers {
         const more = clamp((navigator.hardwareConcurrency || 2) - 1, 1, 4) - 1;
         for (let i = 0; i < more; ++i)
             this.workers.push(this.start());
-        this.opened = Promise.all(this.workers.slice(1).map(open));
+        // As many as there is memory for.
+        this.opened = Promise.all(this.workers.slice(1).map(worker => open(worker).catch(() => this.drop(worker))));
         return info;
     }
 
@@ -40,7 +41,13 @@ class Workers {
         return this.workers.reduce((sum, w) => sum + Math.max(0, Workers.jobsAhead - w.busy), 0);
     }
 
-    // By the worker with the least to do.
+    // No more jobs for it; what it was given it answers.
+    drop(worker) {
+        if (this.workers.length > 1)
+            this.workers = this.workers.filter(w => w !== worker);
+    }
+
+    // By the worker with the least to do. An error `elsewhere`: its file is gone, others may do the same job.
     run(job) {
         return this.job(this.workers.reduce((best, w) => w.busy < best.busy ? w : best), job);
     }
@@ -57,8 +64,10 @@ class Workers {
         --worker.busy;
         const {resolve, reject} = this.answers.get(data.id);
         this.answers.delete(data.id);
+        if (data.gone)
+            this.drop(worker);
         if (data.error)
-            reject(Error(data.error));
+            reject(Object.assign(Error(data.error), {elsewhere: data.gone && !this.workers.includes(worker)}));
         else
             resolve(data);
     }
