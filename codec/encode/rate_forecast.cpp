@@ -90,7 +90,8 @@ Status RateForecast::look_at_all(double log_step) {
     TESSERA_TRY_ASSIGN(
         const PassResult pass,
         run_pass(quick_, coding_parameters(std::exp2(log_step), quick_), 0, "search"));
-    shift_ = reached_by(pass, 1, quick_.texels_that_matter) - of_sample;
+    shift_ = std::clamp(reached_by(pass, 1, quick_.texels_that_matter) - of_sample, -most_shift,
+                        most_shift);
     return {};
 }
 

@@ -75,6 +75,7 @@ class Workers {
     broken(text) {
         this.answers.forEach(({reject}) => reject(Error(text)));
         this.answers.clear();
+        this.workers.forEach(worker => worker.busy = 0);
     }
 
     async read(worker, {read, offset, length}) {
