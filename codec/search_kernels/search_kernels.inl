@@ -7,57 +7,7 @@
 namespace tessera {
 namespace {
 
-constexpr int cost_lanes = 8;
-
-// Cost of one coefficient; log2 is the piecewise linear one that the float's own bits give.
-inline float one_cost(float a2, float base, float slope) {
-    const auto bits = static_cast<float>(__builtin_bit_cast(std::int32_t, a2) - 0x3F800000);
-    const float log2 = bits > 0.0f ? bits * 0x1p-23f : 0.0f;
-    const float coded = base + slope * log2;
-    return a2 < coded ? a2 : coded;
-}
-
-void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
-                             int last, int rows, int n, float* sums) {
-    for (int y = 0; y < rows; ++y) {
-        const int wanted = first + y;
-        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
-        const float* row = a + y * a_stride;
-        for (int x = 0; x < n; ++x) {
-            const float difference = row[x] - from[x];
-            sums[x] += difference * difference;
-        }
-    }
-}
-
-CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
-    float cost[cost_lanes] = {}, energy[cost_lanes] = {}, zeroed[cost_lanes] = {},
-          bases[cost_lanes] = {};
-    float coded[cost_lanes] = {};
-    const auto add = [&](int j, int at) {
-        const float a = x[at] * inverse_step, a2 = a * a;
-        const float one = one_cost(a2, base[at], slope);
-        const bool zero = one >= a2;
-        energy[j] += a2;
-        cost[j] += one;
-        zeroed[j] += zero ? a2 : 0.0f;
-        bases[j] += zero ? 0.0f : base[at];
-        coded[j] += zero ? 0.0f : 1.0f;
-    };
-    int i = 0;
-    for (; i + cost_lanes <= count; i += cost_lanes)
-        for (int j = 0; j < cost_lanes; ++j)
-            add(j, i + j);
-    for (; i < count; ++i)
-        add(0, i);
-    const auto sum = [](const float* s) {
-        return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-    };
-    return {sum(cost), sum(energy), sum(zeroed), sum(bases), sum(coded)};
-}
-
 // Vectors of the compiler: two halves where the instruction set has only 128 bits.
-typedef float Float16 __attribute__((vector_size(64)));
 typedef float Float8 __attribute__((vector_size(32)));
 typedef float Float4 __attribute__((vector_size(16)));
 typedef float Float2 __attribute__((vector_size(8)));
@@ -69,6 +19,81 @@ template <class Vector> inline Vector load(const float* from) {
 }
 template <class Vector> inline void store(float* to, const Vector& x) {
     __builtin_memcpy(to, &x, sizeof x);
+}
+
+typedef std::int32_t Int8 __attribute__((vector_size(32)));
+
+// The same of `count` vectors of the sums.
+template <class Vector, int count>
+inline void add_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
+                            int last, int rows, float* sums) {
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    Vector sum[count];
+    for (int i = 0; i < count; ++i)
+        sum[i] = load<Vector>(sums + i * width);
+    for (int y = 0; y < rows; ++y, a += a_stride) {
+        const int wanted = first + y;
+        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        for (int i = 0; i < count; ++i) {
+            const Vector difference = load<Vector>(a + i * width) - load<Vector>(from + i * width);
+            sum[i] += difference * difference;
+        }
+    }
+    for (int i = 0; i < count; ++i)
+        store(sums + i * width, sum[i]);
+}
+
+void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
+                             int last, int rows, int n, float* sums) {
+    int x = 0;
+    for (; x + 32 <= n; x += 32)
+        add_differences<Float8, 4>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
+    for (; x + 16 <= n; x += 16)
+        add_differences<Float8, 2>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
+    for (; x + 8 <= n; x += 8)
+        add_differences<Float8, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
+    for (; x + 4 <= n; x += 4)
+        add_differences<Float4, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
+    for (; x < n; ++x)
+        add_differences<float, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
+}
+
+constexpr int cost_lanes = 8;
+
+// Partial sums of coding_cost.
+struct CostLanes {
+    Float8 cost{}, energy{}, zeroed{}, bases{}, coded{};
+
+    // log2 is the piecewise linear one that the float's own bits give.
+    void add(const Float8& x, const Float8& base, float inverse_step, float slope) {
+        const Float8 zero{}, a = x * inverse_step, a2 = a * a;
+        const Float8 bits =
+            __builtin_convertvector(__builtin_bit_cast(Int8, a2) - 0x3F800000, Float8);
+        const Float8 log2 = bits > zero ? bits * 0x1p-23f : zero;
+        const Float8 if_coded = base + slope * log2;
+        const Float8 one = a2 < if_coded ? a2 : if_coded;
+        energy += a2;
+        cost += one;
+        zeroed += one >= a2 ? a2 : zero;
+        bases += one >= a2 ? zero : base;
+        coded += one >= a2 ? zero : zero + 1.0f;
+    }
+};
+
+inline float sum_of(const Float8& s) {
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+}
+
+CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
+    CostLanes lanes;
+    int i = 0;
+    for (; i + cost_lanes <= count; i += cost_lanes)
+        lanes.add(load<Float8>(x + i), load<Float8>(base + i), inverse_step, slope);
+    // What is left goes to the first lane; a 0 adds nothing.
+    for (; i < count; ++i)
+        lanes.add(Float8{x[i]}, Float8{base[i]}, inverse_step, slope);
+    return {sum_of(lanes.cost), sum_of(lanes.energy), sum_of(lanes.zeroed), sum_of(lanes.bases),
+            sum_of(lanes.coded)};
 }
 
 // Basis of a butterfly: even[k][x] for frequency 2k, odd[k][x] for 2k + 1, x in the first half; and
@@ -126,51 +151,114 @@ template <int n> void image_columns(const float* in, int stride, int nu, float* 
         column_vector<n, forward_kept(n), Float4>(in + u, stride, nu, tmp + u);
 }
 
-// Rows of tmp, two at a time, into even and odd frequencies; Vector holds half of those kept.
+// Rows of tmp, two at a time, into even and odd frequencies; as many at once as Vector holds.
 template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
     using Basis = SplitBasis<n, forward_kept(n)>;
     const Basis& b = Basis::get();
-    for (int r = 0; r < rows; r += 2, tmp += 2 * n, out += 4 * Basis::kept) {
-        Vector e0{}, e1{}, o0{}, o1{};
-        for (int x = 0; x < Basis::half; ++x) {
-            const auto even = load<Vector>(b.even_t[x]), odd = load<Vector>(b.odd_t[x]);
-            e0 += even * (tmp[x] + tmp[n - 1 - x]);
-            o0 += odd * (tmp[x] - tmp[n - 1 - x]);
-            e1 += even * (tmp[n + x] + tmp[2 * n - 1 - x]);
-            o1 += odd * (tmp[n + x] - tmp[2 * n - 1 - x]);
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    for (int r = 0; r < rows; r += 2, tmp += 2 * n, out += 4 * Basis::kept)
+        for (int k = 0; k < Basis::kept; k += width) {
+            Vector e0{}, e1{}, o0{}, o1{};
+            for (int x = 0; x < Basis::half; ++x) {
+                const auto even = load<Vector>(b.even_t[x] + k),
+                           odd = load<Vector>(b.odd_t[x] + k);
+                e0 += even * (tmp[x] + tmp[n - 1 - x]);
+                o0 += odd * (tmp[x] - tmp[n - 1 - x]);
+                e1 += even * (tmp[n + x] + tmp[2 * n - 1 - x]);
+                o1 += odd * (tmp[n + x] - tmp[2 * n - 1 - x]);
+            }
+            store(out + k, e0);
+            store(out + Basis::kept + k, o0);
+            store(out + 2 * Basis::kept + k, e1);
+            store(out + 3 * Basis::kept + k, o1);
         }
-        store(out, e0);
-        store(out + Basis::kept, o0);
-        store(out + 2 * Basis::kept, e1);
-        store(out + 3 * Basis::kept, o1);
+}
+
+// Any side, as sums in the order of x: one vector of frequencies of `rows` signals. Their values lie `step`
+// apart, the signals `stride`; of frequency k to out[k * out_step].
+template <class Vector>
+inline void plain_frequencies(const float* in, int step, int stride, int rows, int n,
+                              const float* basis_t, float* out, int out_step, int out_stride) {
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    const auto put = [&](const Vector& sum, float* to) {
+        if (out_step == 1) {
+            store(to, sum);
+            return;
+        }
+        float each[width];
+        store(each, sum);
+        for (int k = 0; k < width; ++k)
+            to[k * out_step] = each[k];
+    };
+    int r = 0;
+    // Two at a time share the loads.
+    for (; r + 2 <= rows; r += 2, in += 2 * stride, out += 2 * out_stride) {
+        Vector first{}, second{};
+        for (int x = 0; x < n; ++x) {
+            const auto b = load<Vector>(basis_t + x * n);
+            first += b * in[x * step];
+            second += b * in[x * step + stride];
+        }
+        put(first, out);
+        put(second, out + out_stride);
+    }
+    if (r < rows) {
+        Vector sum{};
+        for (int x = 0; x < n; ++x)
+            sum += load<Vector>(basis_t + x * n) * in[x * step];
+        put(sum, out);
     }
 }
 
-// Any side, as sums in the order of x: the lowest `kept` frequencies of a row in natural order.
-inline void plain_row(const float* in, int n, int kept, const float* basis_t, float* out) {
-    for (int k = 0; k < kept; ++k)
-        out[k] = 0;
-    for (int x = 0; x < n; ++x) {
-        const float value = in[x];
-        for (int k = 0; k < kept; ++k)
-            out[k] += value * basis_t[x * n + k];
+// The lowest `kept` frequencies of such signals in natural order.
+inline void plain_rows(const float* in, int step, int stride, int rows, int n, int kept,
+                       const float* basis_t, float* out, int out_step, int out_stride) {
+    int k = 0;
+    const auto some = [&](auto vector) {
+        using Vector = decltype(vector);
+        for (; k + static_cast<int>(sizeof(Vector) / sizeof(float)) <= kept;
+             k += static_cast<int>(sizeof(Vector) / sizeof(float)))
+            plain_frequencies<Vector>(in, step, stride, rows, n, basis_t + k, out + k * out_step,
+                                      out_step, out_stride);
+    };
+    some(Float8{});
+    some(Float4{});
+    some(Float2{});
+    some(float{});
+}
+
+// One vector of columns, whose values lie `stride` apart; of frequency k to out[k * out_stride].
+template <class Vector>
+inline void plain_column_vector(const float* in, int stride, int n, int kept, const float* basis_t,
+                                float* out, int out_stride) {
+    int k = 0;
+    for (; k + 2 <= kept; k += 2) {
+        Vector first{}, second{};
+        for (int x = 0; x < n; ++x) {
+            const auto value = load<Vector>(in + x * stride);
+            first += value * basis_t[x * n + k];
+            second += value * basis_t[x * n + k + 1];
+        }
+        store(out + k * out_stride, first);
+        store(out + (k + 1) * out_stride, second);
+    }
+    if (k < kept) {
+        Vector sum{};
+        for (int x = 0; x < n; ++x)
+            sum += load<Vector>(in + x * stride) * basis_t[x * n + k];
+        store(out + k * out_stride, sum);
     }
 }
 
-// The same of columns begin .. end - 1, whose values lie `stride` apart; of frequency k to out[k * out_stride].
 inline void plain_columns(const float* in, int stride, int n, int kept, int begin, int end,
                           const float* basis_t, float* out, int out_stride) {
-    for (int k = 0; k < kept; ++k) {
-        float* to = out + k * out_stride;
-        for (int u = begin; u < end; ++u)
-            to[u] = 0;
-        for (int x = 0; x < n; ++x) {
-            const float* row = in + x * stride;
-            const float b = basis_t[x * n + k];
-            for (int u = begin; u < end; ++u)
-                to[u] += row[u] * b;
-        }
-    }
+    int u = begin;
+    for (; u + 8 <= end; u += 8)
+        plain_column_vector<Float8>(in + u, stride, n, kept, basis_t, out + u, out_stride);
+    for (; u + 4 <= end; u += 4)
+        plain_column_vector<Float4>(in + u, stride, n, kept, basis_t, out + u, out_stride);
+    // The last few side by side in frequencies.
+    plain_rows(in + u, stride, 1, end - u, n, kept, basis_t, out + u, out_stride, 1);
 }
 
 // All frequencies of a row in natural order, by even and odd halves.
@@ -206,8 +294,7 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
     case 64:
         return forward_rows_split<64, Float8>(in, out, rows, stride);
     default:
-        for (int r = 0; r < rows; ++r)
-            plain_row(in + r * stride, n, n, basis_t, out + r * stride);
+        plain_rows(in, 1, stride, rows, n, n, basis_t, out, 1, stride);
     }
 }
 
@@ -255,7 +342,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
         plain_columns(in, stride, nv, forward_kept(nv), 0, nu, forward_basis(nv), tmp, nu);
     const int rows = forward_kept(nv);
     if (nu == 64 && rows % 2 == 0)
-        image_rows<64, Float16>(tmp, rows, out);
+        image_rows<64, Float8>(tmp, rows, out);
     else if (nu == 32 && rows % 2 == 0)
         image_rows<32, Float8>(tmp, rows, out);
     else if (nu == 16 && rows % 2 == 0)
@@ -266,9 +353,13 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
         image_rows<4, Float2>(tmp, rows, out);
     else {
         const int kept = forward_kept(nu);
+        if (forward_order(nu, 1) == 1) {
+            plain_rows(tmp, 1, nu, rows, nu, kept, forward_basis(nu), out, 1, kept);
+            return;
+        }
         float row[max_tile_side];
         for (int r = 0; r < rows; ++r) {
-            plain_row(tmp + r * nu, nu, kept, forward_basis(nu), row);
+            plain_rows(tmp + r * nu, 1, nu, 1, nu, kept, forward_basis(nu), row, 1, kept);
             for (int i = 0; i < kept; ++i)
                 *out++ = row[forward_order(nu, i)];
         }
