@@ -540,7 +540,8 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
         return cost + unseen + luck;
     rotated_.resize(std::max(rotated_.size(), static_cast<std::size_t>(count)));
     float rotated = others + options_.lambda * rotation_symbol_bits;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Every axis costs something: what is dearer already stays so.
+    for (std::size_t axis = 0; axis < 3 && rotated < cost; ++axis) {
         project_colours(colours, rotation, axis, rotated_.data());
         rotated +=
             plane_cost(k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope),

@@ -3,6 +3,7 @@
 #include "format/tile/colour_rotation.h"
 
 #include <array>
+#include <cstdint>
 
 namespace tessera {
 namespace {
@@ -38,16 +39,31 @@ float dot(const Vector& a, const Vector& b) {
 std::array<Vector, 3> kept_moments(const ColourCoefficients& block, float threshold) {
     std::array<Vector, 3> moments{};
     const float least = threshold * threshold;
-    for (std::size_t i = 0; i < block.count; ++i) {
+    // Squared length in RGB, from the planes, so that most coefficients stop there.
+    const auto is_kept = [&](std::size_t i) {
         const float y = block.plane[0][i], co = block.plane[1][i], cg = block.plane[2][i];
-        // Squared length in RGB, from the planes, so that most coefficients stop here.
-        if (3 * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg < least)
-            continue;
-        const Vector x = rgb_of(y, co, cg);
+        return 3 * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg >= least;
+    };
+    const auto add = [&](std::size_t i) {
+        const Vector x = rgb_of(block.plane[0][i], block.plane[1][i], block.plane[2][i]);
         for (std::size_t a = 0; a < 3; ++a)
             for (std::size_t b = 0; b < 3; ++b)
                 moments[a][b] += x[a] * x[b];
+    };
+    constexpr std::size_t at_once = 16; // without branches
+    std::size_t begin = 0;
+    for (; begin + at_once <= block.count; begin += at_once) {
+        std::int32_t any = 0;
+        for (std::size_t i = 0; i < at_once; ++i)
+            any |= is_kept(begin + i) ? 1 : 0;
+        if (any != 0)
+            for (std::size_t i = 0; i < at_once; ++i)
+                if (is_kept(begin + i))
+                    add(begin + i);
     }
+    for (; begin < block.count; ++begin)
+        if (is_kept(begin))
+            add(begin);
     return moments;
 }
 

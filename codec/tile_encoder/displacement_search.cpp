@@ -70,6 +70,7 @@ void DisplacementSearch::set_candidates(int direction, const DisplacementRange& 
     const int most_u = direction == 0 ? range.along : range.across;
     const int most_v = direction == 0 ? range.across : range.along;
     candidates_.clear();
+    candidates_u_ = static_cast<std::size_t>((most_u - (-most_u & ~1)) / 2 + 1);
     for (int v = -most_v & ~1; v <= most_v; v += 2)
         for (int u = -most_u & ~1; u <= most_u; u += 2)
             candidates_.push_back({static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)});
@@ -99,9 +100,10 @@ float DisplacementSearch::bits_of(const Displacement& d,
                                                                              2 * max_displacement)];
 }
 
-void DisplacementSearch::measure(const Displacement& d, const Segment& u, const Segment& v,
-                                 float* sums) const {
+void DisplacementSearch::measure(const Displacement& d, const Segment& u,
+                                 std::span<const Segment> cells_v, float* sums) const {
     const int nu = tile_.n[0], nv = tile_.n[1];
+    const SearchKernels& k = search_kernels();
     for (int y = t_.begin; y < t_.begin + t_.size; ++y)
         for (int x = s_.begin; x < s_.begin + s_.size; ++x) {
             const int steps = 1 + (direction_ == 0 ? x - s_.begin : y - t_.begin);
@@ -112,17 +114,21 @@ void DisplacementSearch::measure(const Displacement& d, const Segment& u, const 
                 phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
             // Past a tile's width there is nothing but its edge.
             const int moved_u = std::clamp(half_u >> 1, -nu, nu);
-            search_kernels().add_squared_differences(
-                source_ + ((y * tile_.n[2] + x) * nv + v.begin) * nu + u.begin, nu,
-                phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u, 3 * nu,
-                v.begin + (half_v >> 1), nv - 1, v.size, u.size, sums);
+            const float* own = source_ + (y * tile_.n[2] + x) * nv * nu + u.begin;
+            const float* copied = phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u;
+            float* to = sums;
+            for (const Segment& v : cells_v) {
+                k.add_squared_differences(own + v.begin * nu, nu, copied, 3 * nu,
+                                          v.begin + (half_v >> 1), nv - 1, v.size, u.size, to);
+                to += u.size;
+            }
         }
 }
 
 float DisplacementSearch::error_of(const Displacement& d, const Segment& u,
                                    const Segment& v) const {
     float sums[max_tile_side] = {};
-    measure(d, u, v, sums);
+    measure(d, u, {&v, 1}, sums);
     return sum_over(sums, {0, u.size});
 }
 
@@ -131,13 +137,18 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     const Axes& finest = spatial.back();
     const std::size_t count = candidates_.size();
     const Segment row{0, tile_.n[0]};
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t cv = 0; cv < finest[1].size(); ++cv) {
-            float sums[max_tile_side] = {};
-            measure(candidates_[i], row, finest[1][cv], sums);
-            for (std::size_t cu = 0; cu < finest[0].size(); ++cu)
-                errors_[(cv * finest[0].size() + cu) * count + i] = sum_over(sums, finest[0][cu]);
-        }
+    const auto width = static_cast<std::size_t>(row.size);
+    sums_.resize(finest[1].size() * width);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::fill(sums_.begin(), sums_.end(), 0.0f);
+        measure(candidates_[i], row, finest[1], sums_.data());
+        float* to = errors_.data() + i;
+        for (std::size_t cv = 0; cv < finest[1].size(); ++cv)
+            for (const Segment& u : finest[0]) {
+                *to = sum_over(sums_.data() + cv * width, u);
+                to += count;
+            }
+    }
     float* fine = errors_.data();
     for (std::size_t depth = spatial.size() - 1; depth-- > 0;) {
         const std::size_t fine_width = spatial[depth + 1][0].size();
@@ -154,12 +165,41 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     }
 }
 
+// own[i] and what the bits of candidate i cost, bit by bit as bits_of has them.
+void DisplacementSearch::total_candidates(const float* own,
+                                          const std::array<Displacement, 2>& known,
+                                          float bit_cost) {
+    const std::size_t width = candidates_u_;
+    const auto component = [&](std::size_t which, int d, int from) {
+        return component_bits_[which][static_cast<std::size_t>(d - from + 2 * max_displacement)];
+    };
+    std::array<float, 2 * max_displacement + 1> bits_u;
+    for (std::size_t i = 0; i < width; ++i)
+        bits_u[i] = kind_bits_[2] + component(0, candidates_[i].u, known[0].u);
+    totals_.resize(candidates_.size());
+    for (std::size_t row = 0; row < candidates_.size(); row += width) {
+        const float bits_v = component(1, candidates_[row].v, known[0].v);
+        const float* from = own + row;
+        float* to = totals_.data() + row;
+        for (std::size_t i = 0; i < width; ++i)
+            to[i] = from[i] + bit_cost * (bits_u[i] + bits_v);
+    }
+    // The two before have bits of their own, half texels no place here.
+    const Displacement& first = candidates_.front();
+    for (const std::size_t kind : {std::size_t{1}, std::size_t{0}}) {
+        const int u = known[kind].u - first.u, v = known[kind].v - first.v;
+        const auto at = static_cast<std::size_t>(v / 2) * width + static_cast<std::size_t>(u / 2);
+        if (u >= 0 && v >= 0 && u / 2 < static_cast<int>(width) && at < candidates_.size() &&
+            candidates_[at] == known[kind])
+            totals_[at] = own[at] + bit_cost * kind_bits_[kind];
+    }
+}
+
 // Cells in the order of the split tree: each may repeat the displacement of one of the two before.
 void DisplacementSearch::choose(const Axes& cells, const float* errors, bool half, float bit_cost,
                                 Match* matches) {
     const auto width = cells[0].size(), height = cells[1].size();
     const std::size_t count = candidates_.size();
-    totals_.resize(count);
     std::array<Displacement, 2> known{};
     for (std::size_t place = 0; place < std::max(width, height) * std::max(width, height);
          ++place) {
@@ -172,10 +212,11 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
             continue;
         const Segment &u = cells[0][cu], &v = cells[1][cv];
         const float* own = errors + (cv * width + cu) * count;
-        for (std::size_t i = 0; i < count; ++i)
-            totals_[i] = own[i] + bit_cost * bits_of(candidates_[i], known);
-        const auto place_of_best = static_cast<std::size_t>(
-            std::min_element(totals_.begin(), totals_.end()) - totals_.begin());
+        total_candidates(own, known, bit_cost);
+        std::size_t place_of_best = 0;
+        for (std::size_t i = 1; i < count; ++i)
+            if (totals_[i] < totals_[place_of_best])
+                place_of_best = i;
         Match best{candidates_[place_of_best], own[place_of_best], 0};
         float least = totals_[place_of_best];
         const auto attempt = [&](const Displacement& d) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tessera {
@@ -47,8 +48,12 @@ private:
     void set_bits(int direction, const BitCosts& costs);
     void measure_all(const std::vector<Axes>& spatial);
     void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
-    // Squared error of the texels u, v of the angular cell in hand; adds to a sum a texel of u.
-    void measure(const Displacement& d, const Segment& u, const Segment& v, float* sums) const;
+    void total_candidates(const float* own, const std::array<Displacement, 2>& known,
+                          float bit_cost);
+    // Squared error of the texels u, v of the angular cell in hand, for each of some v; adds to a sum
+    // a texel of u.
+    void measure(const Displacement& d, const Segment& u, std::span<const Segment> cells_v,
+                 float* sums) const;
     float error_of(const Displacement& d, const Segment& u, const Segment& v) const;
     float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;
 
@@ -59,9 +64,10 @@ private:
     std::array<std::array<std::vector<float>, 2>, 2> phase_;
     int direction_ = 0;
     Segment s_, t_; // the angular cell in hand
-    std::vector<Displacement> candidates_;
+    std::vector<Displacement> candidates_; // row after row
+    std::size_t candidates_u_ = 0;         // of a row
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]
-    std::vector<float> totals_;
+    std::vector<float> totals_, sums_;
     std::array<float, displacement_kinds> kind_bits_{};
     std::array<std::vector<float>, 2> component_bits_; // of u, of v: [difference + 2 * max]
 };
