@@ -160,8 +160,7 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
         for (int k = 0; k < Basis::kept; k += width) {
             Vector e0{}, e1{}, o0{}, o1{};
             for (int x = 0; x < Basis::half; ++x) {
-                const auto even = load<Vector>(b.even_t[x] + k),
-                           odd = load<Vector>(b.odd_t[x] + k);
+                const auto even = load<Vector>(b.even_t[x] + k), odd = load<Vector>(b.odd_t[x] + k);
                 e0 += even * (tmp[x] + tmp[n - 1 - x]);
                 o0 += odd * (tmp[x] - tmp[n - 1 - x]);
                 e1 += even * (tmp[n + x] + tmp[2 * n - 1 - x]);

@@ -51,29 +51,6 @@ struct TileLevels {
         predictions.clear();
         order.clear();
     }
-    // Ends of colours, planes and nonzeros, for an encoder that tries and takes back.
-    struct Mark {
-        std::size_t colours, planes, nonzeros;
-    };
-    Mark mark() const { return {colours.size(), planes.size(), nonzeros.size()}; }
-    void rewind(const Mark& to) {
-        colours.resize(to.colours);
-        planes.resize(to.planes);
-        nonzeros.resize(to.nonzeros);
-    }
-    bool is_empty_since(const Mark& mark) const { return nonzeros.size() == mark.nonzeros; }
-    // Removes what lies between two marks and moves the rest down.
-    void remove(const Mark& from, const Mark& to) {
-        const auto cut = [](auto& items, std::size_t begin, std::size_t end) {
-            items.erase(items.begin() + static_cast<std::ptrdiff_t>(begin),
-                        items.begin() + static_cast<std::ptrdiff_t>(end));
-        };
-        cut(colours, from.colours, to.colours);
-        cut(planes, from.planes, to.planes);
-        cut(nonzeros, from.nonzeros, to.nonzeros);
-        for (std::size_t i = from.planes; i < planes.size(); ++i)
-            planes[i].first -= static_cast<std::uint32_t>(to.nonzeros - from.nonzeros);
-    }
     bool copies(std::size_t block) const {
         return !predictions.empty() && predictions[block].copies();
     }

@@ -535,7 +535,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     const ColourCoefficients colours{
         {coefficients_[0].data(), coefficients_[1].data(), coefficients_[2].data()},
         static_cast<std::size_t>(count)};
-    const int rotation = choose_rotation(colours, coding_.parameters, -1);
+    const int rotation = choose_rotation(kept_moments(colours, coding_.parameters), -1);
     if (rotation < 0)
         return cost + unseen + luck;
     rotated_.resize(std::max(rotated_.size(), static_cast<std::size_t>(count)));

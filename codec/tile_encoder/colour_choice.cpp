@@ -35,9 +35,11 @@ float dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// Second moments of the coefficients, in RGB, that are large enough to be kept.
-std::array<Vector, 3> kept_moments(const ColourCoefficients& block, float threshold) {
-    std::array<Vector, 3> moments{};
+} // namespace
+
+ColourMoments kept_moments(const ColourCoefficients& block, const CodingParameters& parameters) {
+    ColourMoments moments{};
+    const float threshold = 0.6f * static_cast<float>(parameters.rotated_step.value());
     const float least = threshold * threshold;
     // Squared length in RGB, from the planes, so that most coefficients stop there.
     const auto is_kept = [&](std::size_t i) {
@@ -67,11 +69,7 @@ std::array<Vector, 3> kept_moments(const ColourCoefficients& block, float thresh
     return moments;
 }
 
-} // namespace
-
-int choose_rotation(const ColourCoefficients& block, const CodingParameters& parameters, int last) {
-    const auto moments =
-        kept_moments(block, 0.6f * static_cast<float>(parameters.rotated_step.value()));
+int choose_rotation(const ColourMoments& moments, int last) {
     const auto energy_along = [&](int rotation) {
         const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][0];
         return dot(d, {dot(moments[0], d), dot(moments[1], d), dot(moments[2], d)});

@@ -15,9 +15,13 @@ struct ColourCoefficients {
     std::size_t count;
 };
 
-// The rotation whose first axis gathers most of the energy that quantisation keeps; `last` (unless
-// -1) if it is about as good, since it costs fewer bits; -1 if the block keeps none.
-int choose_rotation(const ColourCoefficients& block, const CodingParameters& parameters, int last);
+// Second moments, in RGB, of the coefficients that are large enough for quantisation to keep them.
+using ColourMoments = std::array<std::array<float, 3>, 3>;
+ColourMoments kept_moments(const ColourCoefficients& block, const CodingParameters& parameters);
+
+// The rotation whose first axis gathers most of that energy; `last` (unless -1) if it is about as good,
+// since it costs fewer bits; -1 if nothing is kept.
+int choose_rotation(const ColourMoments& moments, int last);
 
 // The coefficients on axis 0, 1 or 2 of a rotation.
 void project_colours(const ColourCoefficients& block, int rotation, std::size_t axis, float* out);

@@ -63,7 +63,7 @@ private:
     // width past both edges.
     std::array<std::array<std::vector<float>, 2>, 2> phase_;
     int direction_ = 0;
-    Segment s_, t_; // the angular cell in hand
+    Segment s_, t_;                        // the angular cell in hand
     std::vector<Displacement> candidates_; // row after row
     std::size_t candidates_u_ = 0;         // of a row
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]

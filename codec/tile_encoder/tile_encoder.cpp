@@ -70,9 +70,11 @@ void TileEncoder::encode_filled(TileLevels& out) {
 
 // Returns what the tile costs: squared steps, a bit being worth lambda of them.
 float TileEncoder::encode_planes(TileLevels& out) {
+    const bool copies = coding_->predicts && settings_->search.copies.along != 0;
+    coded_.begin(copies);
     search_.choose_blocks(planes_, out);
-    float cost = encode_blocks(search_, out);
-    if (!coding_->predicts || settings_->search.copies.along == 0)
+    float cost = encode_blocks(search_, coded_, out);
+    if (!copies)
         return cost;
     // What the tile looks like without copies stands for what its blocks could copy; what it then
     // looks like, in a further round, is nearer to the truth. The cheapest of all rounds stays.
@@ -102,7 +104,8 @@ float TileEncoder::encode_planes(TileLevels& out) {
 // Codes a base picture, which decoded_ has then.
 void TileEncoder::encode_base(const TilePlanes& picture) {
     base_search_.choose_blocks(picture, base_.levels);
-    encode_blocks(base_search_, base_.levels);
+    base_coded_.begin(false);
+    encode_blocks(base_search_, base_coded_, base_.levels);
     base_bytes_.clear();
     encode_levels(base_.levels, {}, *coding_, base_bytes_);
     base_.cost = settings_->quantizer.lambda * 8 * static_cast<float>(base_bytes_.size());
@@ -180,12 +183,12 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
 }
 
 // Returns the tile's cost, as encode_copies does.
-float TileEncoder::encode_blocks(BlockSearch& search, TileLevels& out) {
+float TileEncoder::encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out) {
     last_rotation_ = 1;
     float cost = 0;
     for (const Block& block : out.blocks)
-        cost +=
-            encode_block(search, block, {}, out) + settings_->quantizer.lambda * usual_split_bits;
+        cost += encode_block(search, coded, block, {}, out) +
+                settings_->quantizer.lambda * usual_split_bits;
     return cost;
 }
 
@@ -285,14 +288,14 @@ void TileEncoder::consider_merge(const TileLevels& tile, const Siblings& sibling
 float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
     trial_.clear();
     const int rotation_before = last_rotation_;
-    const float chosen = encode_block(search_, block, prediction, trial_);
+    const float chosen = encode_block(search_, coded_, block, prediction, trial_);
     if (!prediction.copies())
         return chosen;
     const float copied = chosen + settings_->quantizer.lambda * usual_prediction_bits;
     const int rotation_after = last_rotation_;
     last_rotation_ = rotation_before;
     other_trial_.clear();
-    const float own = encode_block(search_, block, {}, other_trial_);
+    const float own = encode_block(search_, coded_, block, {}, other_trial_);
     if (own < copied) {
         std::swap(trial_, other_trial_);
         prediction = {};
@@ -303,36 +306,60 @@ float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
 }
 
 // Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
-float TileEncoder::encode_block(BlockSearch& search, const Block& block,
+float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
                                 const BlockPrediction& prediction, TileLevels& out) {
-    search.transform_block(block, prediction, decoded_, coefficients_);
-    const TileLevels::Mark mark = out.mark();
+    CodedBlock& own = coded.at(block, prediction);
+    bool transformed = false;
+    const auto transform = [&] {
+        if (!transformed)
+            search.transform_block(block, prediction, decoded_, coefficients_);
+        transformed = true;
+    };
+    if (prediction.copies()) {
+        transform();
+        coded.check(own, coefficients_, coding_->planes);
+    }
     // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
     // orthogonal: costs relative to it would not compare.
-    const float plain = quantizer_.quantize(coefficients_, out) + quantizer_.energy(coefficients_);
-    if (!coding_->rotates || !settings_->rotate_colours || out.is_empty_since(mark))
-        return plain;
-    const int rotation =
-        choose_rotation({{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
-                          coefficients_.plane[2].data()},
-                         static_cast<std::size_t>(block.shape.texels())},
-                        coding_->parameters, last_rotation_ - 1);
-    if (rotation < 0)
-        return plain;
-    rotate_colours(coefficients_, rotation, rotated_);
-    const TileLevels::Mark second = out.mark();
-    const auto& bits = costs_->colour[1];
-    const float lambda = settings_->quantizer.lambda;
-    const float rotated = quantizer_.quantize(rotated_, out) + quantizer_.energy(rotated_) +
-                          lambda * (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
-    // A block whose first plane is empty has no colour symbol.
-    if (rotated < plain && out.planes[second.planes].coded_length > 0) {
-        out.remove(mark, second);
-        last_rotation_ = rotation + 1;
-        return rotated;
+    const auto way = [&](int colour) {
+        for (const CodedBlock::Way& known : own.ways)
+            if (known.colour == colour)
+                return known;
+        transform();
+        if (colour != 0)
+            rotate_colours(coefficients_, colour - 1, rotated_);
+        const BlockCoefficients& block_coefficients = colour != 0 ? rotated_ : coefficients_;
+        const std::size_t planes = coded.levels().planes.size();
+        const float cost = quantizer_.quantize(block_coefficients, coded.levels()) +
+                           quantizer_.energy(block_coefficients);
+        return own.ways.emplace_back(CodedBlock::Way{colour, cost, planes});
+    };
+    const CodedBlock::Way plain = way(0);
+    const auto take = [&](const CodedBlock::Way& chosen, float cost) {
+        coded.append(chosen, coding_->planes, out);
+        return cost;
+    };
+    if (!coding_->rotates || !settings_->rotate_colours || coded.is_zero(plain, coding_->planes))
+        return take(plain, plain.cost);
+    if (!own.moments) {
+        transform();
+        own.moments = kept_moments({{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
+                                     coefficients_.plane[2].data()},
+                                    static_cast<std::size_t>(block.shape.texels())},
+                                   coding_->parameters);
     }
-    out.rewind(second);
-    return plain;
+    const int rotation = choose_rotation(*own.moments, last_rotation_ - 1);
+    if (rotation < 0)
+        return take(plain, plain.cost);
+    const CodedBlock::Way rotated = way(rotation + 1);
+    const auto& bits = costs_->colour[1];
+    const float cost = rotated.cost + settings_->quantizer.lambda *
+                                          (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
+    // A block whose first plane is empty has no colour symbol.
+    if (cost >= plain.cost || coded.first_plane(rotated).coded_length == 0)
+        return take(plain, plain.cost);
+    last_rotation_ = rotation + 1;
+    return take(rotated, cost);
 }
 
 } // namespace tessera

@@ -7,6 +7,7 @@
 #include "codec/tile/tile_texels.h"
 #include "codec/tile_encoder/block_quantizer.h"
 #include "codec/tile_encoder/block_search.h"
+#include "codec/tile_encoder/coded_blocks.h"
 #include "codec/tile_encoder/dont_care.h"
 #include "codec/tile_encoder/effort_settings.h"
 #include "codec/tile_encoder/tree_edits.h"
@@ -32,7 +33,7 @@ public:
 private:
     void encode_filled(TileLevels& out);
     float encode_planes(TileLevels& out);
-    float encode_blocks(BlockSearch& search, TileLevels& out);
+    float encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out);
     // A base picture, coded as a tile of its own, and what its bits cost.
     struct Base {
         TileLevels levels;
@@ -56,8 +57,8 @@ private:
     void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
     float encode_best(const Block& block, BlockPrediction& prediction);
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
-    float encode_block(BlockSearch& search, const Block& block, const BlockPrediction& prediction,
-                       TileLevels& out);
+    float encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
+                       const BlockPrediction& prediction, TileLevels& out);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -71,6 +72,7 @@ private:
     std::vector<std::byte> base_bytes_;
     DontCare dont_care_;
     ReconstructScratch scratch_;
+    CodedBlocks coded_, base_coded_; // by search_ and base_search_
     BlockCoefficients coefficients_, rotated_;
     TileLevels trial_, other_trial_, kept_trial_, copies_;
 };
