@@ -137,6 +137,18 @@ private:
     std::map<std::string, int> images_;
 };
 
+// Triangulation ends the process where a face has no corners.
+Status check_faces(const aiScene& scene) {
+    for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+        const aiMesh& mesh = *scene.mMeshes[i];
+        for (unsigned k = 0; k < mesh.mNumFaces; ++k)
+            if (mesh.mFaces[k].mNumIndices == 0)
+                return {ErrorCode::invalid_file, "face " + std::to_string(k) + " of mesh " +
+                                                     std::to_string(i) + " has no corners"};
+    }
+    return {};
+}
+
 } // namespace
 
 Status read_with_assimp(const std::string& path, ModelBuilder& builder) {
@@ -148,9 +160,13 @@ Status read_with_assimp(const std::string& path, ModelBuilder& builder) {
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene = importer.ReadFile(
-        path, aiProcess_Triangulate | aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |
-                  aiProcess_SortByPType | aiProcess_ValidateDataStructure);
+    const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
+    if (scene) {
+        TESSERA_TRY(check_faces(*scene));
+        scene =
+            importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_GenSmoothNormals |
+                                         aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
+    }
     if (!scene)
         return {ErrorCode::invalid_file,
                 std::string("cannot be read: ") + importer.GetErrorString()};

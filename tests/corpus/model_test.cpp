@@ -145,6 +145,8 @@ TEST_F(Models, ObjAndPly) {
     ASSERT_TRUE(ply.ok()) << ply.status().message();
     EXPECT_EQ(ply->triangles.size(), 1u);
     EXPECT_FALSE(load("cut.ply", head.substr(0, head.size() - 12)).ok()); // for ever, once
+    EXPECT_FALSE(
+        load("none.ply", head + "0 0 0\n1 0 0\n0 1 0\n0\n").ok()); // ended the process, once
     EXPECT_FALSE(load("b.ply", head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").ok());
     EXPECT_FALSE(load("b.obj", "v 0 0 0\n").ok());
     EXPECT_FALSE(load("c.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").ok());
