@@ -182,13 +182,13 @@ private:
     Result<RateOutcome> to_psnr(double psnr) {
         // Another pass over a baker costs minutes, so it has to buy more. The aim is inside the tolerance,
         // so that one more pass usually ends it.
-        const double tolerance = (plan_.source.cheap_to_reread() ? 0.05 : 0.15) / 6.0206;
-        return iterate({-psnr / 6.0206, tolerance, tolerance / 2, false});
+        const double tolerance = (plan_.source.cheap_to_reread() ? 0.05 : 0.15) / db_per_doubling;
+        return iterate({place_of_psnr(psnr), tolerance, tolerance / 2, false});
     }
 
     Result<RateOutcome> to_bytes(double bytes) {
         const double tolerance = std::log2(1 / 0.98);
-        return iterate({-std::log2(bytes), tolerance, tolerance / 3, true});
+        return iterate({place_of_bytes(bytes), tolerance, tolerance / 3, true});
     }
 
     // A target on the axis of RatePoint.
@@ -243,8 +243,8 @@ private:
             TESSERA_TRY(prepare_at(log_step));
             TESSERA_TRY_ASSIGN(PassResult pass, whole_pass(at(log_step)));
             const double reached =
-                goal.bytes ? -std::log2(static_cast<double>(pass.totals.file_bytes))
-                           : -pass.psnr(plan_.colour.desc, plan_.texels_that_matter) / 6.0206;
+                goal.bytes ? place_of_bytes(static_cast<double>(pass.totals.file_bytes))
+                           : place_of_psnr(pass.psnr(plan_.colour.desc, plan_.texels_that_matter));
             points.push_back({log_step, reached});
             const double slack = goal.slack(reached);
             const bool is_better =

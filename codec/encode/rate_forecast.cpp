@@ -64,8 +64,9 @@ RateForecast::RateForecast(const EncodePlan& plan, const Sample& sample, bool by
              static_cast<double>(texel_count(plan.grid.size()))) {}
 
 double RateForecast::reached_by(const PassResult& pass, double share, std::uint64_t texels) const {
-    return bytes_ ? -std::log2(static_cast<double>(pass.payload_bytes() + 1) / share + head_bytes)
-                  : -pass.psnr(quick_.colour.desc, texels) / 6.0206;
+    return bytes_
+               ? place_of_bytes(static_cast<double>(pass.payload_bytes() + 1) / share + head_bytes)
+               : place_of_psnr(pass.psnr(quick_.colour.desc, texels));
 }
 
 double RateForecast::reached_by_sample(const PassResult& pass) const {

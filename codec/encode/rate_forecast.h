@@ -3,6 +3,7 @@
 
 #include "codec/pass/encode_pass.h"
 
+#include <cmath>
 #include <vector>
 
 namespace tessera {
@@ -11,6 +12,13 @@ namespace tessera {
 struct RatePoint {
     double log_step = 0, reached = 0;
 };
+constexpr double db_per_doubling = 6.0206; // of the step
+inline double place_of_psnr(double db) {
+    return -db / db_per_doubling;
+}
+inline double place_of_bytes(double bytes) {
+    return -std::log2(bytes);
+}
 
 // The steps that a target may end at.
 struct StepRange {
