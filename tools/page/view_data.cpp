@@ -5,6 +5,7 @@
 #include "tools/view/outside_colour.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
@@ -83,13 +84,17 @@ void add_triangles(const SurfaceMesh& mesh, Bytes& out) {
     add_column(corners, 4, out);
 }
 
-void add_charts(const AtlasMips& mips, Bytes& out) {
-    const auto atlas = mips.size(0);
-    const std::uint32_t width = atlas[0] + mips.size(1)[0];
+// Width and height of the picture of charts: the atlas, and right of it its mips, each below the last.
+std::array<std::uint32_t, 2> chart_picture_size(const AtlasMips& mips) {
     std::uint32_t below = 0;
     for (unsigned mip = 1; mip <= mips.count(); ++mip)
         below += mips.size(mip)[1];
-    Column picture(std::size_t{width} * std::max(atlas[1], below), 0);
+    return {mips.size(0)[0] + mips.size(1)[0], std::max(mips.size(0)[1], below)};
+}
+
+void add_charts(const AtlasMips& mips, Bytes& out) {
+    const auto [width, height] = chart_picture_size(mips);
+    Column picture(std::size_t{width} * height, 0);
     std::unordered_map<std::uint32_t, std::uint32_t> numbers{{0, 0}};
     for (unsigned mip = 0, first = 0; mip <= mips.count();
          first += mip > 0 ? mips.size(mip)[1] : 0, ++mip) {
@@ -99,7 +104,7 @@ void add_charts(const AtlasMips& mips, Bytes& out) {
                 const auto next =
                     static_cast<std::uint32_t>((numbers.size() - 1) % most_charts + 1);
                 const std::uint32_t chart = mips.charts(mip)[std::size_t{v} * across + u];
-                const std::size_t column = u + (mip > 0 ? atlas[0] : 0);
+                const std::size_t column = u + (mip > 0 ? mips.size(0)[0] : 0);
                 picture[(first + v) * std::size_t{width} + column] =
                     numbers.emplace(chart, next).first->second;
             }
@@ -109,11 +114,10 @@ void add_charts(const AtlasMips& mips, Bytes& out) {
 
 // WebGL has textures of 8192 texels a side wherever it matters.
 bool fits_a_browser(const AtlasMips& mips) {
-    std::uint32_t below = 0;
-    for (unsigned mip = 1; mip <= mips.count(); ++mip)
-        below += mips.size(mip)[1];
-    return mips.count() > 0 && mips.size(0)[0] + mips.size(1)[0] <= 8192 &&
-           std::max(mips.size(0)[1], below) <= 8192;
+    if (mips.count() == 0)
+        return false;
+    const auto [width, height] = chart_picture_size(mips);
+    return width <= 8192 && height <= 8192;
 }
 
 nlohmann::json add_mesh(const MeshSurface& surface, const TileGrid& tiles, Bytes& out) {
