@@ -65,11 +65,9 @@ Result<Kit> make_kit() {
         }
     }
     if (kit.wasm.empty())
-        return Status(
-            ErrorCode::unsupported,
-            "this program was built without the decoder for browsers: install the packages "
-            "clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 "
-            "libclang-rt-19-dev-wasm32 wasi-libc, and build it again");
+        return Status(ErrorCode::unsupported,
+                      "this program was built without the decoder for browsers: install the "
+                      "packages " TESSERA_WASM_PACKAGES ", and build it again");
     all = lengths.dump() + "\n" + all;
     TESSERA_TRY_ASSIGN(kit.packed, gzip(std::as_bytes(std::span(all))));
     return kit;
