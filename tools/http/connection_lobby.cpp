@@ -9,6 +9,7 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -40,13 +41,25 @@ ConnectionLobby::ConnectionLobby(const LobbyLimits& limits, Answer answer)
     epoll_event event = {};
     event.events = EPOLLIN;
     event.data.fd = wake_;
-    ::epoll_ctl(epoll_, EPOLL_CTL_ADD, wake_, &event);
-    threads_.emplace_back([this] { watch(); });
-    for (unsigned i = 0; i < limits_.workers; ++i)
-        threads_.emplace_back([this] { work(); });
+    try {
+        if (epoll_ < 0 || wake_ < 0 || ::epoll_ctl(epoll_, EPOLL_CTL_ADD, wake_, &event) != 0)
+            throw std::system_error(errno, std::generic_category());
+        threads_.emplace_back([this] { watch(); });
+        for (unsigned i = 0; i < limits_.workers; ++i)
+            threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+        if (threads_.size() > 1)
+            return; // fewer workers serve, too
+        stop();
+        throw;
+    }
 }
 
 ConnectionLobby::~ConnectionLobby() {
+    stop();
+}
+
+void ConnectionLobby::stop() {
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
@@ -66,9 +79,9 @@ ConnectionLobby::~ConnectionLobby() {
     ::close(epoll_);
 }
 
-bool ConnectionLobby::is_crowded() const {
+std::chrono::duration<double> ConnectionLobby::crowded_for() const {
     const std::lock_guard lock(mutex_);
-    return !heads_.empty();
+    return heads_.empty() ? Clock::duration::zero() : Clock::now() - heads_.front().since;
 }
 
 void ConnectionLobby::admit(int socket) {
@@ -82,6 +95,7 @@ void ConnectionLobby::admit(int socket) {
 // A head that came behind another one is ready at once.
 void ConnectionLobby::seat(Guest guest) {
     if (head_length(guest.bytes) > 0) {
+        guest.since = Clock::now();
         heads_.push_back(std::move(guest));
         ready_.notify_one();
         return;

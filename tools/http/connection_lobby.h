@@ -33,14 +33,16 @@ public:
     // connection is to be kept. The socket does not block and must not be closed.
     using Answer = std::function<bool(int socket, const std::string& head)>;
 
+    // Throws std::system_error where the system gives neither two threads nor what they wait on.
     ConnectionLobby(const LobbyLimits& limits, Answer answer);
     // Breaks all connections off, those that are being answered too, and waits for the workers.
     ~ConnectionLobby();
 
     void admit(int socket); // which is the lobby's from now on
 
-    // Whether requests wait for a worker: then slow takers of answers must go.
-    bool is_crowded() const;
+    // How long the request that waits longest for a worker does; 0: none waits. Meanwhile slow takers of
+    // answers must go.
+    std::chrono::duration<double> crowded_for() const;
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -50,6 +52,7 @@ private:
         Clock::time_point since; // the first of them, or the start of waiting for it
     };
 
+    void stop();            // closes all there is
     void seat(Guest guest); // the caller holds the lock
     bool make_room();       // the caller holds the lock
     void watch();
@@ -64,7 +67,7 @@ private:
     mutable std::mutex mutex_; // of what follows
     std::condition_variable ready_;
     std::map<int, Guest> waiting_; // by socket
-    std::deque<Guest> heads_;      // complete
+    std::deque<Guest> heads_;      // complete; `since` then says since when
     std::set<int> answered_;       // sockets
     bool stopping_ = false;
     std::vector<std::thread> threads_;

@@ -236,7 +236,7 @@ public:
                                        ": cannot listen there: the port is taken, or the address "
                                        "is not this machine's"};
         url_ = "http://" + host + ":" + std::to_string(port_) + "/";
-        server_.guard();
+        TESSERA_TRY(server_.guard());
         thread_ = std::thread([this] {
             server_.listen_after_bind();
             ended_ = true;

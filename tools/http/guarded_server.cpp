@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <linux/sockios.h>
 #include <netdb.h>
@@ -11,6 +12,7 @@
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <system_error>
 
 namespace tessera {
 namespace {
@@ -19,9 +21,11 @@ constexpr int backlog = 1024;         // connections that wait to be accepted
 constexpr rlim_t files_besides = 300; // of the workers' and the process
 constexpr int poll_milliseconds = 100;
 // Who takes an answer must take it at this rate, all the time: what was taken before counts for nothing. It is
-// looked at after so many seconds of waiting, sooner when others wait, too.
+// looked at after so many seconds of waiting, sooner when others wait, too. While these wait, the rate that is
+// asked for doubles every half a second, 8 times at most: those who hold a worker longest for the least go first.
 constexpr double slowest_bytes_a_second = 4096;
 constexpr double usual_look_seconds = 10, crowded_look_seconds = 0.5;
+constexpr double most_doublings = 8;
 constexpr int keep_alive_seconds = 5; // as the lobby's idle_time
 
 // Each accepted connection goes to the lobby on the thread that accepts.
@@ -101,11 +105,14 @@ private:
 
     // Whether enough was taken since the last look.
     bool is_taking() const {
-        if (waited_ < (lobby_.is_crowded() ? crowded_look_seconds : usual_look_seconds))
+        const double crowded = lobby_.crowded_for().count();
+        if (waited_ < (crowded > 0 ? crowded_look_seconds : usual_look_seconds))
             return true;
+        const double rate =
+            slowest_bytes_a_second *
+            std::exp2(std::min(std::floor(crowded / crowded_look_seconds), most_doublings));
         const ssize_t now = taken();
-        const bool is_enough =
-            static_cast<double>(now - taken_) >= slowest_bytes_a_second * waited_;
+        const bool is_enough = static_cast<double>(now - taken_) >= rate * waited_;
         waited_ = 0;
         taken_ = now;
         return is_enough;
@@ -150,13 +157,18 @@ GuardedServer::GuardedServer() {
 
 GuardedServer::~GuardedServer() = default;
 
-void GuardedServer::guard(LobbyLimits limits) {
+Status GuardedServer::guard(LobbyLimits limits) {
     const rlim_t files = allow_open_files();
     limits.connections = std::min<std::size_t>(
         limits.connections, files > 2 * files_besides ? files - files_besides : files / 2);
-    lobby_ = std::make_unique<ConnectionLobby>(
-        limits, [this](int socket, const std::string& head) { return answer(socket, head); });
+    try {
+        lobby_ = std::make_unique<ConnectionLobby>(
+            limits, [this](int socket, const std::string& head) { return answer(socket, head); });
+    } catch (const std::system_error& error) {
+        return {ErrorCode::io, std::string("the server cannot start: ") + error.what()};
+    }
     ::listen(svr_sock_, backlog); // the library's own is 5
+    return {};
 }
 
 bool GuardedServer::process_and_close_socket(socket_t socket) {

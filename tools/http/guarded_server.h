@@ -1,6 +1,7 @@
 // The HTTP library's server behind a lobby: threads work for requests that are complete only.
 #pragma once
 
+#include "format/status.h"
 #include "tools/http/connection_lobby.h"
 
 #include <httplib.h>
@@ -15,8 +16,9 @@ public:
     GuardedServer();
     ~GuardedServer() override;
 
-    // Allows as many connections as the limits and the system's open files do.
-    void guard(LobbyLimits limits = {});
+    // Allows as many connections as the limits and the system's open files do. Errors: `io`, where threads
+    // cannot start.
+    Status guard(LobbyLimits limits = {});
     // After stop(), or what is being answered will be waited for.
     void break_off() { lobby_.reset(); }
 

@@ -102,7 +102,10 @@ class RemoteSource {
             } catch (error) {
                 if (!error.passing)
                     throw error;
-                this.onTrouble(`${error.message}; trying again`);
+                // fetch() does not tell one from the other.
+                const forbidden = error.lost && !this.size && attempt > 1 &&
+                    ', or that server does not let pages of other sites read its files (CORS; tessera serve does)';
+                this.onTrouble(`${error.message}${forbidden || ''}; trying again`);
                 await pause(Math.min(8000, 250 * 2 ** attempt) * (0.75 + Math.random() / 2));
             }
         }
@@ -144,7 +147,8 @@ class RemoteSource {
             return answer.status === 206 ? this.part(answer, from, to, bytes) : this.whole(from, to, bytes);
         } catch (error) {
             // fetch() says TypeError where there is no connection.
-            throw error.name === 'TypeError' || error.name === 'AbortError' ? passing('the connection is lost') : error;
+            const lost = error.name === 'TypeError' || error.name === 'AbortError';
+            throw lost ? Object.assign(passing('the connection is lost'), {lost}) : error;
         } finally {
             clearTimeout(timer);
         }
