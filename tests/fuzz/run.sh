@@ -27,8 +27,9 @@ for target in "${targets[@]}"; do
     log=$build/$target.log
     # Assimp (5.2) leaks what it has of a PLY file that it refuses, once a file: that would end the run.
     leaks=$([ "$target" = fuzz_model ] && echo 0 || echo 1)
-    nice -n 19 "$build/bin/$target" "$work" "$saved" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2500 \
-        -max_len=16384 -detect_leaks="$leaks" -print_final_stats=1 -artifact_prefix="$build/crashes/$target-" \
+    ASAN_OPTIONS=detect_leaks=$leaks nice -n 19 "$build/bin/$target" "$work" "$saved" \
+        -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2500 -max_len=16384 -detect_leaks="$leaks" \
+        -print_final_stats=1 -artifact_prefix="$build/crashes/$target-" \
         ${dictionary:+$([ -e "$dictionary" ] && echo "-dict=$dictionary")} > "$log" 2>&1 || failed=1
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)
