@@ -7,12 +7,16 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace tessera {
 
 namespace {
 
 constexpr std::size_t output_chunk_bytes = 1u << 20;
+// Two pages that follow each other are together longer than one may be, so that pages of 1 KiB cost
+// less than 1 % but where a group has fewer bytes.
+constexpr std::uint32_t largest_chosen_page = 1024;
 
 Status bad(const std::string& text) {
     return {ErrorCode::bad_argument, text};
@@ -60,8 +64,10 @@ public:
 private:
     // Calls visit(tile) -> Status in the order of the tiles' bytes, up to the first error.
     template <class Visit> Status for_each_tile(Visit visit) const;
+    Status choose_pages();
     Status check_sections() const;
     Result<std::uint64_t> tile_length(std::uint64_t tile) const;
+    Result<std::vector<std::uint32_t>> tile_lengths(std::uint32_t group) const;
     // Replaces page lengths by the pages' checksums.
     Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
     Status make_level_table();
@@ -92,10 +98,10 @@ template <class Visit> Status Builder::for_each_tile(Visit visit) const {
 
 Status Builder::check() {
     const ContainerContents& c = contents_;
-    if (c.page_bytes % page_unit != 0 || c.page_bytes > max_page_bytes)
-        return bad("a page of " + std::to_string(c.page_bytes) +
+    if (const std::uint32_t page = c.page_bytes.value_or(0);
+        page % page_unit != 0 || page > max_page_bytes)
+        return bad("a page of " + std::to_string(page) +
                    " bytes; a multiple of 16 up to 65536 is needed");
-    header_.page_target = static_cast<std::uint16_t>(c.page_bytes / page_unit);
     header_.section_count = min_sections; // the true number follows in build_head
     header_.required_features =
         c.required_features | (c.coarse_levels.empty() ? 0 : feature_levels);
@@ -119,6 +125,7 @@ Status Builder::check() {
                              std::to_string(header_.max_tile_bytes()) + " bytes");
         return {};
     }));
+    TESSERA_TRY(choose_pages());
     TESSERA_TRY(check_sections());
     if (!c.metadata.empty()) {
         TESSERA_TRY_ASSIGN(metadata_, pack_metadata(c.metadata));
@@ -134,6 +141,24 @@ Status Builder::make_level_table() {
         return bad("a texture of " + to_string(contents_.desc.size) + " in tiles of " +
                    to_string(contents_.tile_extent) + ": " + table.status().message());
     table_ = std::move(*table);
+    return {};
+}
+
+// Small pages keep damage small.
+Status Builder::choose_pages() {
+    std::uint32_t page = contents_.page_bytes.value_or(0);
+    for (bool fits = contents_.page_bytes.has_value(); !fits;) {
+        std::uint64_t sums = 0, bytes = 0;
+        for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
+            TESSERA_TRY_ASSIGN(const std::vector<std::uint32_t> lengths, tile_lengths(group));
+            sums += checksum_bytes * split_into_pages(lengths, page).size();
+            bytes = std::accumulate(lengths.begin(), lengths.end(), bytes);
+        }
+        fits = sums * 100 <= bytes || page == largest_chosen_page;
+        if (!fits)
+            page = page == 0 ? page_unit : 2 * page;
+    }
+    header_.page_target = static_cast<std::uint16_t>(page / page_unit);
     return {};
 }
 
@@ -155,6 +180,16 @@ Result<std::uint64_t> Builder::tile_length(std::uint64_t tile) const {
         return contents_.tile_length(tile);
     TESSERA_TRY_ASSIGN(const std::span<const std::byte> data, contents_.tile(tile));
     return data.size();
+}
+
+Result<std::vector<std::uint32_t>> Builder::tile_lengths(std::uint32_t group) const {
+    const GroupTiles tiles = table_.tiles_of(group);
+    std::vector<std::uint32_t> lengths;
+    for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
+        TESSERA_TRY_ASSIGN(const std::uint64_t length, tile_length(t));
+        lengths.push_back(static_cast<std::uint32_t>(length));
+    }
+    return lengths;
 }
 
 // Equal contents give equal files, different ones almost surely different identities.
@@ -195,15 +230,10 @@ Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages
 
 Status Builder::build_index(bool with_checksums) {
     for (std::uint32_t group = 0; group < table_.group_count(); ++group) {
-        const GroupTiles tiles = table_.tiles_of(group);
         groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
-        std::vector<std::uint32_t> lengths;
-        for (std::uint64_t t = tiles.first; t < tiles.first + tiles.count; ++t) {
-            TESSERA_TRY_ASSIGN(const std::uint64_t length, tile_length(t));
-            lengths.push_back(static_cast<std::uint32_t>(length));
-            data_bytes_ += lengths.back();
-        }
-        std::vector<std::uint32_t> pages = split_into_pages(lengths, contents_.page_bytes);
+        TESSERA_TRY_ASSIGN(const std::vector<std::uint32_t> lengths, tile_lengths(group));
+        data_bytes_ = std::accumulate(lengths.begin(), lengths.end(), data_bytes_);
+        std::vector<std::uint32_t> pages = split_into_pages(lengths, header_.page_bytes());
         // For the size of a record any numbers do in place of the checksums.
         if (with_checksums)
             TESSERA_TRY(sum_pages(group, pages));

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -63,7 +64,9 @@ struct ContainerContents {
     ColourTransform colour = ColourTransform::none;
     std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), unused channels 0
     std::uint64_t required_features = 0;
-    std::uint32_t page_bytes = 4096; // what a page aims at: a multiple of 16, 256..65,536
+    // What a page aims at: a multiple of 16 up to 65,536; 0: every tile is a page. Unless given, the
+    // least of 0, 16, 32, 64, ... with which checksums of pages cost at most 1 % of all tiles' bytes.
+    std::optional<std::uint32_t> page_bytes;
     std::span<const std::byte> codec_parameters; // section CODE
     std::span<const std::byte> proxy_mesh;       // section prxy, only when the proxy is a mesh
     std::vector<ExtraSection> extra;

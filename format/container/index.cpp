@@ -17,7 +17,6 @@ namespace {
 
 constexpr unsigned rice_bits = 5;    // of k
 constexpr unsigned escape_ones = 24; // so many 1 bits announce 32 plain bits
-constexpr std::size_t crc_bytes = 4;
 
 unsigned rice_cost(std::uint32_t value, unsigned k) {
     const std::uint32_t q = value >> k;
@@ -171,16 +170,16 @@ std::uint64_t max_index_record_bytes(const GroupKey& key) {
     const std::uint64_t tile_bits = 1 + escape_ones + 32;
     const std::uint64_t bits = rice_bits + 1 + key.tiles * tile_bits;
     const std::uint64_t pages = key.tiles + (key.data_end - key.data_begin) / max_page_bytes;
-    return (bits + 7) / 8 + (pages + 1) * crc_bytes;
+    return (bits + 7) / 8 + (pages + 1) * checksum_bytes;
 }
 
 Result<GroupIndex> read_index_record(std::span<const std::byte> record, const GroupKey& key,
                                      bool* crc_error) {
     if (crc_error != nullptr)
         *crc_error = false;
-    if (record.size() <= crc_bytes)
+    if (record.size() <= checksum_bytes)
         return invalid("it has " + std::to_string(record.size()) + " bytes, too few");
-    const std::span<const std::byte> body = record.first(record.size() - crc_bytes);
+    const std::span<const std::byte> body = record.first(record.size() - checksum_bytes);
     if (record_crc(key.identity, key.group, body) !=
         load_le<std::uint32_t>(record.data() + body.size())) {
         if (crc_error != nullptr)
@@ -204,14 +203,14 @@ Result<GroupIndex> read_index_record(std::span<const std::byte> record, const Gr
 
     const std::vector<std::uint32_t> pages = split_into_pages(lengths, key.page_bytes);
     std::span<const std::byte> crcs = reader.rest();
-    if (crcs.size() != pages.size() * crc_bytes)
+    if (crcs.size() != pages.size() * checksum_bytes)
         return invalid("it holds " + std::to_string(crcs.size()) + " bytes of checksums for " +
                        std::to_string(pages.size()) + " pages");
     index.pages.reserve(pages.size());
     std::uint64_t offset = key.data_begin;
     for (const std::uint32_t length : pages) {
         index.pages.push_back({offset, length, load_le<std::uint32_t>(crcs.data())});
-        crcs = crcs.subspan(crc_bytes);
+        crcs = crcs.subspan(checksum_bytes);
         offset += length;
     }
     return index;

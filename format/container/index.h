@@ -42,6 +42,8 @@ struct GroupIndex {
     PageRange tiles_of(const Page& page) const;
 };
 
+inline constexpr std::size_t checksum_bytes = 4; // of a page or record
+
 // Lengths of the pages that the page rule makes of tiles of these lengths, in bytes.
 std::vector<std::uint32_t> split_into_pages(std::span<const std::uint32_t> tile_lengths,
                                             std::uint32_t page_bytes);

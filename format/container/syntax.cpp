@@ -186,7 +186,7 @@ Status check_fields(const FileHeader& h) {
         return invalid("header field size or channels: " + status.message());
     TESSERA_TRY(check_range("head_size", h.head_size, 0, max_head_bytes));
     TESSERA_TRY(check_range("section_count", h.section_count, min_sections, max_sections));
-    TESSERA_TRY(check_range("page_target", h.page_target, min_page_target, max_page_target));
+    TESSERA_TRY(check_range("page_target", h.page_target, 0, max_page_target));
     TESSERA_TRY(check_tile_extent(h));
     TESSERA_TRY(check_channel_use(h));
     const bool levels = (h.required_features & feature_levels) != 0;

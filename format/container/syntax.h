@@ -33,7 +33,7 @@ inline constexpr std::uint64_t max_tiles = 0xFFFFFFFFu;
 inline constexpr std::uint32_t tiles_per_group = 256;
 inline constexpr std::uint32_t page_unit = 16;         // page_target counts these
 inline constexpr std::uint32_t max_page_bytes = 65536; // longer tiles are cut into such pages
-inline constexpr std::uint32_t min_page_target = 16, max_page_target = 4096; // page units
+inline constexpr std::uint32_t max_page_target = 4096; // page units; 0: a page a tile
 
 // "corrections", "bit 17": for messages and listings.
 std::string feature_name(unsigned bit);

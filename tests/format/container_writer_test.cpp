@@ -46,10 +46,29 @@ TEST(ContainerWriter, RoundTripOfLargeTiles) {
         sample.contents.page_bytes = page_bytes;
         expect_round_trip(sample);
     }
+    for (const std::uint32_t page_bytes : {0u, 16u}) {
+        Sample sample(random_tiles(300, page_bytes));
+        sample.contents.page_bytes = page_bytes;
+        expect_round_trip(sample);
+    }
     Sample sample(random_tiles(20, 9));
     for (const std::size_t length : {65536u, 65537u, 131072u, 131073u, 65535u})
         sample.tiles[length % 20] = Random(8).bytes(length);
     expect_round_trip(sample);
+}
+
+// Unless told otherwise pages are as small as 1 % of the tiles' bytes in checksums allows.
+TEST(ContainerWriter, PagesAreAsSmallAsOnePercentAllows) {
+    const auto page_bytes = [](const std::vector<Bytes>& tiles) {
+        const Bytes file = Sample(tiles).write();
+        return ContainerReader::open(*wrap_memory(file))->header().page_bytes();
+    };
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(400))), 0u);
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(399))), 1024u) << "two tiles at least";
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(200))), 512u);
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(256, Bytes(10))), 512u);
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(10, Bytes(1))), 1024u) << "no more helps";
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(10)), 0u) << "nothing to check";
 }
 
 TEST(ContainerWriter, ThousandGroups) {
@@ -127,7 +146,7 @@ TEST(ContainerWriter, WriterRefusesWhatAReaderWould) {
         return planned == ErrorCode::bad_argument && written == planned && out.empty();
     };
     EXPECT_TRUE(refused([](auto& c) { c.page_bytes = 255; }));
-    EXPECT_TRUE(refused([](auto& c) { c.page_bytes = 240; }));
+    EXPECT_TRUE(refused([](auto& c) { c.page_bytes = 264; }));
     EXPECT_TRUE(refused([](auto& c) { c.page_bytes = 65552; }));
     EXPECT_TRUE(refused([](auto& c) { c.tile_extent[1] = 0; }));
     EXPECT_TRUE(refused([](auto& c) { c.tile_extent = {32, 32, 32, 32}; }));

@@ -14,7 +14,7 @@ GroupKey key_of(std::span<const std::byte> input) {
     key.identity = 77;
     key.group = std::to_integer<std::uint32_t>(input[0]);
     key.tiles = 1 + std::to_integer<std::uint32_t>(input[1]);
-    key.page_bytes = 16 * (16 + load_le<std::uint16_t>(input.data() + 2) % 4081u);
+    key.page_bytes = 16 * (load_le<std::uint16_t>(input.data() + 2) % 4097u);
     key.data_begin = 1000;
     key.data_end = key.data_begin + load_le<std::uint32_t>(input.data() + 4);
     return key;
@@ -32,7 +32,7 @@ std::vector<Bytes> seeds() {
             total += lengths.back();
         }
         const std::vector<std::uint32_t> crcs(split_into_pages(lengths, 4096).size(), 0x1234);
-        Bytes input{std::byte{0}, static_cast<std::byte>(tiles - 1), std::byte{240}, std::byte{0}};
+        Bytes input{std::byte{0}, static_cast<std::byte>(tiles - 1), std::byte{0}, std::byte{1}};
         append_le(input, total);
         append_bytes(input, write_index_record(77, 0, lengths, crcs));
         all.push_back(input);

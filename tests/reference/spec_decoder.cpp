@@ -125,7 +125,7 @@ Header read_header(Bytes file) {
     h.head_size = u32(file, 40);
     require(h.head_size <= 1u << 28, "header: head_size");
     h.page_target = u16(file, 46);
-    require(h.page_target >= 16 && h.page_target <= 4096, "header: page_target");
+    require(h.page_target <= 4096, "header: page_target");
 
     uint64_t texels = 1;
     for (size_t a = 0; a < 4; ++a) {
