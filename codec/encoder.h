@@ -17,6 +17,8 @@
 
 namespace TESSERA_PUBLIC tessera {
 
+class Decoder; // codec/decoder.h
+
 // How many bits, or how much error. Exactly one kind is chosen.
 struct RateTarget {
     enum class Kind {
@@ -62,6 +64,12 @@ struct EncodeOptions {
     bool verify = true;                  // decode every tile again and compare before it is written
     bool strict = false;                 // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t
+    // A file of which the texels were decoded and, perhaps, edited; of their size, sample type and channels,
+    // opened whole; outlives the call. Tiles whose texels are still what it decodes to (those that matter)
+    // keep its bytes, so nothing is lost there however often that is done. The others are encoded at `effort`
+    // with the file's quantiser, tables, filter, colour and shape of tiles: `rate` and `tile_extent` are not
+    // looked at, and no `tools` may be named. nullptr: all tiles are encoded.
+    const Decoder* reuse = nullptr;
     // Which texels matter: one channel of unorm8, 0 where any value will do, sides that are the
     // texture's or 1 (the same all along it), Locality::any; outlives the call. nullptr: all matter.
     // Those that do not get what costs least, the source's values being one candidate: no target binds
@@ -113,12 +121,13 @@ struct EncodeReport {
     double psnr = 0;
     double max_error = 0; // samples: 8-bit steps, or half-float ulps
     double seconds = 0;
-    unsigned passes = 0;                   // full passes over the source
-    std::uint64_t nan_count = 0;           // replaced by 0
-    std::uint64_t infinity_count = 0;      // replaced by +-65504
-    bool target_met = true;                // false: a PSNR that no quantiser reaches
-    std::string note;                      // why a target was missed, or met by a lossless file
-    std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
+    unsigned passes = 0;                     // full passes over the source
+    std::optional<std::uint64_t> kept_tiles; // only with `reuse`: those whose bytes are that file's
+    std::uint64_t nan_count = 0;             // replaced by 0
+    std::uint64_t infinity_count = 0;        // replaced by +-65504
+    bool target_met = true;                  // false: a PSNR that no quantiser reaches
+    std::string note;                        // why a target was missed, or met by a lossless file
+    std::vector<CodedLevel> coarse_levels;   // finest first; only with `layers`
 };
 
 // The coding tools that EncodeOptions::tools may name, one a line, each with what it does. What they
@@ -143,9 +152,9 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 // each under first and fitted tables).
 // A run with a journal that fails, or is killed at any moment, leaves it if it holds finished tiles,
 // and the message of an error says so; with bad_argument it leaves none, as no resume could do better. Two processes cannot write one output with a journal at once.
-// The bytes depend on the texels, `mask`, `rate`, `effort`, `tools`, `tile_extent`, `metadata`,
+// The bytes depend on the texels, `mask`, the file to `reuse`, `rate`, `effort`, `tools`, `tile_extent`, `metadata`,
 // `description` and `mesh` only.
-// Errors: bad_argument (options out of range, a mask that does not fit, a resume under other facts), io,
+// Errors: bad_argument (options out of range, a mask or a file to reuse that does not fit, a resume under other facts), io,
 // runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; over_budget where the smallest slab is above
 // slab_bytes.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,

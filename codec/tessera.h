@@ -168,6 +168,9 @@ typedef struct {
     const char* value; /* UTF-8, up to 1 MiB */
 } tessera_key_value;
 
+/* An open file, see Opening. */
+typedef struct tessera_decoder tessera_decoder;
+
 /* ---- Encoding (not in a library that only decodes) ------------------------------------------- */
 
 /* Fills `out`, exactly the texels of the box, in its dense order. */
@@ -242,6 +245,11 @@ typedef struct {
      * it is. */
     const void* mesh;
     size_t mesh_bytes;
+    /* A file that the texels were decoded from and perhaps edited since; of their size, sample type and
+     * channels, opened whole. Tiles that are still what it decodes to keep its bytes, the others get
+     * its quantiser, tables and shape: rate and tile are not looked at, tools must be null. Null: all
+     * tiles are encoded. */
+    const tessera_decoder* reuse;
 } tessera_encode_options;
 
 TESSERA_API void tessera_encode_options_init_sized(tessera_encode_options* options,
@@ -264,6 +272,7 @@ typedef struct {
     uint32_t passes;         /* over the whole texture */
     int32_t target_met;      /* 0: the rate asked for lies beyond what can be reached, see note */
     char note[256];          /* why not, or why the file is lossless, or "" */
+    uint64_t kept_tiles;     /* with `reuse`: tiles whose bytes are that file's; else 0 */
 } tessera_encode_report;
 
 TESSERA_API void tessera_encode_report_init_sized(tessera_encode_report* report,
@@ -303,8 +312,6 @@ TESSERA_API int tessera_encode_to_function(const tessera_texel_source* source,
                                            tessera_encode_report* report);
 
 /* ---- Opening --------------------------------------------------------------------------------- */
-
-typedef struct tessera_decoder tessera_decoder;
 
 typedef struct {
     size_t struct_size;

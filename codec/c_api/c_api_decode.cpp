@@ -124,6 +124,10 @@ constexpr tessera_decode_options default_decode_options = {
 
 namespace tessera::c_api {
 
+const Decoder& decoder_of(const tessera_decoder& handle) {
+    return handle.decoder;
+}
+
 int report(const Status& status) noexcept {
     if (!status.ok()) {
         try {

@@ -146,6 +146,7 @@ private:
             return missing("mesh");
         const auto* const mesh = static_cast<const std::byte*>(o.mesh);
         options_.mesh.assign(mesh, mesh + o.mesh_bytes);
+        options_.reuse = o.reuse != nullptr ? &decoder_of(*o.reuse) : nullptr;
         TESSERA_TRY_ASSIGN(options_.journal, take_enum(o.journal, JournalUse::resume, "journal"));
         TESSERA_TRY(for_each_entry(o.source_facts, o.source_fact_count, "source_facts",
                                    [this](const char* name, const char* value) {
@@ -176,6 +177,7 @@ tessera_encode_report make_report(const EncodeReport& r, const TextureDesc& desc
     report.passes = r.passes;
     report.target_met = r.target_met ? 1 : 0;
     r.note.copy(report.note, sizeof report.note - 1);
+    report.kept_tiles = r.kept_tiles.value_or(0);
     return report;
 }
 

@@ -1,6 +1,7 @@
 // What both halves of the C interface share: errors, structures that grow, callbacks.
 #pragma once
 
+#include "codec/decoder.h"
 #include "codec/tessera.h"
 #include "format/status.h"
 #include "format/texture.h"
@@ -167,5 +168,9 @@ template <class Enum> Result<Enum> take_enum(std::int32_t number, Enum last, con
 Result<TextureDesc> take_samples(const tessera_texture& texture);
 // All of it, checked.
 Result<TextureDesc> take_texture(const tessera_texture& texture);
+
+// ---- Open files
+
+const Decoder& decoder_of(const tessera_decoder& handle);
 
 } // namespace tessera::c_api

@@ -1,6 +1,7 @@
 // What can be refused before anything is encoded.
 #include "codec/encoder.h"
 
+#include "codec/decoder.h"
 #include "codec/texels/texel_mask.h"
 #include "codec/trials/tile_shapes.h"
 #include "format/container/container_writer.h"
@@ -156,6 +157,26 @@ Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) 
                    std::to_string(least));
 }
 
+Status check_reuse(const TextureDesc& desc, const EncodeOptions& options) {
+    if (options.reuse == nullptr)
+        return {};
+    const ContainerReader& file = options.reuse->container();
+    const TextureDesc& other = file.desc();
+    const auto text_of_desc = [](const TextureDesc& d) {
+        return to_string(d.size) + ", " + std::to_string(d.channels) + " x " +
+               (d.type == SampleType::unorm8 ? "unorm8" : "half");
+    };
+    if (other.size != desc.size || other.type != desc.type || other.channels != desc.channels)
+        return refused("the file to reuse holds another texture: " + text_of_desc(other) +
+                       ", not " + text_of_desc(desc))
+            .with_context(file.name());
+    if (file.is_partial())
+        return refused("the file to reuse is not whole").with_context(file.name());
+    return options.tools.empty() ? Status()
+                                 : refused("the coding tools are those of the file to reuse, none "
+                                           "can be switched");
+}
+
 } // namespace
 
 Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
@@ -170,6 +191,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
     TESSERA_TRY(check_description(desc, options.description));
     TESSERA_TRY(check_surface(options));
     TESSERA_TRY(check_metadata(options.metadata));
+    TESSERA_TRY(check_reuse(desc, options));
     return check_size_target(desc, options);
 }
 

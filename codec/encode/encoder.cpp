@@ -3,6 +3,7 @@
 #include "codec/encode/coarse_levels.h"
 #include "codec/encode/rate_control.h"
 #include "codec/pass/encode_facts.h"
+#include "codec/pass/tile_reuse.h"
 #include "codec/texels/texel_mask.h"
 #include "codec/tile_encoder/tool_switches.h"
 #include "codec/trials/background.h"
@@ -142,15 +143,26 @@ Result<std::unique_ptr<Attempt>> attempt(TexelSource& source, const EncodeOption
     const bool resume = options.journal == JournalUse::resume;
     if (journal != nullptr && resume)
         TESSERA_TRY(journal->may_resume(facts_of(plan)));
-    TESSERA_TRY_ASSIGN(const Extent4 tile_extent, choose_tile_extent(plan));
-    plan.grid = TileGrid(desc.size, tile_extent);
+    CodingParameters reused;
+    if (options.reuse != nullptr) {
+        TESSERA_TRY_ASSIGN(reused, plan_reuse(*options.reuse, plan));
+    } else {
+        TESSERA_TRY_ASSIGN(const Extent4 tile_extent, choose_tile_extent(plan));
+        plan.grid = TileGrid(desc.size, tile_extent);
+    }
     if (plan.grid.tiles() > max_tiles)
         return Status(ErrorCode::unsupported, "more than 2^32 - 1 tiles");
     TESSERA_TRY_ASSIGN(const Sample sample, read_sample(plan));
-    plan.colour.background = find_background(sample, desc);
+    if (options.reuse == nullptr)
+        plan.colour.background = find_background(sample, desc);
     if (journal != nullptr) {
         TESSERA_TRY(journal->begin(facts_of(plan, sample), resume));
         plan.journal = journal;
+    }
+    if (options.reuse != nullptr) { // which says at what rate, and under which tables
+        TESSERA_TRY_ASSIGN(made->outcome.pass, run_pass(plan, reused, 1, "encode"));
+        made->outcome.passes = 1;
+        return made;
     }
     TESSERA_TRY_ASSIGN(
         made->outcome,
@@ -226,6 +238,9 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
         TESSERA_TRY(options.confirm());
     TESSERA_TRY(write(contents));
     EncodeReport report = report_on(*made, parts, bytes);
+    if (options.reuse != nullptr) {
+        TESSERA_TRY_ASSIGN(report.kept_tiles, count_kept_tiles(made->plan, made->outcome.pass));
+    }
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;

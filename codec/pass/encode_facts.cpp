@@ -1,5 +1,7 @@
 #include "codec/pass/encode_facts.h"
 
+#include "codec/decoder.h"
+#include "format/container/syntax.h"
 #include "format/io/crc32c.h"
 #include "format/metadata.h"
 
@@ -101,6 +103,12 @@ JournalFacts facts_of(const EncodePlan& plan) {
     if (!o.mesh.empty())
         facts.emplace_back("mesh", std::to_string(o.mesh.size()) + " bytes of checksum " +
                                        checksum(o.mesh));
+    if (o.reuse != nullptr) {
+        const ContainerReader& reused = o.reuse->container();
+        facts.emplace_back("file to reuse", std::to_string(reused.file_bytes()) +
+                                                " bytes with the identity " +
+                                                std::to_string(reused.header().identity));
+    }
     if (plan.mask != nullptr)
         facts.emplace_back("size of the mask", to_string(plan.mask->desc().size));
     for (const auto& [name, value] : o.source_facts)
@@ -125,6 +133,12 @@ Metadata recorded_metadata(const EncodePlan& plan) {
     Metadata metadata = options.metadata;
     metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
     std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
+    if (options.reuse != nullptr) { // as the tiles were made that set the quantiser
+        for (const auto& entry : options.reuse->container().metadata())
+            if (entry.first.starts_with(made_prefix))
+                metadata.insert(entry);
+        return metadata;
+    }
     metadata[made_rate_key] = rate_text(options.rate);
     metadata[made_effort_key] = std::to_string(options.effort);
     if (std::string tools = tools_text(plan.tools); !tools.empty())

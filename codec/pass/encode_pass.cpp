@@ -1,5 +1,6 @@
 #include "codec/pass/encode_pass.h"
 
+#include "codec/pass/tile_reuse.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/texels/texel_mask.h"
 #include "format/io/crc32c.h"
@@ -45,6 +46,9 @@ struct Crew {
     // `filter`: what a filter would have to mend there; wanted only of passes without one.
     Status encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
                   FilterStatistics* filter = nullptr) const;
+    // The same with the payload that the reused file has for the tile; false where there is no such file,
+    // or it decodes to something else.
+    Result<bool> keep(Worker& worker, std::uint64_t number, const Box4& box, CodedTile& tile) const;
 
     const EncodePlan& plan;
     const bool of_sample;
@@ -130,6 +134,24 @@ Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, C
                : about_texels(plan, {ErrorCode::runtime,
                                      "self-check failed: the tile of the texels " + to_string(box) +
                                          " does not decode to what was encoded"});
+}
+
+Result<bool> Crew::keep(Worker& worker, std::uint64_t number, const Box4& box,
+                        CodedTile& tile) const {
+    if (plan.reused == nullptr)
+        return false;
+    const TextureDesc& desc = plan.colour.desc;
+    TESSERA_TRY_ASSIGN(const bool is_usable, load_reusable_tile(plan, number, worker.payload));
+    if (!is_usable)
+        return false;
+    worker.decoded.resize(worker.tile.texels.size());
+    TESSERA_TRY(worker.decoder.decode(worker.payload, tile_shape(box), worker.decoded)
+                    .with_context(about_reused_tile(plan, number)));
+    measure_error(target_of(worker, worker.tile, desc.texel_bytes()), worker.decoded, desc.type,
+                  tile);
+    tile.texel_crc = crc32c(worker.decoded);
+    tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
+    return tile.max_error == 0;
 }
 
 PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
@@ -409,7 +431,9 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
                 tile = {}; // a journal may have filled it before it gave the tile up
                 const Box4 box = plan.grid.box(wanted[i]);
                 TESSERA_TRY(read_tile(plan, box, worker.tile, tile));
-                TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
+                TESSERA_TRY_ASSIGN(const bool is_kept, crew.keep(worker, wanted[i], box, tile));
+                if (!is_kept)
+                    TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
                 return payloads == nullptr ? Status()
                                            : payloads->put(wanted[i], tile, worker.payload);
             },

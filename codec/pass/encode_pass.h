@@ -32,6 +32,8 @@ struct EncodePlan {
     std::uint64_t texels_that_matter = 0;
     ToolSwitches tools = {};    // options.tools, parsed
     bool keeps_payloads = true; // of whole passes; else only the figures are wanted
+    const Decoder* reused =
+        nullptr; // tiles that this file decodes to are taken over (tile_reuse.h)
 };
 
 struct PassResult {

@@ -237,6 +237,8 @@ static int test_path(const char* path) {
 static int test_memory_and_functions(const char* path) {
     const tessera_texel_source memory = small_source();
     const tessera_encode_options options = lossless();
+    tessera_encode_options again;
+    tessera_encode_report report;
     reader r = {0};
     const tessera_texel_source function = source_of(&r);
     void *first = NULL, *second = NULL;
@@ -267,6 +269,14 @@ static int test_memory_and_functions(const char* path) {
 
     CHECK(tessera_open_memory(first, first_bytes, NULL, &decoder) == 0);
     CHECK(is_small_texture(decoder));
+    /* What it holds, encoded again, is that file, whatever the rate. */
+    tessera_encode_options_init(&again);
+    again.reuse = decoder;
+    tessera_encode_report_init(&report);
+    CHECK(tessera_encode_to_memory(&memory, &second, &second_bytes, &again, &report) == 0);
+    CHECK(first_bytes == second_bytes && memcmp(first, second, first_bytes) == 0);
+    CHECK(report.kept_tiles >= 1);
+    tessera_free(second);
     tessera_close(decoder);
 
     b.bytes = first;

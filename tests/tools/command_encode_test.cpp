@@ -54,6 +54,26 @@ TEST_F(EncodeVerb, SwitchesCodingTools) {
     EXPECT_NE(run("rd --help").out.find("--tools"), std::string::npos);
 }
 
+TEST_F(EncodeVerb, ReusesTheTilesThatWereNotEdited) {
+    succeed(small_scene + "-q -o old.tess --quality 60 --meta by=me " + quick);
+    succeed("decode old.tess -q -o x.rgb");
+    // Size, effort, description and metadata are the old file's.
+    const Json report = json("encode x.rgb --reuse old.tess -o new.tess --json");
+    EXPECT_EQ(slurp(at("new.tess")), slurp(at("old.tess")));
+    EXPECT_GE(report["kept_tiles"], 1);
+    EXPECT_FALSE(report.contains("rate"));
+    EXPECT_EQ(run("encode x.rgb --reuse old.tess -o old.tess").code, 0);
+    EXPECT_EQ(slurp(at("new.tess")), slurp(at("old.tess")));
+    for (const char* option : {"--quality 60", "--tile 8x8x8x8"})
+        fail(1, std::string("encode x.rgb --reuse old.tess -o y.tess ") + option,
+             {"--reuse", std::string(option).substr(0, 6)});
+    fail(1, "encode x.rgb --size 16x32x9x5 --reuse old.tess -o y.tess",
+         {"old.tess", "another texture"});
+    fail(1, "encode x.rgb --reuse x.rgb -o y.tess", {"x.rgb", ".tess"});
+    fail(2, "encode x.rgb --reuse gone.tess -o y.tess", {"gone.tess"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"new.tess", "old.tess", "x.rgb"}));
+}
+
 TEST_F(EncodeVerb, KeepsItsPromises) {
     succeed(small_scene + "-q -o a.rgb");
     const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess " + quick;

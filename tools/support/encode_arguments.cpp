@@ -78,7 +78,8 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->check(number_between(0, 65535));
     app.add_flag("--lossless-fallback", a.lossless_fallback,
                  "Where no quantiser reaches --target-psnr: a lossless file, even if larger");
-    app.add_option("--effort", a.effort, "0 (fastest) to 5 (smallest)")
+    app.add_option("--effort", a.effort,
+                   "0 (fastest) to " + std::to_string(most_effort) + " (smallest)")
         ->check(CLI::Range(0, most_effort))
         ->default_str(std::to_string(usual_effort));
     app.add_option("--tools", a.tools)->group(""); // for experiments: tests/regression/ablation.md
@@ -146,6 +147,17 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     options.metadata = std::move(metadata);
     options.description = description;
     return options;
+}
+
+Status check_reuse_options(const EncodeArguments& a) {
+    std::string given = given_rates(a).empty() ? "" : rate_option(a);
+    if (!a.tools.empty())
+        given = "--tools";
+    if (!a.tile.empty())
+        given = "--tile";
+    return given.empty()
+               ? Status()
+               : Status(ErrorCode::bad_argument, given + ": is what it is in the file of --reuse");
 }
 
 Status check_tess_output(const EncodeArguments& a, const std::string& output) {

@@ -28,6 +28,9 @@ void add_encode_options(CLI::App& app, EncodeArguments& arguments);
 Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsigned threads,
                                           Metadata metadata, Description description);
 
+// Whether nothing is asked for that a file of --reuse settles. Errors: bad_argument, naming the option.
+Status check_reuse_options(const EncodeArguments& arguments);
+
 // Whether a .tess may be written there, and JSON beside it: before anything is read. Errors:
 // bad_argument, io.
 Status check_tess_output(const EncodeArguments& arguments, const std::string& output);

@@ -73,6 +73,9 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
                  r.max_error);
     std::fprintf(to, "  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
                  r.passes == 1 ? "" : "es");
+    if (r.kept_tiles)
+        std::fprintf(to, "  kept   %llu of the reused file's tiles\n",
+                     static_cast<unsigned long long>(*r.kept_tiles));
     for (const CodedLevel& level : r.coarse_levels)
         std::fprintf(to, "  level  %s in %llu bytes (%.2f %%), steps x%u\n",
                      to_string(level.size).c_str(), static_cast<unsigned long long>(level.bytes),
@@ -110,6 +113,10 @@ Json report_json(const std::string& path, const TextureDesc& desc, const EncodeO
                  {"levels", Json::array()}};
     if (r.texels_that_matter)
         json["texels_that_matter"] = *r.texels_that_matter;
+    if (r.kept_tiles) { // at the rate of the reused file
+        json.erase("rate");
+        json["kept_tiles"] = *r.kept_tiles;
+    }
     for (const CodedLevel& level : r.coarse_levels)
         json["levels"].push_back({{"size", to_string(level.size)},
                                   {"bytes", level.bytes},

@@ -14,6 +14,7 @@
 #include "tools/verbs/command.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace tessera {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::uint64_t longest_mesh_stream = 1u << 28;               // a file'
 constexpr std::uint64_t largest_mesh_memory = std::uint64_t{1} << 34; // of the largest there is
 
 struct EncodeCommand {
-    std::string input, output, mesh;
+    std::string input, output, mesh, reuse;
     TextureArguments texture;
     MaskArguments mask;
     EncodeArguments encode;
@@ -38,6 +39,9 @@ std::string name_of_input(const EncodeCommand& a, const OpenedTexture& input) {
 
 std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a) {
     auto facts = source_facts(a.input, "input");
+    if (!a.reuse.empty())
+        for (auto& fact : source_facts(a.reuse, "file to reuse"))
+            facts.push_back(std::move(fact));
     if (!a.mask.path.empty())
         for (auto& fact : source_facts(a.mask.path, "mask"))
             facts.push_back(std::move(fact));
@@ -57,8 +61,37 @@ Status check_unchanged(const EncodeCommand& a, const std::string& name,
     return {ErrorCode::io, name + ": changed while it was being read (" + what + "); run again"};
 }
 
+// The file of --reuse; nothing without one.
+Result<std::optional<Decoder>> open_reused(const EncodeCommand& a) {
+    if (a.reuse.empty())
+        return std::optional<Decoder>();
+    TESSERA_TRY(check_reuse_options(a.encode));
+    TESSERA_TRY_ASSIGN(auto bytes, open_tess_bytes(a.reuse, "encode --reuse"));
+    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(std::move(bytes)));
+    return std::optional(std::move(decoder));
+}
+
+// The effort that a file was encoded at, if it says so.
+int effort_of(const ContainerReader& file) {
+    const auto recorded = file.metadata().find(made_effort_key);
+    std::uint64_t effort = 0;
+    const bool is_known = recorded != file.metadata().end() &&
+                          parse_number(recorded->second, effort) && effort <= most_effort;
+    return is_known ? static_cast<int>(effort) : usual_effort;
+}
+
+// What was decoded from a file and edited is still what that file says of it, where it does not say
+// otherwise itself: a raw one says nothing.
+void describe_as(const ContainerReader& reused, OpenedTexture& input) {
+    if (input.description == Description())
+        input.description = reused.description();
+    for (const auto& entry : reused.metadata())
+        input.metadata.insert(entry);
+}
+
 // The mesh that is asked for, else that of a .tess, which then is the proxy.
-Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, OpenedTexture& input) {
+Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, const ContainerReader* reused,
+                                        OpenedTexture& input) {
     std::vector<std::byte> mesh;
     if (!a.mesh.empty()) {
         TESSERA_TRY_ASSIGN(const auto file, open_file(a.mesh));
@@ -67,8 +100,9 @@ Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, OpenedTexture& i
         mesh.resize(file->size());
         TESSERA_TRY(file->read(0, mesh));
         TESSERA_TRY(decode_mesh(mesh, largest_mesh_memory).with_context(a.mesh));
-    } else if (input.decoder != nullptr) {
-        const auto kept = input.decoder->container().proxy_mesh();
+    } else if (const auto* described =
+                   input.decoder != nullptr ? &input.decoder->container() : reused) {
+        const auto kept = described->proxy_mesh();
         mesh.assign(kept.begin(), kept.end());
     }
     if (!mesh.empty())
@@ -112,17 +146,28 @@ Status run(const EncodeCommand& a) {
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
-    TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
+    TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
     TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}));
+    TESSERA_TRY_ASSIGN(const std::optional<Decoder> reused, open_reused(a));
+    const ContainerReader* const old = reused ? &reused->container() : nullptr;
+    if (old != nullptr && !hints.size && kind_of_input(a.input) == TextureKind::raw)
+        hints.size = old->desc().size;
     TESSERA_TRY_ASSIGN(auto input, open_texture(a.input, hints));
+    if (old != nullptr)
+        describe_as(*old, input);
     input.metadata.erase(software_key); // the encoder names itself
     TESSERA_TRY(describe_cameras(a, input));
-    TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, input));
+    TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, old, input));
     TESSERA_TRY_ASSIGN(auto options,
                        make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
                                            input.description));
     if (options.description.proxy == Proxy::mesh) // --proxy may have put another in its place
         options.mesh = std::move(mesh);
+    if (old != nullptr) {
+        options.reuse = &*reused;
+        options.layers = options.layers || old->levels().size() > 1;
+        options.effort = a.encode.effort.value_or(effort_of(*old));
+    }
     const auto source = interruptible(std::move(input.source));
     TESSERA_TRY(check_for(a.encode, options, source->desc()));
     const auto mask = open_mask(a.mask, source->desc().size, a.texture.threads, options.slab_bytes);
@@ -169,6 +214,10 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         add_network_options(c);
         add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
         add_encode_options(c, a.encode);
+        c.add_option("--reuse", a.reuse,
+                     "A .tess that the input was decoded from and edited since: tiles that are "
+                     "still what it decodes to stay, byte for byte, the others get its quantiser, "
+                     "shape, tables and, unless said, effort; size and description are its, too");
         c.add_option(
              "--mesh", a.mesh,
              "The surface: a Draco mesh with uv, stored as the proxy (that of a .tess is kept)")
@@ -198,6 +247,8 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         "  tessera encode views/ -o views.tess --max-error 2 --effort 4\n"
         "  tessera encode rig/ -o rig.tess --grid 17x17 --order serpentine,bottom-up\n"
         "  tessera encode photo_qs8x6a0.75.png -o quilt.tess --camera-spacing 0.02\n"
+        "  tessera decode old.tess -o edited.rgb    (edit, then without any loss elsewhere:)\n"
+        "  tessera encode edited.rgb --reuse old.tess -o new.tess\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);
 }

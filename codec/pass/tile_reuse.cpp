@@ -1,0 +1,62 @@
+#include "codec/pass/tile_reuse.h"
+
+#include "codec/decoder.h"
+#include "format/container_reader.h"
+#include "format/tile/features.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+bool has_feature(const ContainerReader& file, std::uint64_t feature) {
+    return (file.header().required_features & feature) != 0;
+}
+
+} // namespace
+
+Result<CodingParameters> plan_reuse(const Decoder& file, EncodePlan& plan) {
+    const ContainerReader& container = file.container();
+    const FileHeader& header = container.header();
+    plan.reused = &file;
+    plan.grid = container.grid();
+    plan.colour.transform = header.colour;
+    plan.colour.background = header.background;
+    plan.colour.corrections = has_feature(container, feature_corrections);
+    // The tables are those of the tiles that stay. Only recoding would check what was encoded.
+    plan.effort.recode = false;
+    if (header.colour != ColourTransform::ycocg_r) // rotations are found on its axes
+        plan.effort.rotate_colours = plan.effort.search.rotated_colours = false;
+    return read_coding_parameters(container.codec_parameters()).with_context(container.name());
+}
+
+Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,
+                                std::vector<std::byte>& payload) {
+    const ContainerReader& container = plan.reused->container();
+    TESSERA_TRY(
+        container.read_tile_checked(number, payload).with_context(about_reused_tile(plan, number)));
+    // As long as its texels, it would be taken for a stored tile.
+    return has_feature(container, feature_stored) ||
+           payload.size() != plan.colour.desc.box_bytes(plan.grid.box(number));
+}
+
+std::string about_reused_tile(const EncodePlan& plan, std::uint64_t number) {
+    return plan.reused->container().name() + ": tile " + std::to_string(number);
+}
+
+Result<std::uint64_t> count_kept_tiles(const EncodePlan& plan, const PassResult& pass) {
+    const ContainerReader& container = plan.reused->container();
+    std::uint64_t count = 0;
+    std::vector<std::byte> ours, theirs;
+    for (std::uint64_t i = 0; i < pass.tiles.size(); ++i) {
+        TESSERA_TRY_ASSIGN(const TileLocation place, container.locate(i));
+        if (place.length != pass.tiles[i].payload_bytes)
+            continue;
+        TESSERA_TRY(pass.payloads->get(i, ours));
+        TESSERA_TRY(container.read_tile(i, theirs));
+        count += ours == theirs;
+    }
+    return count;
+}
+
+} // namespace tessera

@@ -1,0 +1,28 @@
+// Tiles of an earlier file that stay as they are in the one that is made of its edited texels.
+#pragma once
+
+#include "codec/pass/encode_pass.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+// Makes `plan`, of a texture of the file's size, sample type and channels, one that keeps the tiles of
+// `file`: their shape and colour are the file's from now on. Returns the parameters of its tiles. Errors:
+// invalid_file.
+Result<CodingParameters> plan_reuse(const Decoder& file, EncodePlan& plan);
+
+// The payload of a tile of plan.reused. False where it means something else in the file that is made. Errors:
+// those of the reused file, which name it.
+Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,
+                                std::vector<std::byte>& payload);
+
+// "old.tess: tile 5": what an error about it begins with.
+std::string about_reused_tile(const EncodePlan& plan, std::uint64_t number);
+
+// The tiles of a pass whose payloads are the reused file's. Errors: those of both.
+Result<std::uint64_t> count_kept_tiles(const EncodePlan& plan, const PassResult& pass);
+
+} // namespace tessera
