@@ -57,6 +57,14 @@ private:
             FilterStatistics to_mend;
             EncodePlan plan = plan_;
             plan.effort = plan.effort.for_samples();
+            if (needs_counts_only()) {
+                TESSERA_TRY_ASSIGN(const Statistics counts,
+                                   count_symbols(plan, parameters, sample_));
+                parameters.parameters = fit_parameters(counts);
+                if (!tables_)
+                    tables_ = parameters.parameters;
+                return {};
+            }
             const auto train = [&] {
                 return run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend);
             };
@@ -78,6 +86,12 @@ private:
                 TESSERA_TRY(learn(plan, trained, parameters));
         }
         return {};
+    }
+
+    // Whether a sample has nothing to say but what tables are.
+    bool needs_counts_only() const {
+        return plan_.effort.fit_tables && !plan_.effort.try_dense && !plan_.colour.corrections &&
+               smooth_ && base_ && filter_;
     }
 
     // A whole pass, recoded under tables fitted to all of it. Of one that a journal knows to be finished

@@ -18,7 +18,7 @@ namespace tessera {
 namespace {
 
 constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'I', 'L'};
-constexpr char record_magic[] = {'T', 'I', 'L', 'E'};
+constexpr char record_magic[] = {'T', 'I', 'L', '2'};
 constexpr std::size_t record_header = 44;
 constexpr std::size_t summed_header = 40;
 // A tile has at most 65,536 texels of four channels; no coding makes them twenty times larger.
@@ -34,7 +34,7 @@ RecordHeader store_record(std::uint64_t tile, const CodedTile& figures,
     store_le(header.data() + 4, static_cast<std::uint32_t>(payload.size()));
     store_le(header.data() + 8, tile);
     store_le(header.data() + 16, figures.squared_error);
-    store_le(header.data() + 24, figures.texel_crc);
+    store_le(header.data() + 24, figures.levels_sum);
     store_le(header.data() + 28, figures.max_error);
     store_le(header.data() + 32, figures.nan_count);
     store_le(header.data() + 36, figures.infinity_count);
@@ -54,7 +54,7 @@ bool load_record(std::span<const std::byte, record_header> header, Record& recor
     record.figures.payload_bytes = load_le<std::uint32_t>(h + 4);
     record.tile = load_le<std::uint64_t>(h + 8);
     record.figures.squared_error = load_le<std::uint64_t>(h + 16);
-    record.figures.texel_crc = load_le<std::uint32_t>(h + 24);
+    record.figures.levels_sum = load_le<std::uint32_t>(h + 24);
     record.figures.max_error = load_le<std::uint32_t>(h + 28);
     record.figures.nan_count = load_le<std::uint32_t>(h + 32);
     record.figures.infinity_count = load_le<std::uint32_t>(h + 36);

@@ -15,7 +15,7 @@ namespace tessera {
 // holds in memory when its payloads are on disk.
 struct CodedTile {
     std::uint64_t squared_error = 0; // of sample codes
-    std::uint32_t texel_crc = 0;     // of the texels it decodes to
+    std::uint32_t levels_sum = 0;    // of what it was coded as (codec/pass/levels_sum.h)
     std::uint32_t max_error = 0;     // of sample codes
     std::uint32_t nan_count = 0, infinity_count = 0;
     std::uint32_t payload_bytes = 0;

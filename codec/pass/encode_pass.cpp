@@ -1,9 +1,9 @@
 #include "codec/pass/encode_pass.h"
 
+#include "codec/pass/levels_sum.h"
 #include "codec/pass/tile_reuse.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/texels/texel_mask.h"
-#include "format/io/crc32c.h"
 #include "format/work.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Worker {
 // Coding state of a pass and its workers.
 struct Crew {
     Crew(const EncodePlan& encode_plan, const CodingParameters& parameters, bool sample)
-        : plan(encode_plan), of_sample(sample),
+        : plan(encode_plan), of_sample(sample), counts(sample || encode_plan.effort.recode),
           coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
           costs(coding.tables) {
         for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
@@ -53,6 +53,7 @@ struct Crew {
     const EncodePlan& plan;
     const bool of_sample;
     const bool verifies = !plan.effort.recode; // recoding has its own check
+    const bool counts;                         // symbols, for tables
     const TileCoding coding;
     const BitCosts costs;
     std::vector<Worker> workers;
@@ -116,13 +117,13 @@ Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, C
         copy_stored(texels, desc.type, worker.decoded);
         worker.payload = worker.decoded;
     }
-    if (!is_stored || of_sample) { // tables fitted to a sample may do better
+    if (counts && (!is_stored || of_sample)) { // tables fitted to a sample may do better
         count_symbols(worker.levels, coding, worker.statistics);
         if (!worker.corrections.empty())
             count_corrections(worker.corrections, shape, coding.planes, worker.statistics);
     }
     measure_error(texels, worker.decoded, desc.type, tile);
-    tile.texel_crc = crc32c(worker.decoded);
+    tile.levels_sum = sum_of(worker.levels, worker.corrections);
     tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
     if (is_stored || !verifies || !plan.options.verify)
         return {};
@@ -464,6 +465,40 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     for (const FilterStatistics& one : statistics)
         filter->add(one);
     return finish(crew, 0, std::move(tiles), nullptr);
+}
+
+Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters& parameters,
+                                 const Sample& sample) {
+    Crew crew(plan, parameters, true);
+    TESSERA_TRY(parallel_for(
+        crew.workers, sample.boxes.size(),
+        [&](Worker& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(plan.options));
+            worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
+            count_symbols(worker.levels, crew.coding, worker.statistics);
+            return {};
+        },
+        [](std::size_t) {}));
+    Statistics all;
+    for (const Worker& worker : crew.workers)
+        all.add(worker.statistics);
+    return all;
+}
+
+Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& parameters,
+                              const Sample& sample) {
+    Crew crew(plan, parameters, true);
+    std::vector<float> costs(sample.boxes.size());
+    TESSERA_TRY(parallel_for(
+        crew.workers, costs.size(),
+        [&](Worker& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(plan.options));
+            costs[i] = worker.encoder.estimate(sample.tiles[i], tile_shape(sample.boxes[i]),
+                                               worker.levels);
+            return {};
+        },
+        [](std::size_t) {}));
+    return std::accumulate(costs.begin(), costs.end(), 0.0); // in their order, on any thread count
 }
 
 } // namespace tessera

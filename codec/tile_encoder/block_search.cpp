@@ -168,7 +168,7 @@ int depths(int a, int b, int smallest) {
 
 } // namespace
 
-void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
+float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     shape_ = planes.shape;
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (int plane = 0; plane < coding_.planes; ++plane) {
@@ -189,6 +189,7 @@ void BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     for (; !search_tree(out); --angular_depths_) {
     }
     out.predictions.clear(); // all copy nothing
+    return grids_[0].cost[0];
 }
 
 bool BlockSearch::search_tree(TileLevels& out) {
@@ -200,6 +201,8 @@ bool BlockSearch::search_tree(TileLevels& out) {
     if (grids_[0].activity[0] < flat_activity * options_.lambda) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
+        grids_[0].cost.assign(1, grids_[0].activity[0] + grids_[0].mean_cost[0] +
+                                     options_.lambda * block_overhead_bits);
         return true;
     }
     estimate_costs();

@@ -30,8 +30,9 @@ class BlockSearch {
 public:
     BlockSearch(const TileCoding& coding, const BitCosts& costs, const SearchOptions& options);
 
-    // Fills shape, splits and blocks of `out`; nothing copies.
-    void choose_blocks(const TilePlanes& planes, TileLevels& out);
+    // Fills shape, splits and blocks of `out`; nothing copies. Returns what the tile is taken to cost, in
+    // squared steps.
+    float choose_blocks(const TilePlanes& planes, TileLevels& out);
 
     // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
     // `reconstructed`: what it looks like decoded, roughly. True if a block copies, and

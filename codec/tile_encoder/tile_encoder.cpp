@@ -50,6 +50,15 @@ void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLe
     }
 }
 
+float TileEncoder::estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch) {
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    if (!tile.matters.empty()) {
+        dont_care_.set(tile.matters, shape);
+        dont_care_.fill(planes_, coding_->planes);
+    }
+    return search_.choose_blocks(planes_, scratch);
+}
+
 // Where something is behind a mask it may go on from what is beside it, as no fill can guess: then both
 // are encoded, and the cheaper one stays.
 void TileEncoder::encode_filled(TileLevels& out) {

@@ -26,6 +26,9 @@ public:
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
+    // Roughly what encode() without copies would make the tile cost, in squared steps; a bit is worth
+    // lambda of them. Uses `scratch`.
+    float estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch);
     // The planes of the tile that was encoded last; of texels that do not matter, what they were
     // taken for.
     const TilePlanes& source() const { return planes_; }
