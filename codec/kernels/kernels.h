@@ -64,6 +64,10 @@ struct Kernels {
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
     void (*store_ycocg8)(const PlaneSet& in, int texels, int images, unsigned char* out);
 
+    // And back, in sixteenths, of any RGB; less the background. Only encoders need it.
+    void (*load_ycocg8)(const unsigned char* in, int texels, int images,
+                        const std::int32_t background[3], std::int32_t* const plane[3]);
+
     // out = values within -limit .. limit - 1, which fit; returns all bits set in any of them.
     std::int32_t (*clamp_row)(const std::int32_t* values, int n, std::int32_t limit,
                               std::int16_t* out);

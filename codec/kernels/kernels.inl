@@ -144,6 +144,27 @@ void store_ycocg8(const PlaneSet& in, int texels, int images, unsigned char* out
     store_ycocg8_part(in, texels, images, 0, texels, 0, images, out);
 }
 
+// Texels and images [begin, end) of load_ycocg8.
+void load_ycocg8_part(const unsigned char* in, int texels, int images, int texel_begin,
+                      int texel_end, int image_begin, int image_end,
+                      const std::int32_t background[3], std::int32_t* const plane[3]) {
+    for (int i = image_begin; i < image_end; ++i)
+        for (int x = texel_begin; x < texel_end; ++x) {
+            const unsigned char* from = in + 3 * (x * images + i);
+            const std::int32_t red = from[0], green = from[1], blue = from[2];
+            const std::int32_t co = red - blue, t = blue + (co >> 1), cg = green - t;
+            const int at = i * texels + x;
+            plane[0][at] = (t + (cg >> 1) - background[0]) * 16;
+            plane[1][at] = (co - background[1]) * 16;
+            plane[2][at] = (cg - background[2]) * 16;
+        }
+}
+
+void load_ycocg8(const unsigned char* in, int texels, int images, const std::int32_t background[3],
+                 std::int32_t* const plane[3]) {
+    load_ycocg8_part(in, texels, images, 0, texels, 0, images, background, plane);
+}
+
 // FORMAT.md 4.6, by copy_filter(): weights in rows j - 1, j, j + 1 of texels i - 1, i, i + 1.
 constexpr std::int32_t copy_weights[8][3][3] = {
     {{0, 0, 0}, {0, 4, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 2, 2}, {0, 0, 0}},
@@ -238,6 +259,7 @@ constexpr Kernels make_kernels(const char* name) {
             six_taps,
             add_within,
             store_ycocg8,
+            load_ycocg8,
             clamp_row<std::int16_t>,
             clamp_row<std::int32_t>,
             filter_row<std::int16_t>,

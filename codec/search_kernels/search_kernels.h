@@ -47,6 +47,10 @@ struct SearchKernels {
     // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
+    // sum += x, squares += x^2 over n floats: four partial sums of each, then (0 + 1) + (2 + 3) of them.
+    void (*add_row)(const float* x, int n, float* sum, float* squares);
+    // The same of each of `count` runs of four floats, one behind the other, into sums[i], squares[i].
+    void (*add_quads)(const float* x, int count, float* sums, float* squares);
     // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row.
     // Up to 3 rows behind the last are changed alike.
     void (*follow_paths)(std::uint8_t* rows, int count, const std::uint8_t* before);

@@ -365,6 +365,43 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     }
 }
 
+void add_row(const float* x, int n, float* sum, float* squares) {
+    Float4 of_lane{}, squares_of_lane{};
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+        const auto four = load<Float4>(x + i);
+        of_lane += four;
+        squares_of_lane += four * four;
+    }
+    for (; i < n; ++i) {
+        of_lane[0] += x[i];
+        squares_of_lane[0] += x[i] * x[i];
+    }
+    *sum += (of_lane[0] + of_lane[1]) + (of_lane[2] + of_lane[3]);
+    *squares += (squares_of_lane[0] + squares_of_lane[1]) + (squares_of_lane[2] + squares_of_lane[3]);
+}
+
+// (0 + 1) + (2 + 3) of each of the eight runs in four vectors.
+inline Float8 sums_of_quads(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
+    const auto pairs = [](const Float8& x, const Float8& y) -> Float8 {
+        return __builtin_shufflevector(x, y, 0, 2, 4, 6, 8, 10, 12, 14) +
+               __builtin_shufflevector(x, y, 1, 3, 5, 7, 9, 11, 13, 15);
+    };
+    return pairs(pairs(a, b), pairs(c, d));
+}
+
+void add_quads(const float* x, int count, float* sums, float* squares) {
+    int i = 0;
+    for (; i + 8 <= count; i += 8, x += 32) {
+        const auto a = load<Float8>(x), b = load<Float8>(x + 8), c = load<Float8>(x + 16),
+                   d = load<Float8>(x + 24);
+        store(sums + i, load<Float8>(sums + i) + sums_of_quads(a, b, c, d));
+        store(squares + i, load<Float8>(squares + i) + sums_of_quads(a * a, b * b, c * c, d * d));
+    }
+    for (; i < count; ++i, x += 4)
+        add_row(x, 4, sums + i, squares + i);
+}
+
 void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
     for (int row = 0; row < count; ++row, rows += 8) {
         std::uint64_t old;
@@ -380,7 +417,7 @@ void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
 
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_image, add_squared_differences,
-            coding_cost,  follow_paths};
+            coding_cost,  add_row,        add_quads,     follow_paths};
 }
 
 } // namespace

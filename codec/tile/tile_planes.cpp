@@ -84,6 +84,12 @@ void dispatch(const ColourCoding& colour, Args&&... args) {
         with.template operator()<SampleType::half16>();
 }
 
+// What kernels are for.
+bool is_ycocg8(const ColourCoding& colour) {
+    return colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
+           colour.transform == ColourTransform::ycocg_r;
+}
+
 template <SampleType type, int channels, bool ycocg> struct ToPlanes {
     static void run(std::span<const std::byte> texels, const Texel& background,
                     const BlockShape& shape, TilePlanes& planes) {
@@ -115,14 +121,22 @@ void TilePlanes::resize_base(const BlockShape& new_shape, int planes) {
 void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
                         const BlockShape& shape, TilePlanes& planes) {
     planes.resize(shape, colour.desc.channels);
-    dispatch<ToPlanes>(colour, texels, background_planes(colour), shape, planes);
+    const Texel background = background_planes(colour);
+    if (is_ycocg8(colour)) {
+        const auto& [nu, nv, ns, nt] = shape.n;
+        std::int32_t* const to[3] = {planes.plane[0].data(), planes.plane[1].data(),
+                                     planes.plane[2].data()};
+        kernels().load_ycocg8(reinterpret_cast<const unsigned char*>(texels.data()), nu * nv,
+                              ns * nt, background.data(), to);
+        return;
+    }
+    dispatch<ToPlanes>(colour, texels, background, shape, planes);
 }
 
 void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
                         std::span<std::byte> texels) {
     const Texel background = background_planes(colour);
-    if (colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
-        colour.transform == ColourTransform::ycocg_r) {
+    if (is_ycocg8(colour)) {
         const auto& [nu, nv, ns, nt] = planes.shape.n;
         kernels().store_ycocg8(
             {{planes.plane[0].data(), planes.plane[1].data(), planes.plane[2].data()},

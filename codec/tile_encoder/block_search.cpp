@@ -45,6 +45,10 @@ BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
     set_fineness(0);
 }
 
+bool BlockSearch::is_flat(const Grid& grid, std::size_t cell) const {
+    return grid.activity[cell] < flat_activity * options_.lambda;
+}
+
 void BlockSearch::set_fineness(int k) {
     fineness_ = k;
     const auto inverse = [k](StepCode step) {
@@ -58,88 +62,11 @@ void BlockSearch::set_fineness(int k) {
 
 namespace {
 
-// Sum, sum of squares and number of the texels of a cell.
-struct Moments {
-    float sum = 0, squares = 0, count = 0;
-    float about_mean() const { return count > 0 ? std::max(0.0f, squares - sum * sum / count) : 0; }
-    void add(const Moments& other) {
-        sum += other.sum;
-        squares += other.squares;
-        count += other.count;
-    }
-};
-
-// What the DC alone costs, as coding_cost sees it.
-float mean_cost(const Moments& m, float scale, float lambda) {
-    if (m.count == 0)
-        return 0;
-    const float energy = m.sum * m.sum / m.count * scale;
+// What a DC of this energy alone costs, as coding_cost sees it.
+float mean_cost(float energy, float lambda) {
     const float octaves = energy > 1.0f ? std::log2(energy) : 0.0f;
     return std::min(energy,
                     rounding_error + lambda * (bits_at_dc + bits_per_octave_of_energy * octaves));
-}
-
-// Merges cells in pairs along `axis` and the next one; cells: entries of each axis before.
-std::vector<Moments> merge_pairs(const std::vector<Moments>& fine, const std::array<int, 4>& cells,
-                                 int axis) {
-    std::array<int, 4> coarse = cells;
-    coarse[axis] /= 2;
-    coarse[axis + 1] /= 2;
-    std::vector<Moments> merged(
-        static_cast<std::size_t>(coarse[0] * coarse[1] * coarse[2] * coarse[3]));
-    std::array<int, 4> c;
-    std::size_t i = 0;
-    for (c[3] = 0; c[3] < cells[3]; ++c[3])
-        for (c[2] = 0; c[2] < cells[2]; ++c[2])
-            for (c[1] = 0; c[1] < cells[1]; ++c[1])
-                for (c[0] = 0; c[0] < cells[0]; ++c[0], ++i) {
-                    std::array<int, 4> to = c;
-                    to[axis] /= 2;
-                    to[axis + 1] /= 2;
-                    merged[static_cast<std::size_t>(
-                               ((to[3] * coarse[2] + to[2]) * coarse[1] + to[1]) * coarse[0] +
-                               to[0])]
-                        .add(fine[i]);
-                }
-    return merged;
-}
-
-// Four partial sums, a fixed order on every path.
-inline void add_row(const float* row, int n, Moments& m) {
-    float sum[4] = {}, squares[4] = {};
-    int u = 0;
-    for (; u + 4 <= n; u += 4)
-        for (int i = 0; i < 4; ++i) {
-            sum[i] += row[u + i];
-            squares[i] += row[u + i] * row[u + i];
-        }
-    for (; u < n; ++u) {
-        sum[0] += row[u];
-        squares[0] += row[u] * row[u];
-    }
-    m.sum += (sum[0] + sum[1]) + (sum[2] + sum[3]);
-    m.squares += (squares[0] + squares[1]) + (squares[2] + squares[3]);
-}
-
-template <class Grid>
-std::vector<Moments> finest_moments(const Grid& grid, const std::vector<float>& x,
-                                    const BlockShape& tile) {
-    std::vector<Moments> moments(grid.activity.size());
-    grid.for_each_cell([&](const std::array<int, 4>& c) {
-        const auto at = [&](int axis) {
-            return grid.segments[axis][static_cast<std::size_t>(c[axis])];
-        };
-        Moments& m = moments[grid.index(c)];
-        for (int t = at(3).begin; t < at(3).begin + at(3).size; ++t)
-            for (int s = at(2).begin; s < at(2).begin + at(2).size; ++s)
-                for (int v = at(1).begin; v < at(1).begin + at(1).size; ++v) {
-                    const float* row =
-                        x.data() + ((t * tile.n[2] + s) * tile.n[1] + v) * tile.n[0] + at(0).begin;
-                    add_row(row, at(0).size, m);
-                }
-        m.count = static_cast<float>(at(0).size * at(1).size * at(2).size * at(3).size);
-    });
-    return moments;
 }
 
 int finest_cells(const BlockShape& tile, int spatial, int angular) {
@@ -198,7 +125,7 @@ bool BlockSearch::search_tree(TileLevels& out) {
     out.shape = shape_;
     const Block root{{0, 0, 0, 0}, shape_, 0, 0};
     measure_activity();
-    if (grids_[0].activity[0] < flat_activity * options_.lambda) {
+    if (is_flat(grids_[0], 0)) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
         grids_[0].cost.assign(1, grids_[0].activity[0] + grids_[0].mean_cost[0] +
@@ -224,26 +151,33 @@ void BlockSearch::measure_activity() {
                 count *= grid.segments[axis].size();
             }
             grid.activity.assign(count, 0.0f);
-            grid.mean_cost.assign(count, 0.0f);
         }
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
         const float scale = inverse_step_[p] * inverse_step_[p];
-        std::vector<Moments> finest = finest_moments(grids_.back(), source_[p], shape_);
+        CellMoments finest = cell_moments(source_[p], shape_, grids_.back().segments);
         for (int a = angular_depths_; a >= 0; --a) {
-            std::vector<Moments> moments = finest;
+            CellMoments moments = finest;
             for (int s = spatial_depths_; s >= 0; --s) {
                 Grid& grid = grids_[grid_index(s, a)];
-                for (std::size_t i = 0; i < moments.size(); ++i) {
-                    grid.activity[i] += moments[i].about_mean() * scale;
-                    grid.mean_cost[i] += mean_cost(moments[i], scale, options_.lambda);
-                }
+                moments.add_about_mean(scale, grid.activity);
+                grid.mean_energy[p].resize(moments.size());
+                for (std::size_t i = 0; i < moments.size(); ++i)
+                    grid.mean_energy[p][i] = moments.energy_of_mean(i) * scale;
                 if (s > 0)
-                    moments = merge_pairs(moments, grid.cells, 0);
+                    moments = moments.merged(0);
             }
             if (a > 0)
-                finest = merge_pairs(finest, grids_[grid_index(spatial_depths_, a)].cells, 2);
+                finest = finest.merged(2);
         }
+    }
+    for (Grid& grid : grids_) {
+        grid.mean_cost.assign(grid.activity.size(), 0.0f);
+        for (std::size_t i = 0; i < grid.activity.size(); ++i)
+            if (is_flat(grid, i) || options_.copies.along != 0) // who else asks?
+                for (int plane = 0; plane < coding_.planes; ++plane)
+                    grid.mean_cost[i] += mean_cost(
+                        grid.mean_energy[static_cast<std::size_t>(plane)][i], options_.lambda);
     }
 }
 
@@ -270,7 +204,7 @@ void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
     const bool tried = is_tried(spatial, angular);
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
-        if (grid.activity[i] < flat_activity * options_.lambda)
+        if (is_flat(grid, i))
             grid.own_cost[i] =
                 grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
         else if (tried)
@@ -288,7 +222,7 @@ void BlockSearch::reset_choices() {
 }
 
 bool BlockSearch::can_copy() const {
-    return grids_[0].activity[0] >= flat_activity * options_.lambda && angular_depths_ > 0;
+    return !is_flat(grids_[0], 0) && angular_depths_ > 0;
 }
 
 bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
@@ -359,7 +293,7 @@ void BlockSearch::try_base(const TilePlanes& reconstructed) {
             if (a > deepest || !is_tried(s, a))
                 continue;
             grid.for_each_cell([&](const std::array<int, 4>& c) {
-                if (grid.activity[grid.index(c)] >= flat_activity * options_.lambda)
+                if (!is_flat(grid, grid.index(c)))
                     try_base(grid, c, base_matches_.best(grid.index(c)), reconstructed);
             });
         }
@@ -398,7 +332,7 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
             continue;
         grid.for_each_cell([&](const std::array<int, 4>& c) {
             const std::size_t i = grid.index(c);
-            if (grid.activity[i] >= flat_activity * options_.lambda)
+            if (!is_flat(grid, i))
                 try_copies(grid, c,
                            {matches_[0][static_cast<std::size_t>(s)][i],
                             matches_[1][static_cast<std::size_t>(s)][i]},

@@ -8,6 +8,7 @@
 #include "codec/tile_encoder/base_picture.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile_encoder/block_quantizer.h"
+#include "codec/tile_encoder/cell_moments.h"
 #include "codec/tile_encoder/displacement_search.h"
 
 #include <algorithm>
@@ -60,7 +61,9 @@ private:
         std::array<int, 4> cells{};              // entries of each axis
         std::vector<float> cost;                 // of the best way to code each cell
         std::vector<float> activity;             // energy about the cell's mean, in squared steps
-        std::vector<float> mean_cost;            // of zeroing or coding the DC of each plane
+        std::array<std::vector<float>, max_planes> mean_energy; // likewise, of that mean
+        // Of zeroing or coding the DC of each plane; without copies only where a cell is flat.
+        std::vector<float> mean_cost;
         std::vector<std::uint8_t> choice;        // Split
         std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
@@ -102,6 +105,7 @@ private:
         return false;
     }
 
+    bool is_flat(const Grid& grid, std::size_t cell) const;
     // Of the whole tile; false: into more leaves than a tile may have.
     bool search_tree(TileLevels& out);
     void estimate_costs();

@@ -37,7 +37,8 @@ void sort_levels(TileLevels& tile) {
 
 void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);
-    if (tile.matters.empty()) {
+    is_whole_ = tile.matters.empty();
+    if (is_whole_) {
         encode_planes(out);
         return;
     }
@@ -80,6 +81,7 @@ void TileEncoder::encode_filled(TileLevels& out) {
 // Returns what the tile costs: squared steps, a bit being worth lambda of them.
 float TileEncoder::encode_planes(TileLevels& out) {
     const bool copies = coding_->predicts && settings_->search.copies.along != 0;
+    compares_ = copies || !is_whole_;
     coded_.begin(copies);
     search_.choose_blocks(planes_, out);
     float cost = encode_blocks(search_, coded_, out);
@@ -328,8 +330,10 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
         transform();
         coded.check(own, coefficients_, coding_->planes);
     }
+    const bool rotates = coding_->rotates && settings_->rotate_colours;
     // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
     // orthogonal: costs relative to it would not compare.
+    const bool needs_energy = compares_ || rotates;
     const auto way = [&](int colour) {
         for (const CodedBlock::Way& known : own.ways)
             if (known.colour == colour)
@@ -339,8 +343,8 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
             rotate_colours(coefficients_, colour - 1, rotated_);
         const BlockCoefficients& block_coefficients = colour != 0 ? rotated_ : coefficients_;
         const std::size_t planes = coded.levels().planes.size();
-        const float cost = quantizer_.quantize(block_coefficients, coded.levels()) +
-                           quantizer_.energy(block_coefficients);
+        const float energy = needs_energy ? quantizer_.energy(block_coefficients) : 0.0f;
+        const float cost = quantizer_.quantize(block_coefficients, coded.levels()) + energy;
         return own.ways.emplace_back(CodedBlock::Way{colour, cost, planes});
     };
     const CodedBlock::Way plain = way(0);
@@ -348,7 +352,7 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
         coded.append(chosen, coding_->planes, out);
         return cost;
     };
-    if (!coding_->rotates || !settings_->rotate_colours || coded.is_zero(plain, coding_->planes))
+    if (!rotates || coded.is_zero(plain, coding_->planes))
         return take(plain, plain.cost);
     if (!own.moments) {
         transform();

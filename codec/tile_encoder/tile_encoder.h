@@ -68,6 +68,8 @@ private:
     const ColourCoding* colour_;
     const EffortSettings* settings_;
     int last_rotation_ = 1; // as ColourMemory in tile_syntax.h
+    bool is_whole_ = true;  // all texels matter
+    bool compares_ = true;  // costs of ways to code the tile
     BlockSearch search_, base_search_;
     BlockQuantizer quantizer_;
     TilePlanes planes_, decoded_, picture_;

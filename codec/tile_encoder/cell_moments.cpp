@@ -1,0 +1,95 @@
+#include "codec/tile_encoder/cell_moments.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// The quads that a row is cut into, all of it.
+bool are_quads(const std::vector<Segment>& segments) {
+    return std::all_of(segments.begin(), segments.end(),
+                       [](const Segment& segment) { return segment.size == 4; });
+}
+
+} // namespace
+
+void CellMoments::add_about_mean(float scale, std::vector<float>& energy) const {
+    for (std::size_t i = 0; i < size(); ++i) {
+        const float about = squares[i] - sum[i] * sum[i] / std::max(count[i], 1.0f);
+        energy[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
+    }
+}
+
+CellMoments CellMoments::merged(int axis) const {
+    CellMoments coarse;
+    coarse.cells = cells;
+    coarse.cells[static_cast<std::size_t>(axis)] /= 2;
+    coarse.cells[static_cast<std::size_t>(axis) + 1] /= 2;
+    const auto [nu, nv, ns, nt] = coarse.cells;
+    const auto all = static_cast<std::size_t>(nu * nv * ns * nt);
+    coarse.sum.assign(all, 0);
+    coarse.squares.assign(all, 0);
+    coarse.count.assign(all, 0);
+    const int shift = axis == 0 ? 1 : 0; // of u; runs of it merge as they are along s and t
+    std::array<int, 4> c;
+    std::size_t i = 0;
+    for (c[3] = 0; c[3] < cells[3]; ++c[3])
+        for (c[2] = 0; c[2] < cells[2]; ++c[2])
+            for (c[1] = 0; c[1] < cells[1]; ++c[1]) {
+                std::array<int, 4> to = c;
+                to[static_cast<std::size_t>(axis) + 1] /= 2;
+                if (axis == 2)
+                    to[2] /= 2;
+                const auto row =
+                    static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
+                for (int u = 0; u < cells[0]; ++u, ++i) {
+                    const std::size_t at = row + static_cast<std::size_t>(u >> shift);
+                    coarse.sum[at] += sum[i];
+                    coarse.squares[at] += squares[i];
+                    coarse.count[at] += count[i];
+                }
+            }
+    return coarse;
+}
+
+CellMoments cell_moments(const std::vector<float>& x, const BlockShape& tile,
+                         const std::array<std::vector<Segment>, 4>& segments) {
+    CellMoments moments;
+    std::size_t all = 1;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        moments.cells[axis] = static_cast<int>(segments[axis].size());
+        all *= segments[axis].size();
+    }
+    moments.sum.assign(all, 0);
+    moments.squares.assign(all, 0);
+    moments.count.assign(all, 0);
+    const SearchKernels& k = search_kernels();
+    const bool quads = are_quads(segments[0]);
+    const std::size_t row_cells = segments[0].size();
+    std::size_t cell = 0;
+    for (const Segment& t_segment : segments[3])
+        for (const Segment& s_segment : segments[2])
+            for (const Segment& v_segment : segments[1]) {
+                float* sum = &moments.sum[cell];
+                float* squares = &moments.squares[cell];
+                for (int t = t_segment.begin; t < t_segment.begin + t_segment.size; ++t)
+                    for (int s = s_segment.begin; s < s_segment.begin + s_segment.size; ++s) {
+                        const float* row =
+                            x.data() +
+                            ((t * tile.n[2] + s) * tile.n[1] + v_segment.begin) * tile.n[0];
+                        for (int v = 0; v < v_segment.size; ++v, row += tile.n[0])
+                            if (quads)
+                                k.add_quads(row, static_cast<int>(row_cells), sum, squares);
+                            else
+                                for (std::size_t u = 0; u < row_cells; ++u)
+                                    k.add_row(row + segments[0][u].begin, segments[0][u].size,
+                                              sum + u, squares + u);
+                    }
+                const int area = v_segment.size * s_segment.size * t_segment.size;
+                for (std::size_t u = 0; u < row_cells; ++u, ++cell)
+                    moments.count[cell] = static_cast<float>(area * segments[0][u].size);
+            }
+    return moments;
+}
+
+} // namespace tessera
