@@ -218,10 +218,6 @@ void filter_row_vector(const std::int16_t* centre, const std::int16_t* const* fr
 void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner) {
     const PairTable& table = pair_table(n);
-    if (!table.fits) {
-        inverse_planes(in, out, support, n, inner);
-        return;
-    }
     const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
     int i = 0;
     for (; i + 4 <= inner; i += 4) {
@@ -245,10 +241,10 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
             even[p] = parts(4 * p + 2);
         for (int p = 0; p < odd_pairs; ++p)
             odd[p] = parts(4 * p + 1);
-        const Int4 dc = column(0) << 4;
-        const auto store = [&](int x, Int4 high, Int4 low) {
+        const Int4 dc = column(0);
+        const auto store = [&](int x, Int4 high, Int4 low, Int4 whole) {
             const Int4 carry = (low + (1 << (basis_bits - 1))) >> low_bits;
-            const Int4 value = (high + carry + dc) >> 4;
+            const Int4 value = (high + carry + (whole << 4)) >> 4;
             __builtin_memcpy(out + x * inner + i, &value, sizeof value);
         };
         for (int x = 0; x <= n - 1 - x; ++x) {
@@ -261,8 +257,11 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
                 add(e, even[p], table.even[x][p]);
             for (int p = 0; p < odd_pairs; ++p)
                 add(o, odd[p], table.odd[x][p]);
-            store(x, e.high + o.high, e.low + o.low);
-            store(n - 1 - x, e.high - o.high, e.low - o.low);
+            Int4 whole = dc;
+            for (unsigned left = table.whole[x]; left != 0; left &= left - 1)
+                whole += column(4 * __builtin_ctz(left) + 4);
+            store(x, e.high + o.high, e.low + o.low, whole);
+            store(n - 1 - x, e.high - o.high, e.low - o.low, whole);
         }
     }
     if (i < inner)

@@ -2,10 +2,10 @@
 namespace tessera {
 namespace {
 
-// With x = high * 2^11 + low, high fits 16 bits and low 11, and every basis value but DC's 2^15 fits
-// 16 bits too, so one multiply-add instruction sums the products of two frequencies. DC's share of
-// the result is exactly 2^4 times its coefficient before the last shift. Sizes with an odd factor
-// above 3 reach 2^15 at other frequencies as well (n = 5, k = 4, x = 2); they use the portable loops.
+// With x = high * 2^11 + low, high fits 16 bits and low 11, and every basis value but 2^15 fits 16 bits
+// too, so one multiply-add instruction sums the products of two frequencies. Where the basis is 2^15,
+// a coefficient's share of the result is exactly 2^4 times itself before the last shift: at all places
+// for DC, and in sizes with an odd factor at a few more (n = 5, k = 4, x = 2), where it is *whole*.
 
 constexpr int max_pairs = max_frequencies / 4; // of even, or of odd, frequencies above 0
 
@@ -15,11 +15,13 @@ std::int32_t packed(std::int32_t low, std::int32_t high) {
 }
 
 // Basis values in pairs: even[x][p] holds frequencies 4p + 2 and 4p + 4, odd[x][p] 4p + 1 and
-// 4p + 3, next[p][x] 2p + 1 and 2p + 2; 0 beyond n.
+// 4p + 3, next[p][x] 2p + 1 and 2p + 2; 0 beyond n, and where a coefficient is whole. Only multiples
+// of 4 ever are: bit i of whole[x] says it of frequency 4i + 4.
 struct PairTable {
     std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
     alignas(32) std::int32_t next[max_frequencies / 2][max_tile_side];
-    bool fits; // no value above 16 bits but DC's
+    std::uint8_t whole[max_tile_side];
+    std::uint8_t whole_anywhere; // bits that any of whole[] has
 };
 
 struct PairTables {
@@ -28,11 +30,20 @@ struct PairTables {
         for (int n = 1; n <= max_tile_side; ++n) {
             const std::int32_t* b = basis(n);
             const int coded = n < max_frequencies ? n : max_frequencies;
-            const auto at = [&](int k, int x) { return k < coded && x < n ? b[k * n + x] : 0; };
-            of[n].fits = true;
-            for (int i = n; i < coded * n; ++i)
-                of[n].fits = of[n].fits && b[i] < 1 << basis_bits;
+            const auto is_whole = [&](int k, int x) {
+                return k < coded && x < n && b[k * n + x] == 1 << basis_bits;
+            };
+            const auto at = [&](int k, int x) {
+                return k < coded && x < n && !is_whole(k, x) ? b[k * n + x] : 0;
+            };
+            of[n].whole_anywhere = 0;
             for (int x = 0; x < max_tile_side; ++x) {
+                of[n].whole[x] = 0;
+                for (int k = 4; k < max_frequencies; k += 4)
+                    of[n].whole[x] =
+                        static_cast<std::uint8_t>(of[n].whole[x] | is_whole(k, x) << (k / 4 - 1));
+                of[n].whole_anywhere =
+                    static_cast<std::uint8_t>(of[n].whole_anywhere | of[n].whole[x]);
                 for (int p = 0; p < max_pairs; ++p) {
                     of[n].even[x][p] = packed(at(4 * p + 2, x), at(4 * p + 4, x));
                     of[n].odd[x][p] = packed(at(4 * p + 1, x), at(4 * p + 3, x));
