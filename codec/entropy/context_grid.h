@@ -25,21 +25,9 @@ constexpr std::uint32_t amplitude_of_level(std::int32_t level, bool dependent) {
     return static_cast<std::uint32_t>(std::abs(level)) << (dependent ? 0 : 1);
 }
 
-class ContextGrid {
+// The cells, as a loop copies them to keep all of it in registers. Valid until the grid's next begin().
+class ContextCells {
 public:
-    // Clears the grid for frequencies below `support` on each axis.
-    void begin(const std::array<std::uint8_t, 4>& support) {
-        int stride = 1;
-        for (int axis = 0; axis < 4; ++axis) {
-            stride_[axis] = stride;
-            stride *= support[axis] + 2;
-        }
-        origin_ = stride_[0] + stride_[1] + stride_[2] + stride_[3];
-        if (cell_.size() < static_cast<std::size_t>(stride))
-            cell_.resize(static_cast<std::size_t>(stride));
-        std::memset(cell_.data(), 0, static_cast<std::size_t>(stride) * sizeof(std::uint16_t));
-    }
-
     int place(const ScanEntry& e) const {
         return origin_ + e.k[0] + e.k[1] * stride_[1] + e.k[2] * stride_[2] + e.k[3] * stride_[3];
     }
@@ -50,10 +38,10 @@ public:
 
     // A coefficient of this amplitude was coded at `place`. Neighbours along one axis count twice,
     // the diagonals of the planes (u,s), (v,t) and the forward ones of (u,v), (s,t) once.
-    void mark(int place, std::uint32_t amplitude) {
+    void mark(int place, std::uint32_t amplitude) const {
         const auto once = static_cast<std::uint16_t>(amplitude_of(amplitude_code(amplitude)));
         const auto twice = static_cast<std::uint16_t>(2 * once);
-        std::uint16_t* cell = cell_.data() + place;
+        std::uint16_t* cell = cell_ + place;
         const auto [u, v, s, t] = stride_;
         cell[u] = static_cast<std::uint16_t>(cell[u] + twice);
         cell[v] = static_cast<std::uint16_t>(cell[v] + twice);
@@ -63,7 +51,7 @@ public:
             cell[diagonal] = static_cast<std::uint16_t>(cell[diagonal] + once);
     }
     // An earlier plane has a coefficient of this amplitude at `place`.
-    void mark_cross(int place, std::uint32_t amplitude) {
+    void mark_cross(int place, std::uint32_t amplitude) const {
         const int sum = add_cross(cell_[place] >> sum_bits, amplitude);
         cell_[place] = static_cast<std::uint16_t>((cell_[place] & sum_mask) | (sum << sum_bits));
     }
@@ -72,6 +60,11 @@ public:
         return amplitude_code(amplitude_of(cross) + amplitude_of(amplitude_code(amplitude)));
     }
 
+protected:
+    std::uint16_t* cell_ = nullptr;
+    std::array<int, 4> stride_{};
+    int origin_ = 0;
+
 private:
     // A cell: the weighted sum, at most (4 * 2 + 8) * 192, and the code of the earlier planes' sum.
     static constexpr int sum_bits = 12;
@@ -79,10 +72,29 @@ private:
     static_assert((2 * double_neighbours + scan_neighbours - double_neighbours) *
                       amplitude_of(amplitude_codes - 1) <=
                   sum_mask);
+};
 
-    std::array<int, 4> stride_{};
-    int origin_ = 0;
-    std::vector<std::uint16_t> cell_;
+class ContextGrid : public ContextCells {
+public:
+    ContextGrid() = default;
+    ContextGrid(const ContextGrid&) = delete;
+    ContextGrid& operator=(const ContextGrid&) = delete;
+
+    // Clears the grid for frequencies below `support` on each axis.
+    void begin(const std::array<std::uint8_t, 4>& support) {
+        int stride = 1;
+        for (std::size_t axis = 0; axis < 4; ++axis) {
+            stride_[axis] = stride;
+            stride *= support[axis] + 2;
+        }
+        origin_ = stride_[0] + stride_[1] + stride_[2] + stride_[3];
+        memory_.resize(std::max(memory_.size(), static_cast<std::size_t>(stride)));
+        cell_ = memory_.data();
+        std::memset(cell_, 0, static_cast<std::size_t>(stride) * sizeof(std::uint16_t));
+    }
+
+private:
+    std::vector<std::uint16_t> memory_;
 };
 
 } // namespace tessera

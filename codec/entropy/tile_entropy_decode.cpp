@@ -143,7 +143,6 @@ private:
     bool decode_plane(std::size_t first_plane, int plane, bool copies, const ScanOrder& order) {
         PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
         const int length = levels.coded_length;
-        const int p_class = plane_class(plane);
         const bool dependent = coding_.parameters.dependent;
         grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
         for (int earlier = 0; earlier < plane; ++earlier)
@@ -152,39 +151,65 @@ private:
                 if (nz.index < length)
                     grid_.mark_cross(grid_.place(order.entry[nz.index]),
                                      amplitude_of_level(nz.level, dependent));
-        int state = 0;
-        for (int i = 0; i < length; ++i) {
-            const ScanContext& context = order.context[static_cast<std::size_t>(i)];
-            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
-            const int neighbours =
-                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
-            const int cross = grid_.cross(place);
-            const int quantiser = quantiser_of(state);
-            std::int32_t magnitude = 0;
-            if (rans_.bit(coding_.tables.zero[static_cast<std::size_t>(zero_parameter(
-                    copies, quantiser, p_class, context.position, neighbours, cross))])) {
-                const auto table = static_cast<std::size_t>(
-                    magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
-                magnitude = take_magnitude(rans_, coding_.tables.magnitude[table].decode(rans_));
-                const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
-                if (level > max_level)
-                    return false;
-                const bool negative = rans_.raw(1) != 0;
-                out_.nonzeros.push_back({static_cast<std::uint16_t>(i), negative ? -level : level});
-                grid_.mark(place, amplitude_of_level(level, dependent));
-            }
-            if (dependent)
-                state = next_state[static_cast<std::size_t>(state)]
-                                  [static_cast<std::size_t>(magnitude & 1)];
-        }
-        levels.count = static_cast<std::uint16_t>(out_.nonzeros.size() - levels.first);
+        const int count =
+            dependent ? decode_coefficients<true>(length, plane_class(plane), copies, order)
+                      : decode_coefficients<false>(length, plane_class(plane), copies, order);
+        if (count < 0)
+            return false;
+        out_.nonzeros.insert(out_.nonzeros.end(), found_.begin(), found_.begin() + count);
+        levels.count = static_cast<std::uint16_t>(count);
         return true;
+    }
+
+    // Decodes `length` coefficients; those that are not zero go to found_. Their number, or -1 for a
+    // level out of range. Nearly all of the time of parsing goes into zeros: what they need is local.
+    template <bool dependent>
+    int decode_coefficients(int length, int p_class, bool copies, const ScanOrder& order) {
+        constexpr int by_quantiser = zero_parameter(false, 1, 0, 0, 0, 0);
+        constexpr int by_cross =
+            zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
+        constexpr int by_position = zero_parameter(false, 0, 0, 1, 0, 0);
+        // The first plane has no others before it: its cross is 0.
+        const std::uint16_t* const zero =
+            coding_.tables.zero.data() + zero_parameter(copies, 0, p_class, 0, 0, 0);
+        const ScanEntry* const entries = order.entry.data();
+        const ScanContext* const contexts = order.context.data();
+        const ContextCells cells = grid_;
+        RansDecoder rans = rans_;
+        int count = 0, state = 0;
+        for (int i = 0; i < length; ++i) {
+            const int place = cells.place(entries[i]);
+            const int neighbours =
+                i == 0 ? size_class(order.shape) : cells.neighbours(place, contexts[i]);
+            const int cross = cells.cross(place);
+            const int quantiser = quantiser_of(state);
+            if (!rans.bit(zero[quantiser * by_quantiser + cross * by_cross +
+                               contexts[i].position * by_position + neighbours])) {
+                state = dependent ? next_state[state][0] : 0;
+                continue;
+            }
+            const auto table = static_cast<std::size_t>(
+                magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
+            const std::int32_t magnitude =
+                take_magnitude(rans, coding_.tables.magnitude[table].decode(rans));
+            const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
+            if (level > max_level)
+                return -1;
+            const bool negative = rans.raw(1) != 0;
+            found_[static_cast<std::size_t>(count++)] = {static_cast<std::uint16_t>(i),
+                                                         negative ? -level : level};
+            cells.mark(place, amplitude_of_level(level, dependent));
+            state = dependent ? next_state[state][magnitude & 1] : 0;
+        }
+        rans_ = rans;
+        return count;
     }
 
     const TileCoding& coding_;
     TileLevels& out_;
     RansDecoder rans_;
     ContextGrid grid_;
+    std::array<NonZero, max_coded_length> found_; // of a plane
     RecentShapes shapes_;
     ColourMemory last_colour_;
     int work_ = 0;

@@ -38,9 +38,13 @@ public:
     }
     // 0 with frequency `zero` (1..4095), else 1.
     bool bit(std::uint32_t zero) {
-        const bool one = slot() >= zero;
-        consume(one ? zero : 0, one ? probability_total - zero : zero);
-        return one;
+        // Two branches: a guess that is right saves waiting for the comparison.
+        if (slot() < zero) {
+            consume(0, zero);
+            return false;
+        }
+        consume(zero, probability_total - zero);
+        return true;
     }
     // `count` equiprobable bits, 0..16.
     std::uint32_t raw(int count) {
