@@ -49,43 +49,53 @@ private:
     std::array<std::array<std::int32_t, max_tile_side + 2>, 3> buffer_;
 };
 
-// One plane of a base picture, moved by eighths of a texel.
+// One plane of a base picture, moved by eighths of a texel: along u first, which views that are apart
+// along t have in common.
 class BasePlane {
 public:
     BasePlane(const std::vector<std::int32_t>& plane, const BlockShape& shape)
         : view_{plane.data(), shape.n[0], shape.n[1]} {}
 
-    // What follows are the nu x nv texels at (u, v) and (du, dv) eighths away from there.
-    void move(int u, int v, int nu, int nv, int du, int dv) {
-        along_v_ = &base_filter[static_cast<std::size_t>(dv & (base_unit - 1))];
-        const auto& along_u = base_filter[static_cast<std::size_t>(du & (base_unit - 1))];
-        const int first_u = u + (du >> 3) - before, first_v = v + (dv >> 3) - before;
+    // What follows are nu texels from u on, du eighths away, of the rows `first` to `last` + taps.
+    void move_along_u(int u, int nu, int du, int first, int last) {
+        const auto& filter = base_filter[static_cast<std::size_t>(du & (base_unit - 1))];
         static_assert(base_unit == 1 << 3);
         std::array<const std::int32_t*, base_taps> from;
-        for (int i = 0; i < nv + base_taps - 1; ++i) {
-            const std::int32_t* row =
-                view_.row(first_u, first_v + i, nu + base_taps - 1, edge_.data());
+        nu_ = nu;
+        last = row_within(last + base_taps - 1);
+        for (int row = row_within(first); row <= last; ++row) {
+            const std::int32_t* line =
+                view_.row(u + (du >> 3) - before, row, nu + base_taps - 1, edge_.data());
             for (std::size_t tap = 0; tap < base_taps; ++tap)
-                from[tap] = row + tap;
-            kernels().six_taps(from.data(), along_u.data(), base_first_shift, nu,
-                               rows_[static_cast<std::size_t>(i)].data());
+                from[tap] = line + tap;
+            kernels().six_taps(from.data(), filter.data(), base_first_shift, nu,
+                               rows_[static_cast<std::size_t>(row)].data());
         }
     }
 
-    void get_row(int v, int nu, std::int32_t* values) const {
+    // The first row of those that a row at v, dv eighths away, is filtered from.
+    static int first_row(int v, int dv) { return v + (dv >> 3) - before; }
+
+    void get_row(int v, int dv, std::int32_t* values) const {
         std::array<const std::int32_t*, base_taps> from;
-        for (std::size_t tap = 0; tap < base_taps; ++tap)
-            from[tap] = rows_[static_cast<std::size_t>(v) + tap].data();
-        kernels().six_taps(from.data(), along_v_->data(), base_second_shift, nu, values);
+        const int first = first_row(v, dv);
+        for (int tap = 0; tap < base_taps; ++tap)
+            from[static_cast<std::size_t>(tap)] =
+                rows_[static_cast<std::size_t>(row_within(first + tap))].data();
+        kernels().six_taps(from.data(),
+                           base_filter[static_cast<std::size_t>(dv & (base_unit - 1))].data(),
+                           base_second_shift, nu_, values);
     }
 
 private:
     static constexpr int before = 2; // texels before the one that a tap of its own stands for
 
+    int row_within(int row) const { return std::clamp(row, 0, view_.height - 1); }
+
     const View view_;
-    const std::array<std::int8_t, base_taps>* along_v_ = nullptr;
+    int nu_ = 0;
     std::array<std::int32_t, max_tile_side + base_taps> edge_;
-    std::array<std::array<std::int32_t, max_tile_side>, max_tile_side + base_taps> rows_;
+    std::array<std::array<std::int32_t, max_tile_side>, max_tile_side> rows_;
 };
 
 // Calls visit(sums, s, t, v) for every row of a block; sums >> copy_shift() are its predicted values.
@@ -113,27 +123,29 @@ void for_each_row(const Block& block, const BlockPrediction& prediction, bool sm
         }
 }
 
-// Calls visit(values, s, t, v) for every row of a block that copies the tile's base picture.
+// Calls visit(get, s, t, v) for every row of a block that copies the tile's base picture; get(values)
+// puts it there.
 template <class Visit>
 void for_each_base_row(const Block& block, const BlockPrediction& prediction,
                        const TilePlanes& decoded, std::size_t plane, Visit visit) {
     const auto& n = block.shape.n;
     BasePlane base(decoded.base[plane], decoded.base_shape);
     const int margin = (decoded.base_shape.n[0] - decoded.shape.n[0]) / 2;
-    std::array<std::int32_t, max_tile_side> values;
-    for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s) {
-            const auto from_middle = [&](std::size_t axis, int view) {
-                return block.origin[axis] + view - (decoded.shape.n[axis] - 1) / 2;
-            };
-            base.move(block.origin[0] + margin, block.origin[1] + margin, n[0], n[1],
-                      from_middle(2, s) * prediction.displacement.u,
-                      from_middle(3, t) * prediction.displacement.v);
-            for (int v = 0; v < n[1]; ++v) {
-                base.get_row(v, n[0], values.data());
-                visit(values.data(), s, t, v);
-            }
-        }
+    const int u = block.origin[0] + margin, v = block.origin[1] + margin;
+    const auto from_middle = [&](std::size_t axis, int view) {
+        return block.origin[axis] + view - (decoded.shape.n[axis] - 1) / 2;
+    };
+    const auto along_v = [&](int t) { return from_middle(3, t) * prediction.displacement.v; };
+    const auto [first, last] = std::minmax(
+        {BasePlane::first_row(v, along_v(0)), BasePlane::first_row(v, along_v(n[3] - 1))});
+    for (int s = 0; s < n[2]; ++s) {
+        base.move_along_u(u, n[0], from_middle(2, s) * prediction.displacement.u, first,
+                          last + n[1] - 1);
+        for (int t = 0; t < n[3]; ++t)
+            for (int row = 0; row < n[1]; ++row)
+                visit([&](std::int32_t* values) { base.get_row(v + row, along_v(t), values); }, s,
+                      t, row);
+    }
 }
 
 // First texel of a row of a block, in a plane of the picture it is a part of.
@@ -158,19 +170,23 @@ void clamp_block(const Block& block, const BlockShape& picture, std::int32_t lim
 
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out) {
-    const bool smooth = coding.parameters.smooth_copies;
-    const int n = block.shape.n[0];
-    const int shift = prediction.copies_base() ? 0 : copy_shift(smooth);
     out.resize(static_cast<std::size_t>(block.shape.texels()));
-    std::int32_t* to = out.data();
-    const auto put = [&](const std::int32_t* sums, int, int, int) {
-        for (int u = 0; u < n; ++u)
-            *to++ = sums[u] >> shift;
+    const auto row_at = [&](int s, int t, int v) {
+        return out.data() + plane_index(block.shape, 0, v, s, t);
     };
-    if (prediction.copies_base())
-        for_each_base_row(block, prediction, decoded, plane, put);
-    else
-        for_each_row(block, prediction, smooth, decoded.shape, decoded.plane[plane], put);
+    if (prediction.copies_base()) {
+        for_each_base_row(block, prediction, decoded, plane,
+                          [&](auto get, int s, int t, int v) { get(row_at(s, t, v)); });
+        return;
+    }
+    const bool smooth = coding.parameters.smooth_copies;
+    const int n = block.shape.n[0], shift = copy_shift(smooth);
+    for_each_row(block, prediction, smooth, decoded.shape, decoded.plane[plane],
+                 [&](const std::int32_t* sums, int s, int t, int v) {
+                     std::int32_t* to = row_at(s, t, v);
+                     for (int u = 0; u < n; ++u)
+                         to[u] = sums[u] >> shift;
+                 });
 }
 
 void finish_predicted(const Block& block, const BlockPrediction& prediction,
@@ -185,13 +201,14 @@ void finish_predicted(const Block& block, const BlockPrediction& prediction,
         return;
     }
     if (prediction.copies_base()) {
-        for_each_base_row(block, prediction, decoded, plane,
-                          [&](const std::int32_t* copied, int s, int t, int v) {
-                              std::int32_t* to = row_of(block, decoded.shape, s, t, v, values);
-                              if (!has_difference)
-                                  std::fill_n(to, n, 0);
-                              kernels().add_within(to, copied, 0, n, limit);
-                          });
+        std::array<std::int32_t, max_tile_side> copied;
+        for_each_base_row(block, prediction, decoded, plane, [&](auto get, int s, int t, int v) {
+            get(copied.data());
+            std::int32_t* to = row_of(block, decoded.shape, s, t, v, values);
+            if (!has_difference)
+                std::fill_n(to, n, 0);
+            kernels().add_within(to, copied.data(), 0, n, limit);
+        });
         return;
     }
     const bool smooth = coding.parameters.smooth_copies;
