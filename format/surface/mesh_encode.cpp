@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <new>
 #include <optional>
