@@ -2,6 +2,7 @@
 
 #include "codec/texels/texel_mask.h"
 #include "codec/tile/tile_texels.h"
+#include "format/io/bytes.h"
 #include "format/levels.h"
 #include "format/samples.h"
 #include "format/work.h"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -26,12 +26,6 @@ constexpr Extent4 work_extent{32, 32, 8, 8};
 // Views lie this many floats further apart than they are long: without it a power of two puts the
 // same texel of all views into one set of the cache.
 constexpr std::size_t view_padding = 16;
-
-std::uint16_t load_half(const std::byte* from) {
-    std::uint16_t half;
-    std::memcpy(&half, from, 2);
-    return half;
-}
 
 // The codec's policy for what is no number.
 std::uint16_t finite_half(std::uint16_t half, std::uint64_t& replaced) {
@@ -102,7 +96,9 @@ float structure_value(const TextureDesc& desc, const std::byte* texel) {
                 ? at(0)
                 : (luma_r * at(0) + luma_g * at(1) + luma_b * at(2) + luma_one / 2) / luma_one);
     }
-    const auto at = [&](int c) { return half_to_float(finite_half(load_half(texel + 2 * c))); };
+    const auto at = [&](int c) {
+        return half_to_float(finite_half(load_le<std::uint16_t>(texel + 2 * c)));
+    };
     const float y = desc.channels < 3 ? at(0) : 0.2126f * at(0) + 0.7152f * at(1) + 0.0722f * at(2);
     return pu21_table()(y * static_cast<float>(luminance_of_one));
 }
@@ -419,8 +415,8 @@ void ErrorSums::add_half16(const Box4& box, const std::byte* a, const std::byte*
         for (unsigned c = 0; c < desc_.channels; ++c, a += 2, b += 2) {
             if (is_free(matters, i))
                 continue;
-            const std::uint16_t x = finite_half(load_half(a), non_finite_[0]);
-            const std::uint16_t y = finite_half(load_half(b), non_finite_[1]);
+            const std::uint16_t x = finite_half(load_le<std::uint16_t>(a), non_finite_[0]);
+            const std::uint16_t y = finite_half(load_le<std::uint16_t>(b), non_finite_[1]);
             const std::int64_t d = std::int64_t{half_ordinal(x)} - half_ordinal(y);
             if (d == 0)
                 continue;

@@ -32,6 +32,9 @@ template <class Vector> inline Vector most(Vector a, Vector b) {
     return a > b ? a : b;
 }
 
+// The byte of a lane that holds what is below 256.
+constexpr int low_byte = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? 3 : 0;
+
 // Sixteen values as bytes, those outside 0..255 as the nearer end.
 inline Byte16 saturated(Int4 a, Int4 b, Int4 c, Int4 d) {
 #ifdef __wasm_simd128__
@@ -41,10 +44,12 @@ inline Byte16 saturated(Int4 a, Int4 b, Int4 c, Int4 d) {
     const auto bytes = [](Int4 x) {
         return (Byte16)least(most(x, Int4{}), Int4{255, 255, 255, 255});
     };
-    const Byte16 ab = __builtin_shufflevector(bytes(a), bytes(b), 0, 4, 8, 12, 16, 20, 24, 28, 0, 4,
-                                              8, 12, 16, 20, 24, 28);
-    const Byte16 cd = __builtin_shufflevector(bytes(c), bytes(d), 0, 4, 8, 12, 16, 20, 24, 28, 0, 4,
-                                              8, 12, 16, 20, 24, 28);
+    const auto pair = [](Byte16 x, Byte16 y) {
+        return __builtin_shufflevector(x, y, low_byte, low_byte + 4, low_byte + 8, low_byte + 12,
+                                       low_byte + 16, low_byte + 20, low_byte + 24, low_byte + 28,
+                                       0, 0, 0, 0, 0, 0, 0, 0);
+    };
+    const Byte16 ab = pair(bytes(a), bytes(b)), cd = pair(bytes(c), bytes(d));
     return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
 #endif
 }

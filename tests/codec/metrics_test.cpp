@@ -1,5 +1,6 @@
 // The measures against slow twins written from their definitions.
 #include "codec/metrics.h"
+#include "format/io/bytes.h"
 #include "format/samples.h"
 
 #include <cmath>
@@ -40,9 +41,7 @@ public:
     double value(std::size_t sample) const {
         if (desc_.type == SampleType::unorm8)
             return std::to_integer<int>(texels_[sample]);
-        std::uint16_t half;
-        std::memcpy(&half, texels_.data() + 2 * sample, 2);
-        return half_to_float(half);
+        return half_to_float(load_le<std::uint16_t>(texels_.data() + 2 * sample));
     }
     std::size_t samples() const { return texels_.size() / sample_bytes(desc_.type); }
     std::vector<std::byte>& bytes() { return texels_; }
@@ -69,9 +68,8 @@ struct Pair {
         std::uniform_real_distribution<float> stops(-12, 12), noise(-0.2f, 0.2f);
         for (std::size_t i = 0; i < a.samples(); ++i) {
             const float x = std::exp2(stops(random)) - 0.001f, y = x * std::exp2(noise(random));
-            const std::uint16_t halves[2] = {float_to_half(x), float_to_half(y)};
-            std::memcpy(a.bytes().data() + 2 * i, &halves[0], 2);
-            std::memcpy(b.bytes().data() + 2 * i, &halves[1], 2);
+            store_le(a.bytes().data() + 2 * i, float_to_half(x));
+            store_le(b.bytes().data() + 2 * i, float_to_half(y));
         }
     }
     Result<Comparison> compare(unsigned threads = 2, std::uint64_t slab_bytes = 64 << 20) {
@@ -202,8 +200,10 @@ TEST(Metrics, NonFiniteHalvesFollowTheCodecsPolicy) {
     pair.b.bytes() = pair.a.bytes();
     const std::uint16_t in[4] = {0x7E00, 0x7C00, 0xFC00, 0xFE01};
     const std::uint16_t out[4] = {0x0000, 0x7BFF, 0xFBFF, 0x8000};
-    std::memcpy(pair.a.bytes().data(), in, 8);
-    std::memcpy(pair.b.bytes().data(), out, 8);
+    for (int i = 0; i < 4; ++i) {
+        store_le(pair.a.bytes().data() + 2 * i, in[i]);
+        store_le(pair.b.bytes().data() + 2 * i, out[i]);
+    }
     const auto c = pair.compare();
     ASSERT_TRUE(c.ok());
     EXPECT_EQ(c->errors.differing_samples(), 0u);
