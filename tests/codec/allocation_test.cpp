@@ -123,8 +123,10 @@ TEST(Allocation, OpeningAndDecodingSurviveEachFailure) {
     ASSERT_EQ(encode(&file, &bytes), TESSERA_OK) << tessera_last_error();
     ASSERT_EQ(decode(file, bytes), TESSERA_OK);
     const long before = alive;
-    EXPECT_GT(fail_everywhere(1, [&] { return decode(file, bytes); }), 20);
-    EXPECT_LE(alive, before + 2); // the thread's last sentence
+    const int failures = fail_everywhere(1, [&] { return decode(file, bytes); });
+    EXPECT_GT(failures, 20);
+    RecordProperty("failures", failures); // --gtest_output=xml says how many
+    EXPECT_LE(alive, before + 2);         // the thread's last sentence
     tessera_free(file);
 }
 
@@ -134,13 +136,13 @@ TEST(Allocation, EncodingSurvivesFailures) {
     ASSERT_EQ(encode(&file, &bytes), TESSERA_OK);
     tessera_free(file);
     const long before = alive;
-    EXPECT_GT(fail_everywhere(1.1,
-                              [&] {
-                                  const int error = encode(&file, &bytes);
-                                  tessera_free(file);
-                                  return error;
-                              }),
-              20);
+    const int failures = fail_everywhere(1.1, [&] {
+        const int error = encode(&file, &bytes);
+        tessera_free(file);
+        return error;
+    });
+    EXPECT_GT(failures, 20);
+    RecordProperty("failures", failures);
     EXPECT_LE(alive, before + 2);
 }
 

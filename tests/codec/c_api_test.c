@@ -941,6 +941,35 @@ static int test_null_pointers(void) {
     return 0;
 }
 
+/* A refused call leaves things as they were; decoders of one file do not know of each other. */
+static int test_wrong_order(void) {
+    const tessera_encode_options options = lossless();
+    reader r = {0};
+    const tessera_texel_source source = source_of(&r);
+    tessera_decoder *one = NULL, *other = NULL;
+    unsigned char texels[small_bytes];
+    void* file = NULL;
+    size_t file_bytes = 0;
+    tessera_set_callback_error("said by nobody"); /* outside of a callback */
+    r.fail_at = 1;
+    r.code = own_error;
+    CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &options, NULL) == own_error);
+    CHECK(strstr(tessera_last_error(), "said by nobody") == NULL);
+    tessera_free(file);
+    r.fail_at = 0;
+    CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &options, NULL) == 0);
+    CHECK(tessera_open_memory(file, file_bytes, NULL, &one) == 0);
+    CHECK(tessera_open_memory(file, file_bytes, NULL, &other) == 0);
+    REFUSED(tessera_decode_box(one, small_end, origin, texels, sizeof texels, NULL),
+            TESSERA_BAD_ARGUMENT, "box");
+    CHECK(is_small_texture(one));
+    tessera_close(one);
+    CHECK(is_small_texture(other));
+    tessera_close(other);
+    tessera_free(file);
+    return 0;
+}
+
 int main(int argc, char** argv) {
     const char* path = argc > 1 ? argv[1] : "c_api_test.tess";
     CHECK(strcmp(tessera_last_error(), "") == 0);
@@ -954,5 +983,5 @@ int main(int argc, char** argv) {
     CHECK(remove(path) == 0);
     return test_levels_parts_and_damage() || test_metadata_and_description() ||
            test_masks_and_halves() || test_options_out_of_range() || test_box_bytes() ||
-           test_structures_that_grow() || test_null_pointers();
+           test_structures_that_grow() || test_null_pointers() || test_wrong_order();
 }
