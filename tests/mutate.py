@@ -2,21 +2,26 @@
 """Tests of the tests: changes one operator, bound or constant of format/ or codec/ at a time and sees whether
 the fast tests notice. tests/mutate.py BUILD COUNT [--seed N] [--only PREFIX] [--tests format_tests]
 
-BUILD is a build folder of this tree with tests. Mutants are drawn by seed; each is built incrementally, tried
-by the tests below, and taken back. A mutant that does not compile counts as none, one whose tests run out of
-time is caught. Prints each survivor and a last line with the sums; nothing else may change the tree meanwhile."""
+BUILD is a build folder of this tree with tests, best one where a mutant is one small compilation:
+  cmake -S . -B build-mutate -G Ninja -DCMAKE_PROJECT_INCLUDE=$PWD/tests/mutate.cmake
+Mutants are drawn by seed; each is built incrementally, tried by the tests below, those of the file first, and
+taken back. A mutant that does not compile counts as none, one whose tests run out of time, five times the
+usual, is caught. What was found is kept in BUILD/mutants.txt, and a mutant that is there is not tried again
+unless it survived and --again is given; so it may be stopped. Prints each, and a last line with the sums; nothing
+else may change the tree meanwhile."""
 import argparse
 import pathlib
 import random
 import re
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Suites that take less than a second or so, and meet decoding and coding as a whole.
-FILTERS = {"format_tests": "-Sampler*:Octahedral*:Mesh*:SurfaceMesh*",
-           "codec_tests": "-Journal*:RateControl*:Mask*:Prediction*:Kernels*:CoarseLevels*:TableTrial*"}
-SECONDS = {"build": 900, "test": 300}
+FILTERS = {"format_tests": "Sampler*:Octahedral*:Mesh*:SurfaceMesh*",
+           "codec_tests": "Journal*:RateControl*:Mask*:Prediction*:Kernels*:CoarseLevels*:TableTrial*"}
+BUILD_SECONDS = 1800
 
 SWAPS = [(r"(?<![<>=!+\-*/&|])<(?![<=])", "<="), (r"<=", "<"), (r"(?<![<>\-=])>(?![>=])", ">="), (r">=", ">"),
          (r"==", "!="), (r"!=", "=="), (r"&&", "||"), (r"\|\|", "&&"), (r" \+ ", " - "), (r" - ", " + "),
@@ -54,35 +59,71 @@ def places():
 def run(command, seconds):
     """0: well; else what it ended with; None: out of time."""
     try:
-        return subprocess.run(["nice", *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                               timeout=seconds, cwd=ROOT).returncode
     except subprocess.TimeoutExpired:
         return None
 
 
-def build(folder, targets):
-    return run(["ninja", "-C", folder, *targets], SECONDS["build"]) == 0
+def build(folder, target):
+    return run(["ninja", "-j2", "-C", folder, target], BUILD_SECONDS) == 0
 
 
-def catches(folder, targets):
-    for target in targets:
-        if run([f"{folder}/bin/{target}", f"--gtest_filter={FILTERS[target]}", "--gtest_fail_fast"],
-               SECONDS["test"]) != 0:
-            return target
-    return None
+def suites_for(path, target):
+    """The suites of the test file of that name, and of those that include its header."""
+    header = f'#include "{path.with_suffix(".h").relative_to(ROOT)}"'
+    found = []
+    for test in (ROOT / "tests" / target.removesuffix("_tests")).glob("*_test.cpp"):
+        text = test.read_text()
+        if test.name == path.stem + "_test.cpp" or header in text:
+            found += re.findall(r"^TEST(?:_F)?\((\w+),", text, re.M)
+    return sorted(set(found))
+
+
+def passes(folder, target, gtest_filter, seconds):
+    return run([f"{folder}/bin/{target}", f"--gtest_filter={gtest_filter}", "--gtest_fail_fast"], seconds) == 0
+
+
+def fast(target):
+    return "-" + FILTERS[target]
+
+
+def try_mutant(folder, targets, path, limits):
+    """"void", "SURVIVED" or "caught by" what. The tests of the file's own module come first, and within them
+    those of the file; what is linked is only what is needed so far."""
+    for target in sorted(targets, key=lambda t: not t.startswith(path.relative_to(ROOT).parts[0])):
+        if not build(folder, target):
+            return "void"
+        own = ":".join(s + ".*" for s in suites_for(path, target))
+        if own and not passes(folder, target, own + fast(target), limits[target]):
+            return f"caught by {target}, its own"
+        if not passes(folder, target, fast(target), limits[target]):
+            return f"caught by {target}"
+    return "SURVIVED"
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build")
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="files that begin with this, such as format/container")
     parser.add_argument("--tests", choices=list(FILTERS), nargs="+", default=list(FILTERS))
+    parser.add_argument("--again", action="store_true", help="try what survived once more")
     a = parser.parse_args()
     folder = str(pathlib.Path(a.build).resolve())
-    if not build(folder, a.tests) or catches(folder, a.tests):
-        sys.exit("the tests fail without any change")
+    limits = {}
+    for target in a.tests:
+        if not build(folder, target):
+            sys.exit(f"{target} does not build without any change")
+        begin = time.monotonic()
+        if not passes(folder, target, fast(target), None):
+            sys.exit(f"{target} fails without any change")
+        limits[target] = 5 * (time.monotonic() - begin) + 5
+    journal = pathlib.Path(folder) / "mutants.txt"
+    known = {}
+    if journal.exists():
+        known = dict(reversed(line.split("\t", 1)) for line in journal.read_text().splitlines())
     drawn = [p for p in places() if str(p[0].relative_to(ROOT)).startswith(a.only)]
     random.Random(a.seed).shuffle(drawn)
     caught = survived = void = 0
@@ -94,17 +135,18 @@ def main():
         old = lines[number]
         lines[number] = old[:begin] + new + old[end:]
         where = f"{path.relative_to(ROOT)}:{number + 1}: {old.strip()}  ->  {lines[number].strip()}"
-        try:
-            path.write_text("\n".join(lines))
-            if not build(folder, a.tests):
-                void += 1
-                continue
-            by = catches(folder, a.tests)
-            caught, survived = caught + bool(by), survived + (not by)
-            print("caught by " + by if by else "SURVIVED", where, flush=True)
-        finally:
-            path.write_text(before)
-    build(folder, a.tests)
+        result = known.get(where)
+        if result is None or a.again and result == "SURVIVED":
+            try:
+                path.write_text("\n".join(lines))
+                result = try_mutant(folder, a.tests, path, limits)
+            finally:
+                path.write_text(before)
+            with journal.open("a") as f:
+                f.write(f"{result}\t{where}\n")
+            print(result, where, flush=True)
+        void, survived = void + (result == "void"), survived + (result == "SURVIVED")
+        caught += result.startswith("caught")
     print(f"{caught} of {caught + survived} mutants caught, {void} did not compile, seed {a.seed}")
 
 
