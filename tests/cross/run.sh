@@ -1,0 +1,46 @@
+#!/bin/bash
+# The decoder and the encoder on another processor, or from another compiler: builds in build-cross-ARCH, runs
+# the tests that take seconds, and compares what it makes of the golden files and of some textures with what
+# this machine's build makes of them (same_bytes.cpp).
+#   tests/cross/run.sh ARCH   aarch64, s390x (big-endian): under qemu, by Debian's packages
+#                               dpkg --add-architecture s390x
+#                               apt install g++-s390x-linux-gnu qemu-user-static \
+#                                   libzstd-dev:s390x libdraco-dev:s390x libgtest-dev:s390x
+#                             (arm64 for aarch64); clang: this processor, by clang++
+# TESTS: gtest filter for both programs, default all that take seconds; "": none.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+arch=${1:?ARCH, as the head of this file says}
+# Without the machinery around the codec; the libraries' -O3 stays for the compiler, and is dear elsewhere.
+common=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DTESSERA_TESTS=ON -DTESSERA_TOOLS=OFF -DTESSERA_GPU=OFF
+        -DTESSERA_SHARED=OFF -DTESSERA_HTTP=OFF -DTESSERA_WEB=OFF)
+run=()
+case $arch in
+clang) other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++) ;;
+*)
+    multiarch=$arch-linux-gnu
+    export PKG_CONFIG_LIBDIR=/usr/lib/$multiarch/pkgconfig:/usr/share/pkgconfig
+    run=(qemu-"$arch"-static -L /)
+    other=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=-O1" -DCMAKE_SYSTEM_NAME=Linux
+           -DCMAKE_SYSTEM_PROCESSOR="$arch" -DCMAKE_C_COMPILER="$multiarch-gcc"
+           -DCMAKE_CXX_COMPILER="$multiarch-g++" -DCMAKE_LIBRARY_ARCHITECTURE="$multiarch"
+           -DCMAKE_FIND_ROOT_PATH="/usr/lib/$multiarch;/usr" -DCMAKE_CROSSCOMPILING_EMULATOR="${run[0]};-L;/")
+    ;;
+esac
+filter=${TESTS--Journal*:RateControl*:Mask*:Prediction*:CoarseLevels*:TableTrial*:Sampler*:Octahedral*:Tool*}
+targets=(same_bytes)
+[ -z "$filter" ] || targets+=(format_tests codec_tests)
+folder=build-cross-$arch
+cmake -S . -B "$folder" "${common[@]}" "${other[@]}" > "$folder.log" || { cat "$folder.log"; exit 1; }
+rm "$folder.log"
+ninja -C "$folder" "${targets[@]}"
+env -u PKG_CONFIG_LIBDIR cmake -S . -B build-cross-native "${common[@]}" -DCMAKE_BUILD_TYPE=Release > /dev/null
+ninja -C build-cross-native same_bytes
+build-cross-native/bin/same_bytes tests/golden > build-cross-native/made.txt
+"${run[@]}" "$folder/bin/same_bytes" tests/golden > "$folder/made.txt"
+head -n "$(wc -l < tests/golden/manifest.txt)" "$folder/made.txt" | diff tests/golden/manifest.txt -
+diff build-cross-native/made.txt "$folder/made.txt"
+echo "$arch: the same as here: $(wc -l < "$folder/made.txt") files"
+[ -z "$filter" ] || for tests in format_tests codec_tests; do
+    "${run[@]}" "$folder/bin/$tests" --gtest_brief=1 --gtest_filter="$filter"
+done
