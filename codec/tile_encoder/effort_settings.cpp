@@ -81,6 +81,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
 EffortSettings EffortSettings::for_samples() const {
     EffortSettings settings = *this;
     settings.refinements = 0;
+    settings.balance = false;
     return settings;
 }
 

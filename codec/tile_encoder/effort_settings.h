@@ -21,6 +21,7 @@ struct EffortSettings {
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
     bool try_base = true;       // whether tiles have base pictures, likewise
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
+    bool balance = true;        // tiles keep the mean of their texels
     int copy_rounds = 1;        // of the search for blocks that copy
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
 

@@ -19,6 +19,10 @@ constexpr int smallest_to_split = 8;     // side of a block, as the search goes 
 
 constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings nothing
 
+constexpr int balances = 2;            // rounds of coding a tile again
+constexpr double balanced_mean = 0.01; // codes by which no channel matters
+constexpr double balancing_gain = 4;   // for a start
+
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
 
 // Levels in the order of the blocks, as a decoder reads them.
@@ -36,6 +40,12 @@ void sort_levels(TileLevels& tile) {
 } // namespace
 
 void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
+    encode_all(tile, shape, out);
+    if (settings_->balance && !colour_->corrections && !out.nonzeros.empty())
+        balance(tile, out);
+}
+
+void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);
     is_whole_ = tile.matters.empty();
     if (is_whole_) {
@@ -373,6 +383,71 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
         return take(plain, plain.cost);
     last_rotation_ = rotation + 1;
     return take(rotated, cost);
+}
+
+void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
+    reconstruct(out, *coding_, scratch_, decoded_);
+    Means error = meter_.error(tile, decoded_);
+    double gain = balancing_gain;
+    for (int round = 0; round < balances && largest_of(error) > balanced_mean; ++round) {
+        encode_again(out, {error, out.shape.texels(), gain, *coding_, *colour_}, copies_);
+        const Means changed = meter_.error(tile, balanced_);
+        if (largest_of(changed) >= largest_of(error)) {
+            gain *= 2;
+            continue;
+        }
+        error = changed;
+        std::swap(out, copies_);
+        std::swap(decoded_, balanced_);
+    }
+}
+
+// Codes the blocks of a tile, which decoded_ has, as they are but for their levels; those of a base
+// picture stay. balanced_ has what comes out.
+void TileEncoder::encode_again(const TileLevels& tile, MeanDebt debt, TileLevels& out) {
+    const auto planes = static_cast<std::size_t>(coding_->planes);
+    out = tile;
+    out.nonzeros.clear();
+    const auto put = [&](std::size_t block, const TileLevels& from, std::size_t first_plane) {
+        for (std::size_t p = 0; p < planes; ++p) {
+            PlaneLevels plane = from.planes[first_plane + p];
+            const auto levels = from.levels(plane);
+            plane.first = static_cast<std::uint32_t>(out.nonzeros.size());
+            out.planes[block * planes + p] = plane;
+            out.nonzeros.insert(out.nonzeros.end(), levels.begin(), levels.end());
+        }
+    };
+    balanced_ = decoded_;
+    for (std::size_t k = 0; k < tile.blocks.size(); ++k) {
+        const std::size_t i = tile.order.empty() ? k : tile.order[k];
+        if (i < tile.base_blocks) {
+            put(i, tile, i * planes);
+            continue;
+        }
+        const BlockPrediction prediction =
+            tile.predictions.empty() ? BlockPrediction{} : tile.predictions[i];
+        search_.transform_block(tile.blocks[i], prediction, balanced_, coefficients_);
+        debt.ask_of(coefficients_);
+        encode_coloured(tile.colours[i]);
+        put(i, trial_, 0);
+        out.colours[i] = trial_.colours[0];
+        reconstruct_block(out, i, *coding_, scratch_, balanced_);
+        debt.count(tile.blocks[i], decoded_, balanced_);
+    }
+    sort_levels(out);
+}
+
+// coefficients_ into trial_, on the axes of that colour unless its first plane would be empty then.
+void TileEncoder::encode_coloured(int colour) {
+    trial_.clear();
+    if (colour != 0) {
+        rotate_colours(coefficients_, colour - 1, rotated_);
+        quantizer_.quantize(rotated_, trial_);
+        if (trial_.planes[0].coded_length != 0)
+            return;
+        trial_.clear();
+    }
+    quantizer_.quantize(coefficients_, trial_);
 }
 
 } // namespace tessera

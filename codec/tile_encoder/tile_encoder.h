@@ -10,6 +10,7 @@
 #include "codec/tile_encoder/coded_blocks.h"
 #include "codec/tile_encoder/dont_care.h"
 #include "codec/tile_encoder/effort_settings.h"
+#include "codec/tile_encoder/mean_balance.h"
 #include "codec/tile_encoder/tree_edits.h"
 
 namespace tessera {
@@ -22,7 +23,7 @@ public:
                 const EffortSettings& settings)
         : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
           search_(coding, costs, settings.search), base_search_(coding, costs, settings.search),
-          quantizer_(coding, costs, settings.quantizer) {}
+          quantizer_(coding, costs, settings.quantizer), meter_(coding, colour) {}
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
@@ -34,6 +35,7 @@ public:
     const TilePlanes& source() const { return planes_; }
 
 private:
+    void encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
     void encode_filled(TileLevels& out);
     float encode_planes(TileLevels& out);
     float encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out);
@@ -62,6 +64,10 @@ private:
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
     float encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
                        const BlockPrediction& prediction, TileLevels& out);
+    // Codes the tile again with its mean nearer to that of its texels.
+    void balance(const TileTexels& tile, TileLevels& out);
+    void encode_again(const TileLevels& tile, MeanDebt debt, TileLevels& out);
+    void encode_coloured(int colour);
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -72,7 +78,8 @@ private:
     bool compares_ = true;  // costs of ways to code the tile
     BlockSearch search_, base_search_;
     BlockQuantizer quantizer_;
-    TilePlanes planes_, decoded_, picture_;
+    TilePlanes planes_, decoded_, picture_, balanced_;
+    MeanMeter meter_;
     Base base_; // in hand; in the end that of the cheapest way found, if it has one
     std::vector<std::byte> base_bytes_;
     DontCare dont_care_;

@@ -1,0 +1,93 @@
+#include "codec/tile_encoder/mean_balance.h"
+
+#include "format/samples.h"
+#include "format/tile/dequantizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace tessera {
+namespace {
+
+// Of a block's mean, in steps of its first coefficient.
+constexpr double most_asked = 0.5;
+
+// What a small change of the channels is in planes.
+Means planes_of(const Means& c, ColourTransform transform) {
+    if (transform == ColourTransform::none)
+        return c;
+    return {(c[0] + 2 * c[1] + c[2]) / 4, c[0] - c[2], c[1] - (c[0] + c[2]) / 2, c[3]};
+}
+
+} // namespace
+
+double largest_of(const Means& means) {
+    double largest = 0;
+    for (const double mean : means)
+        largest = std::max(largest, std::fabs(mean));
+    return largest;
+}
+
+Means MeanMeter::error(const TileTexels& tile, const TilePlanes& decoded) {
+    filtered_ = decoded;
+    filter_tile(*coding_, scratch_, filtered_);
+    texels_.resize(tile.texels.size());
+    texels_from_planes(filtered_, *colour_, texels_);
+    const SampleType type = colour_->desc.type;
+    const std::size_t bytes = sample_bytes(type), channels = colour_->desc.channels;
+    const auto code = [&](const std::vector<std::byte>& texels, std::size_t i) {
+        return sample_code(load_sample(&texels[i * bytes], type), type);
+    };
+    std::array<std::int64_t, max_planes> sum{};
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < tile.texels.size() / (channels * bytes); ++i) {
+        if (tile.is_free(i))
+            continue;
+        ++count;
+        for (std::size_t c = 0; c < channels; ++c)
+            sum[c] += code(texels_, i * channels + c) - code(tile.texels, i * channels + c);
+    }
+    Means means{};
+    for (std::size_t c = 0; c < channels && count > 0; ++c)
+        means[c] = static_cast<double>(sum[c]) / static_cast<double>(count);
+    return means;
+}
+
+MeanDebt::MeanDebt(const Means& error, int texels, double gain, const TileCoding& coding,
+                   const ColourCoding& colour)
+    : coding_(coding), gain_(gain), unit_(1 << value_bits(colour.desc.type)), left_(texels),
+      sum_(planes_of(error, colour.transform)) {
+    for (double& sum : sum_)
+        sum *= -left_;
+}
+
+void MeanDebt::ask_of(BlockCoefficients& block) const {
+    // The first coefficient is the mean times this.
+    const double scale = std::sqrt(static_cast<double>(block.shape.texels()));
+    for (std::size_t plane = 0; plane < static_cast<std::size_t>(coding_.planes); ++plane) {
+        const double most = most_asked * coding_.parameters.step[plane].value();
+        block.plane[plane][0] +=
+            static_cast<float>(std::clamp(gain_ * sum_[plane] / left_ * scale, -most, most));
+    }
+}
+
+void MeanDebt::count(const Block& block, const TilePlanes& before, const TilePlanes& after) {
+    const auto& n = block.shape.n;
+    for (std::size_t plane = 0; plane < static_cast<std::size_t>(coding_.planes); ++plane) {
+        std::int64_t change = 0;
+        for (int t = 0; t < n[3]; ++t)
+            for (int s = 0; s < n[2]; ++s)
+                for (int v = 0; v < n[1]; ++v) {
+                    const auto row = static_cast<std::size_t>(
+                        plane_index(after.shape, block.origin[0], block.origin[1] + v,
+                                    block.origin[2] + s, block.origin[3] + t));
+                    for (std::size_t at = row; at < row + n[0]; ++at)
+                        change += after.plane[plane][at] - before.plane[plane][at];
+                }
+        sum_[plane] -= static_cast<double>(change) / unit_;
+    }
+    left_ -= block.shape.texels();
+}
+
+} // namespace tessera
