@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace tessera {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 // Everything one thread needs to encode tiles and to see what they decode to.
 struct Worker {
     TileEncoder encoder;
+    std::optional<TileEncoder> careful; // of tiles that were edited in part
     TileDecoder decoder;
     TileLevels levels;
     CorrectionMap corrections;
@@ -30,9 +32,10 @@ struct Crew {
     Crew(const EncodePlan& encode_plan, const CodingParameters& parameters, bool sample)
         : plan(encode_plan), of_sample(sample), counts(sample || encode_plan.effort.recode),
           coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
-          costs(coding.tables) {
+          costs(coding.tables), careful(settings_of_edited_tiles(plan.effort)) {
         for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
             workers.push_back({TileEncoder(coding, costs, plan.colour, plan.effort),
+                               std::nullopt,
                                TileDecoder(coding, plan.colour),
                                {},
                                {},
@@ -44,11 +47,11 @@ struct Crew {
     }
     // Leaves the tile's payload in worker.payload.
     // `filter`: what a filter would have to mend there; wanted only of passes without one.
-    Status encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
-                  FilterStatistics* filter = nullptr) const;
-    // The same with the payload that the reused file has for the tile; false where there is no such file,
-    // or it decodes to something else.
-    Result<bool> keep(Worker& worker, std::uint64_t number, const Box4& box, CodedTile& tile) const;
+    Status encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
+                  CodedTile& tile, FilterStatistics* filter = nullptr) const;
+    // The same of worker.tile, with the payload that a reused file has for it where that still holds.
+    Status encode_or_keep(Worker& worker, std::uint64_t number, const Box4& box,
+                          CodedTile& tile) const;
 
     const EncodePlan& plan;
     const bool of_sample;
@@ -56,6 +59,7 @@ struct Crew {
     const bool counts;                         // symbols, for tables
     const TileCoding coding;
     const BitCosts costs;
+    const EffortSettings careful;
     std::vector<Worker> workers;
 };
 
@@ -88,15 +92,15 @@ std::span<const std::byte> target_of(Worker& worker, const TileTexels& source,
     return worker.target.texels;
 }
 
-Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, CodedTile& tile,
-                    FilterStatistics* filter) const {
+Status Crew::encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
+                    CodedTile& tile, FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
-    worker.encoder.encode(source, shape, worker.levels);
+    encoder.encode(source, shape, worker.levels);
     worker.decoded.resize(source.texels.size());
     worker.corrections.clear();
     worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
     if (filter != nullptr)
-        *filter = filter_statistics(worker.encoder.source(), worker.decoder.planes(), coding);
+        *filter = filter_statistics(encoder.source(), worker.decoder.planes(), coding);
     const TextureDesc& desc = plan.colour.desc;
     const std::span<const std::byte> texels = target_of(worker, source, desc.texel_bytes());
     const int error = coding.parameters.correction_error;
@@ -137,22 +141,27 @@ Status Crew::encode(Worker& worker, const Box4& box, const TileTexels& source, C
                                          " does not decode to what was encoded"});
 }
 
-Result<bool> Crew::keep(Worker& worker, std::uint64_t number, const Box4& box,
-                        CodedTile& tile) const {
+Status Crew::encode_or_keep(Worker& worker, std::uint64_t number, const Box4& box,
+                            CodedTile& tile) const {
     if (plan.reused == nullptr)
-        return false;
+        return encode(worker, worker.encoder, box, worker.tile, tile);
     const TextureDesc& desc = plan.colour.desc;
     TESSERA_TRY_ASSIGN(const bool is_usable, load_reusable_tile(plan, number, worker.payload));
-    if (!is_usable)
-        return false;
     worker.decoded.resize(worker.tile.texels.size());
     TESSERA_TRY(worker.decoder.decode(worker.payload, tile_shape(box), worker.decoded)
                     .with_context(about_reused_tile(plan, number)));
-    measure_error(target_of(worker, worker.tile, desc.texel_bytes()), worker.decoded, desc.type,
-                  tile);
-    tile.texel_crc = crc32c(worker.decoded);
-    tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
-    return tile.max_error == 0;
+    const std::span<const std::byte> texels = target_of(worker, worker.tile, desc.texel_bytes());
+    measure_error(texels, worker.decoded, desc.type, tile);
+    if (is_usable && tile.max_error == 0) {
+        tile.texel_crc = crc32c(worker.decoded);
+        tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
+        return {};
+    }
+    if (!is_mostly_kept(texels, worker.decoded, desc.texel_bytes()))
+        return encode(worker, worker.encoder, box, worker.tile, tile);
+    if (!worker.careful)
+        worker.careful.emplace(coding, costs, plan.colour, careful);
+    return encode(worker, *worker.careful, box, worker.tile, tile);
 }
 
 PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
@@ -432,9 +441,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
                 tile = {}; // a journal may have filled it before it gave the tile up
                 const Box4 box = plan.grid.box(wanted[i]);
                 TESSERA_TRY(read_tile(plan, box, worker.tile, tile));
-                TESSERA_TRY_ASSIGN(const bool is_kept, crew.keep(worker, wanted[i], box, tile));
-                if (!is_kept)
-                    TESSERA_TRY(crew.encode(worker, box, worker.tile, tile));
+                TESSERA_TRY(crew.encode_or_keep(worker, wanted[i], box, tile));
                 return payloads == nullptr ? Status()
                                            : payloads->put(wanted[i], tile, worker.payload);
             },
@@ -458,7 +465,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
         crew.workers, tiles.size(),
         [&](Worker& worker, std::size_t i) -> Status {
             TESSERA_TRY(check_cancelled(plan.options));
-            return crew.encode(worker, sample.boxes[i], sample.tiles[i], tiles[i],
+            return crew.encode(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i],
                                filter != nullptr ? &statistics[i] : nullptr);
         },
         [](std::size_t) {}));

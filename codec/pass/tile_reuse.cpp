@@ -40,6 +40,22 @@ Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,
            payload.size() != plan.colour.desc.box_bytes(plan.grid.box(number));
 }
 
+bool is_mostly_kept(std::span<const std::byte> texels, std::span<const std::byte> decoded,
+                    std::size_t texel_bytes) {
+    std::size_t kept = 0;
+    for (std::size_t at = 0; at < texels.size(); at += texel_bytes)
+        kept +=
+            std::ranges::equal(texels.subspan(at, texel_bytes), decoded.subspan(at, texel_bytes));
+    return 2 * kept * texel_bytes > texels.size();
+}
+
+EffortSettings settings_of_edited_tiles(EffortSettings settings) {
+    constexpr float bits_count_for = 0.1f; // codec/DECISIONS.md
+    settings.quantizer.lambda *= bits_count_for;
+    settings.search.lambda *= bits_count_for;
+    return settings;
+}
+
 std::string about_reused_tile(const EncodePlan& plan, std::uint64_t number) {
     return plan.reused->container().name() + ": tile " + std::to_string(number);
 }

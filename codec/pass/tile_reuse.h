@@ -3,7 +3,9 @@
 
 #include "codec/pass/encode_pass.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,14 @@ Result<CodingParameters> plan_reuse(const Decoder& file, EncodePlan& plan);
 // those of the reused file, which name it.
 Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,
                                 std::vector<std::byte>& payload);
+
+// Of a tile that was edited: whether most of its texels are still what it decodes to.
+bool is_mostly_kept(std::span<const std::byte> texels, std::span<const std::byte> decoded,
+                    std::size_t texel_bytes);
+
+// Settings for such a tile. What the quantiser made would lose again where bits can be saved, so they
+// count for little.
+EffortSettings settings_of_edited_tiles(EffortSettings settings);
 
 // "old.tess: tile 5": what an error about it begins with.
 std::string about_reused_tile(const EncodePlan& plan, std::uint64_t number);

@@ -112,6 +112,23 @@ TEST(TileReuse, AnEditChangesItsTileOnly) {
     }
 }
 
+// Of texels on the quantiser's grid those bits that a first generation saves would be lost again.
+TEST(TileReuse, WhatLiesBesideAnEditLosesLittle) {
+    Old old(describe(reuse_size), tiled({Kind::quality, 60}), "noise");
+    const Bytes before = old.texels.texels;
+    change(old.texels, 9, 3);
+    const Bytes again = decode_all(encode(old.texels, reusing(old)).file, old.texels.desc());
+    const Bytes all_again =
+        decode_all(encode(old.texels, tiled({Kind::quality, 60})).file, old.texels.desc());
+    const Box4 beside{{8, 4, 0, 0}, {16, 8, 5, 4}}; // in the edited tile
+    const Bytes original = crop(old.texels, before, beside);
+    const double kept =
+        difference(original, crop(old.texels, again, beside), SampleType::unorm8).psnr;
+    EXPECT_GT(
+        kept,
+        3 + difference(original, crop(old.texels, all_again, beside), SampleType::unorm8).psnr);
+}
+
 TEST(TileReuse, KeepsGuaranteesAndStoredTiles) {
     for (const SampleType type : types) {
         Old old(describe(reuse_size, type), tiled({Kind::max_error, 0}, quick_effort), "noise");
