@@ -15,6 +15,36 @@ float sum_over(const float* sums, const Segment& u) {
     return std::accumulate(sums + u.begin, sums + u.begin + u.size, 0.0f);
 }
 
+// At most what sum_over gives, whatever either rounds: sums are at least 0.
+float less_than_sum(const float* sums, int count) {
+    constexpr int lanes = 4;
+    float partial[lanes] = {};
+    int i = 0;
+    for (; i + lanes <= count; i += lanes)
+        for (int lane = 0; lane < lanes; ++lane)
+            partial[lane] += sums[i + lane];
+    for (; i < count; ++i)
+        partial[0] += sums[i];
+    static_assert(max_tile_side <= 64); // roundings of 2^-24
+    return 0.9999f * ((partial[0] + partial[1]) + (partial[2] + partial[3]));
+}
+
+// The first place of the least value.
+std::size_t place_of_least(const std::vector<float>& values) {
+    constexpr std::size_t lanes = 8;
+    float least[lanes];
+    std::fill_n(least, lanes, values[0]);
+    std::size_t i = 0;
+    for (; i + lanes <= values.size(); i += lanes)
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            least[lane] = values[i + lane] < least[lane] ? values[i + lane] : least[lane];
+    float least_of_all = *std::min_element(least, least + lanes);
+    for (; i < values.size(); ++i)
+        least_of_all = std::min(least_of_all, values[i]);
+    return static_cast<std::size_t>(std::find(values.begin(), values.end(), least_of_all) -
+                                    values.begin());
+}
+
 } // namespace
 
 void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
@@ -100,8 +130,10 @@ float DisplacementSearch::bits_of(const Displacement& d,
                                                                              2 * max_displacement)];
 }
 
+template <class Stop>
 void DisplacementSearch::measure(const Displacement& d, const Segment& u,
-                                 std::span<const Segment> cells_v, float* sums) const {
+                                 std::span<const Segment> cells_v, float* sums,
+                                 const Stop& stop) const {
     const int nu = tile_.n[0], nv = tile_.n[1];
     const SearchKernels& k = search_kernels();
     for (int y = t_.begin; y < t_.begin + t_.size; ++y)
@@ -122,13 +154,16 @@ void DisplacementSearch::measure(const Displacement& d, const Segment& u,
                                           v.begin + (half_v >> 1), nv - 1, v.size, u.size, to);
                 to += u.size;
             }
+            if (stop())
+                return;
         }
 }
 
-float DisplacementSearch::error_of(const Displacement& d, const Segment& u,
-                                   const Segment& v) const {
-    float sums[max_tile_side] = {};
-    measure(d, u, {&v, 1}, sums);
+float DisplacementSearch::error_of(const Displacement& d, const Segment& u, const Segment& v,
+                                   float enough) const {
+    float sums[max_tile_side];
+    std::fill_n(sums, u.size, 0.0f);
+    measure(d, u, {&v, 1}, sums, [&] { return less_than_sum(sums, u.size) > enough; });
     return sum_over(sums, {0, u.size});
 }
 
@@ -141,7 +176,7 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     sums_.resize(finest[1].size() * width);
     for (std::size_t i = 0; i < count; ++i) {
         std::fill(sums_.begin(), sums_.end(), 0.0f);
-        measure(candidates_[i], row, finest[1], sums_.data());
+        measure(candidates_[i], row, finest[1], sums_.data(), [] { return false; });
         float* to = errors_.data() + i;
         for (std::size_t cv = 0; cv < finest[1].size(); ++cv)
             for (const Segment& u : finest[0]) {
@@ -213,14 +248,14 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
         const Segment &u = cells[0][cu], &v = cells[1][cv];
         const float* own = errors + (cv * width + cu) * count;
         total_candidates(own, known, bit_cost);
-        std::size_t place_of_best = 0;
-        for (std::size_t i = 1; i < count; ++i)
-            if (totals_[i] < totals_[place_of_best])
-                place_of_best = i;
+        const std::size_t place_of_best = place_of_least(totals_);
         Match best{candidates_[place_of_best], own[place_of_best], 0};
         float least = totals_[place_of_best];
         const auto attempt = [&](const Displacement& d) {
-            const float bits = bits_of(d, known), error = error_of(d, u, v);
+            const float bits = bits_of(d, known);
+            if (bit_cost * bits >= least)
+                return;
+            const float error = error_of(d, u, v, least - bit_cost * bits);
             if (error + bit_cost * bits < least) {
                 least = error + bit_cost * bits;
                 best = {d, error, 0};
@@ -232,8 +267,9 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
                 if (du != 0 || dv != 0)
                     attempt({static_cast<std::int8_t>(whole.u + du),
                              static_cast<std::int8_t>(whole.v + dv)});
-        attempt(known[0]);
-        attempt(known[1]);
+        for (const Displacement& d : known)
+            if (!half || d == whole || std::abs(d.u - whole.u) > 1 || std::abs(d.v - whole.v) > 1)
+                attempt(d);
         best.bits = bits_of(best.displacement, known);
         matches[cv * width + cu] = best;
         if (!(best.displacement == known[0]))

@@ -51,10 +51,12 @@ private:
     void total_candidates(const float* own, const std::array<Displacement, 2>& known,
                           float bit_cost);
     // Squared error of the texels u, v of the angular cell in hand, for each of some v; adds to a sum
-    // a texel of u.
+    // a texel of u. Asks stop() after every view.
+    template <class Stop>
     void measure(const Displacement& d, const Segment& u, std::span<const Segment> cells_v,
-                 float* sums) const;
-    float error_of(const Displacement& d, const Segment& u, const Segment& v) const;
+                 float* sums, const Stop& stop) const;
+    // If it is more than `enough`, something between.
+    float error_of(const Displacement& d, const Segment& u, const Segment& v, float enough) const;
     float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;
 
     BlockShape tile_;
