@@ -4,6 +4,9 @@
 #pragma once
 
 #include "codec/kernels/kernels.h"
+#include "format/tile/code_tables.h"
+#include "format/tile/dequantizer.h"
+#include "format/tile/scan_order.h"
 
 #include <cstdint>
 
@@ -28,6 +31,38 @@ constexpr int forward_order(int n, int i) {
     return !butterfly ? i : i < half ? 2 * i : 2 * (i - half) + 1;
 }
 
+// More than any path costs.
+constexpr float unreachable_cost = 1e30f;
+
+// A plane's coefficients in scan order, and what their levels cost. Bits of a quantiser's zero flags are
+// [row][is non-zero][class of the neighbours], those of its magnitudes [row][token][class].
+struct TrellisTask {
+    int count;
+    const float* amplitude;          // in steps
+    const std::uint16_t* neighbours; // ScanOrder's, scan_neighbours each
+    const ScanContext* context;
+    int first_class; // of the first coefficient, which has no neighbours
+    const std::uint16_t* flag_row;
+    const std::uint8_t* token_row;
+    const float* end_cost; // what ending behind each coefficient costs; unreachable_cost: it cannot
+    float zero_cost;       // what no levels at all cost
+    const float* flags[quantisers];
+    const float* tokens[quantisers];
+    float lambda;
+    float offsets[2]; // PlaneTask's
+    // For each coefficient and state behind it: the best path's state before, its level, and its
+    // amplitude for contexts, with room for three coefficients more.
+    std::uint8_t* before;
+    std::int32_t* level;
+    std::uint8_t* seen;
+};
+
+// Where the cheapest path ends.
+struct TrellisEnd {
+    float cost;
+    int length, state;
+};
+
 struct SearchKernels {
     // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
@@ -51,9 +86,8 @@ struct SearchKernels {
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same of each of `count` runs of four floats, one behind the other, into sums[i], squares[i].
     void (*add_quads)(const float* x, int count, float* sums, float* squares);
-    // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row.
-    // Up to 3 rows behind the last are changed alike.
-    void (*follow_paths)(std::uint8_t* rows, int count, const std::uint8_t* before);
+    // The cheapest path through the states of dependent quantisation.
+    TrellisEnd (*run_trellis)(const TrellisTask& task);
 };
 
 // Of kernel_path().

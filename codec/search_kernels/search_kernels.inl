@@ -4,6 +4,10 @@
 
 #include "codec/search_kernels/forward_dct.h"
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 namespace tessera {
 namespace {
 
@@ -402,7 +406,20 @@ void add_quads(const float* x, int count, float* sums, float* squares) {
         add_row(x, 4, sums + i, squares + i);
 }
 
-void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
+// Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row. Up to 3
+// rows behind the last are changed alike.
+inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
+#ifdef __AVX2__
+    std::uint64_t of_row;
+    __builtin_memcpy(&of_row, before, sizeof of_row);
+    const std::uint64_t of_next = of_row + 0x0808080808080808u; // the second row of 16 bytes
+    const auto low = static_cast<long long>(of_row), high = static_cast<long long>(of_next);
+    const __m256i order = _mm256_set_epi64x(high, low, high, low);
+    for (int row = 0; row < count; row += 4, rows += 32) {
+        auto* const at = reinterpret_cast<__m256i*>(rows);
+        _mm256_storeu_si256(at, _mm256_shuffle_epi8(_mm256_loadu_si256(at), order));
+    }
+#else
     for (int row = 0; row < count; ++row, rows += 8) {
         std::uint64_t old;
         __builtin_memcpy(&old, rows, sizeof old);
@@ -413,11 +430,14 @@ void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
         for (int i = 0; i < 8; ++i)
             rows[i] = from[before[i]];
     }
+#endif
 }
+
+#include "codec/search_kernels/trellis.inl"
 
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_image, add_squared_differences,
-            coding_cost,  add_row,        add_quads,     follow_paths};
+            coding_cost,  add_row,        add_quads,     run_trellis};
 }
 
 } // namespace

@@ -46,6 +46,7 @@ BitCosts::BitCosts(const CodeTables& tables) {
             magnitude[i][static_cast<std::size_t>(token)] +=
                 static_cast<float>(1 + std::max(0, token - 3));
     }
+    order_by_neighbours();
     for (std::size_t i = 0; i < first_length.size(); ++i) {
         fill<length_tokens>(first_length[i], tables.first_length[i]);
         add_length_raw_bits(first_length[i]);
@@ -70,6 +71,32 @@ BitCosts::BitCosts(const CodeTables& tables) {
     for (std::size_t s = 0; s < split.size(); ++s)
         for (std::size_t a = 0; a < split[s].size(); ++a)
             fill<split_kinds>(split[s][a], tables.split[s][a]);
+}
+
+void BitCosts::order_by_neighbours() {
+    for (int i = 0; i < zero_parameters; ++i)
+        for (std::size_t flag = 0; flag < 2; ++flag) {
+            const int row = i / neighbour_classes, quantiser = row / flag_rows;
+            flags[quantiser / quantisers][quantiser % quantisers][row % flag_rows][flag]
+                 [i % neighbour_classes] = zero[i][flag];
+        }
+    const auto fill_row = [&](bool copies, int quantiser, int p_class, bool dc, int cross) {
+        auto& row = tokens[copies][quantiser][token_row(p_class, dc, cross)];
+        // DC has size classes instead.
+        for (int c = 0; c < (dc ? size_classes : neighbour_classes); ++c)
+            for (int token = 0; token < magnitude_tokens; ++token)
+                row[token][c] =
+                    magnitude[magnitude_table(copies, quantiser, p_class, dc, c, cross)][token];
+    };
+    tokens = {};
+    for (const bool copies : {false, true})
+        for (int quantiser = 0; quantiser < quantisers; ++quantiser) {
+            for (int p_class = 0; p_class < plane_classes; ++p_class)
+                fill_row(copies, quantiser, p_class, true, 0);
+            fill_row(copies, quantiser, 0, false, 0);
+            for (int cross = 2; cross < cross_classes; ++cross)
+                fill_row(copies, quantiser, 1, false, cross);
+        }
 }
 
 } // namespace tessera

@@ -3,6 +3,7 @@
 
 #include "format/tile/code_tables.h"
 
+#include <algorithm>
 #include <array>
 
 namespace tessera {
@@ -13,6 +14,23 @@ struct BitCosts {
     std::array<std::array<float, 2>, zero_parameters> zero; // [parameter][is non-zero]
     std::array<std::array<float, magnitude_tokens>, all_magnitude_tables>
         magnitude; // with the raw bits of the token and the sign
+    // The same for searches that look up many neighbour classes at once, as TrellisTask has them:
+    // [copies][quantiser], then rows of flag_row() and token_row().
+    template <class Row, int rows>
+    using ByQuantiser = std::array<std::array<std::array<Row, rows>, quantisers>, copy_classes>;
+    template <int symbols>
+    using ByNeighbours = std::array<std::array<float, neighbour_classes>, symbols>;
+    static constexpr int flag_rows = (1 + cross_classes) * zero_positions;
+    static constexpr int token_rows = 3 + magnitude_crosses;
+    ByQuantiser<ByNeighbours<2>, flag_rows> flags;
+    ByQuantiser<ByNeighbours<magnitude_tokens>, token_rows> tokens;
+    static constexpr int flag_row(int plane_class, int position, int cross) {
+        return zero_parameter(false, 0, plane_class, position, 0, cross) / neighbour_classes;
+    }
+    static constexpr int token_row(int plane_class, bool dc, int cross) {
+        return dc ? plane_class : plane_class == 0 ? 2 : 3 + std::max(cross - 2, 0);
+    }
+
     std::array<std::array<float, length_tokens>, length_contexts> first_length; // with raw bits
     std::array<std::array<float, length_tokens>, length_tokens> other_length;
     std::array<std::array<std::array<float, split_kinds>, depth_classes>, depth_classes> split;
@@ -21,6 +39,9 @@ struct BitCosts {
     std::array<std::array<float, displacement_kinds>, 2> displacement_kind;
     std::array<std::array<float, displacement_tokens>, displacement_classes>
         displacement; // with raw bits and sign
+
+private:
+    void order_by_neighbours();
 };
 
 } // namespace tessera

@@ -12,17 +12,6 @@
 namespace tessera {
 namespace {
 
-// With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
-// less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
-// in squared steps: a path through the trellis gains no more than that elsewhere.
-constexpr float smallest_dependent = 0.4f;
-constexpr float most_for_a_path = 0.3f;
-
-constexpr float unreachable_cost = 1e30f;
-
-// Paths of the trellis that far back have mostly met.
-constexpr std::size_t window = 20;
-
 // What a later coefficient sees of a level: its amplitude by two binary digits.
 constexpr auto seen_amplitudes = [] {
     std::array<std::uint8_t, amplitude_of(amplitude_codes - 1) + 1> seen{};
@@ -34,14 +23,14 @@ std::uint8_t seen_amplitude(std::uint32_t amplitude) {
     return seen_amplitudes[std::min<std::size_t>(amplitude, seen_amplitudes.size() - 1)];
 }
 
-// Tables of one coefficient; the neighbours' class is still open.
+// Tables of one coefficient without dependent quantisation; the neighbours' class is still open.
 struct CoefficientCosts {
-    CoefficientCosts(const PlaneTask& task, std::size_t at, int quantiser)
-        : zero(task.costs.zero.data() + zero_parameter(task.copies, quantiser, task.plane_class,
+    CoefficientCosts(const PlaneTask& task, std::size_t at)
+        : zero(task.costs.zero.data() + zero_parameter(task.copies, 0, task.plane_class,
                                                        task.order.context[at].position, 0,
                                                        cross_class(task.crosses[at]))),
-          magnitude(task.costs.magnitude.data() + magnitude_table(task.copies, quantiser,
-                                                                  task.plane_class, at == 0, 0,
+          magnitude(task.costs.magnitude.data() + magnitude_table(task.copies, 0, task.plane_class,
+                                                                  at == 0, 0,
                                                                   cross_class(task.crosses[at]))),
           dc(at == 0), first_plane(task.plane_class == 0) {}
 
@@ -116,7 +105,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
             sum += (j < double_neighbours ? 2u : 1u) * paths.seen[task.order.neighbours[at][j]];
         const int neighbours = at == 0 ? size_class(task.order.shape)
                                        : neighbour_class(sum, task.order.context[at].share);
-        const CoefficientCosts costs(task, at, 0);
+        const CoefficientCosts costs(task, at);
         const auto& flags = costs.flags(neighbours);
         const auto& tokens = costs.tokens(neighbours);
         const bool may_be_zero = optimise || nearest == 0;
@@ -145,189 +134,72 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     return end.cost;
 }
 
-// The Viterbi algorithm over the states of dependent quantisation. Every state's best path has its own
-// contexts. All that is done for each state is done for all of them side by side, without branches.
-class LevelTrellis {
-public:
-    LevelTrellis(const PlaneTask& task, TrellisPaths& paths) : task_(task) {
-        const std::size_t places = task.amplitude.size() * states;
-        // Kernels write up to three coefficients further.
-        paths.seen.assign(places + 3 * states, 0);
-        paths.before.resize(places);
-        paths.level.resize(places);
-        seen_ = paths.seen.data();
-        before_ = paths.before.data();
-        level_ = paths.level.data();
-        cost_.fill(unreachable_cost);
-        cost_[0] = 0;
+// What ending behind each coefficient costs.
+void find_end_costs(const PlaneTask& task, std::vector<float>& costs) {
+    const auto count = static_cast<int>(task.amplitude.size());
+    costs.assign(task.amplitude.size(), unreachable_cost);
+    for (int length = 1; length <= count; ++length) {
+        length = round_up_coded_length(length, task.order.length());
+        if (length <= count)
+            costs[static_cast<std::size_t>(length) - 1] =
+                task.options.lambda *
+                task.length_costs[static_cast<std::size_t>(length_token(length))];
     }
+}
 
-    float choose_levels(std::vector<NonZero>& out) {
-        BestEnd end(task_);
-        const SearchKernels& k = search_kernels();
-        for (std::size_t at = 0; at < task_.amplitude.size(); ++at) {
-            price_levels(at, classify_neighbours(at));
-            join_paths(at);
-            // Each state's past is now that of the state its path came from.
-            const std::size_t past = std::min(at, window);
-            k.follow_paths(seen_ + (at - past) * states, static_cast<int>(past),
-                           before_ + at * states);
-            for (std::size_t state = 0; state < states; ++state)
-                seen_[at * states + state] =
-                    seen_amplitude(amplitude_of_level(level_[at * states + state], true));
-            if (end.possible_behind(at))
-                for (std::size_t state = 0; state < states; ++state)
-                    end.offer(at, state, cost_[state]);
-        }
-        std::size_t state = end.state;
-        for (std::size_t at = end.length; at-- > 0;) {
-            const std::size_t place = at * states + state;
-            if (level_[place] != 0)
-                out.push_back(with_sign(task_, at, level_[place]));
-            state = before_[place];
-        }
-        return end.cost;
-    }
-
-private:
-    static constexpr std::size_t states = quantiser_states;
-    static constexpr float unit = 0.5f; // of a level, in steps
-
-    template <class Value> using PerState = std::array<Value, states>;
-
-    // Classes of the amplitudes that each state's path has left around the coefficient.
-    PerState<int> classify_neighbours(std::size_t at) const {
-        PerState<int> classes;
-        if (at == 0) {
-            classes.fill(size_class(task_.order.shape));
-            return classes;
-        }
-        // Vectors of the compiler: it does not find this by itself.
-        typedef std::uint8_t Bytes __attribute__((vector_size(states)));
-        typedef std::uint16_t Sums __attribute__((vector_size(2 * states)));
-        Sums once{}, twice{};
-        const auto& neighbours = task_.order.neighbours[at];
-        for (std::size_t j = 0; j < scan_neighbours; ++j) {
-            Bytes seen;
-            std::memcpy(&seen, seen_ + neighbours[j] * states, sizeof seen);
-            (j < double_neighbours ? twice : once) += __builtin_convertvector(seen, Sums);
-        }
-        const Sums sums = once + twice + twice; // at most 16 times 192
-        const std::uint32_t share = task_.order.context[at].share;
-        for (std::size_t state = 0; state < states; ++state)
-            classes[state] = neighbour_class(sums[state], share);
-        return classes;
-    }
-
-    // What a state's quantiser offers beside 0, by the parity of the magnitude: at most one of each.
-    struct Candidate {
-        std::int32_t level = 0;
-        float error = std::numeric_limits<float>::infinity(); // squared; none: infinite
-        std::size_t token = 0;
+float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
+                              std::vector<NonZero>& out) {
+    const std::size_t count = task.amplitude.size(), places = count * quantiser_states;
+    const auto grow = [](auto& memory, std::size_t size) {
+        memory.resize(std::max(memory.size(), size));
     };
-    using Candidates = std::array<std::array<Candidate, 2>, quantisers>;
-
-    Candidates candidates_of(float a) const {
-        Candidates candidates;
-        const auto nearest =
-            static_cast<std::int32_t>(std::min(a / unit + 0.5f, static_cast<float>(max_level - 1)));
-        for (std::int32_t l = std::max(1, nearest - 2); l <= nearest + 1; ++l) {
-            if (a < smallest_dependent && l % 2 == 0)
-                continue;
-            const std::int32_t magnitude = coded_magnitude(l, true);
-            candidates[static_cast<std::size_t>(l & 1)][static_cast<std::size_t>(magnitude & 1)] = {
-                l, squared_error(task_, a, unit, l),
-                static_cast<std::size_t>(magnitude_token(magnitude).token)};
-        }
-        return candidates;
+    grow(paths.seen, places + 3 * std::size_t{quantiser_states});
+    grow(paths.before, places);
+    grow(paths.level, places);
+    grow(paths.flag_row, count);
+    grow(paths.token_row, count);
+    for (std::size_t at = 0; at < count; ++at) {
+        const int cross = cross_class(task.crosses[at]);
+        paths.flag_row[at] = static_cast<std::uint16_t>(
+            BitCosts::flag_row(task.plane_class, task.order.context[at].position, cross));
+        paths.token_row[at] =
+            static_cast<std::uint8_t>(BitCosts::token_row(task.plane_class, at == 0, cross));
     }
-
-    // The cheapest way on from each state, by the parity of the magnitude.
-    void price_levels(std::size_t at, const PerState<int>& neighbours) {
-        const float a = std::fabs(task_.amplitude[at]), energy = a * a;
-        const float lambda = task_.options.lambda;
-        const Candidates candidates = candidates_of(a);
-        const std::array<CoefficientCosts, quantisers> costs{CoefficientCosts(task_, at, 0),
-                                                             CoefficientCosts(task_, at, 1)};
-        PerState<float> zero_bits, even_bits, odd_bits, even_error, odd_error;
-        PerState<std::int32_t> even_level, odd_level;
-        for (std::size_t state = 0; state < states; ++state) {
-            const auto quantiser = static_cast<std::size_t>(quantiser_of(static_cast<int>(state)));
-            const auto& [even, odd] = candidates[quantiser];
-            const auto& flags = costs[quantiser].flags(neighbours[state]);
-            const auto& tokens = costs[quantiser].tokens(neighbours[state]);
-            zero_bits[state] = flags[0];
-            even_bits[state] = flags[1] + tokens[even.token];
-            odd_bits[state] = flags[1] + tokens[odd.token];
-            even_error[state] = even.error;
-            odd_error[state] = odd.error;
-            even_level[state] = even.level;
-            odd_level[state] = odd.level;
-        }
-        if (a < smallest_dependent) // 1 is what there is to choose, its token the first
-            for (std::size_t state = 1; state < states; state += 2)
-                if (unit * (unit - 2 * a) + lambda * (odd_bits[state] - zero_bits[state]) >
-                    most_for_a_path)
-                    odd_error[state] = std::numeric_limits<float>::infinity();
-        for (std::size_t state = 0; state < states; ++state) {
-            const float zero = cost_[state] + lambda * zero_bits[state];
-            const float even =
-                cost_[state] + even_error[state] - energy + lambda * even_bits[state];
-            const float odd = cost_[state] + odd_error[state] - energy + lambda * odd_bits[state];
-            way_cost_[0][state] = even < zero ? even : zero;
-            way_level_[0][state] = even < zero ? even_level[state] : 0;
-            way_cost_[1][state] = odd;
-            way_level_[1][state] = odd_level[state];
-        }
+    find_end_costs(task, paths.end_cost);
+    const auto& flags = task.costs.flags[task.copies];
+    const auto& tokens = task.costs.tokens[task.copies];
+    const TrellisEnd end = search_kernels().run_trellis(
+        {static_cast<int>(count),
+         task.amplitude.data(),
+         task.order.neighbours.data()->data(),
+         task.order.context.data(),
+         size_class(task.order.shape),
+         paths.flag_row.data(),
+         paths.token_row.data(),
+         paths.end_cost.data(),
+         task.options.lambda * task.length_costs[0],
+         {flags[0].data()->data()->data(), flags[1].data()->data()->data()},
+         {tokens[0].data()->data()->data(), tokens[1].data()->data()->data()},
+         task.options.lambda,
+         {task.offsets[0], task.offsets[1]},
+         paths.before.data(),
+         paths.level.data(),
+         paths.seen.data()});
+    auto state = static_cast<std::size_t>(end.state);
+    for (auto at = static_cast<std::size_t>(end.length); at-- > 0;) {
+        const std::size_t place = at * quantiser_states + state;
+        if (paths.level[place] != 0)
+            out.push_back(with_sign(task, at, paths.level[place]));
+        state = paths.before[place];
     }
-
-    // The two ways that lead to a state: from which states, and by which parity.
-    struct Ways {
-        std::array<std::uint8_t, 2> from, parity;
-    };
-    static constexpr PerState<Ways> ways_to = [] {
-        PerState<Ways> ways{};
-        PerState<std::size_t> found{};
-        for (std::uint8_t state = 0; state < states; ++state)
-            for (std::uint8_t parity = 0; parity < 2; ++parity) {
-                const std::size_t to = next_state[state][parity];
-                ways[to].from[found[to]] = state;
-                ways[to].parity[found[to]++] = parity;
-            }
-        return ways;
-    }();
-
-    // Of the ways to a state the cheaper one stays; of two that cost the same, the first.
-    void join_paths(std::size_t at) {
-        for (std::size_t to = 0; to < states; ++to) {
-            const Ways& ways = ways_to[to];
-            const float first = way_cost_[ways.parity[0]][ways.from[0]];
-            const float second = way_cost_[ways.parity[1]][ways.from[1]];
-            const std::size_t best = second < first ? 1 : 0;
-            const float cost = second < first ? second : first;
-            const bool reached = cost < unreachable_cost;
-            const std::uint8_t from = ways.from[best];
-            cost_[to] = reached ? cost : unreachable_cost;
-            before_[at * states + to] = reached ? from : std::uint8_t{0};
-            level_[at * states + to] = reached ? way_level_[ways.parity[best]][from] : 0;
-        }
-    }
-
-    const PlaneTask task_; // a copy, which no write to the paths can change
-    std::uint8_t* seen_;
-    std::uint8_t* before_;
-    std::int32_t* level_;
-    // Of the best path to each state, against the energy of the coefficients so far.
-    PerState<float> cost_;
-    std::array<PerState<float>, 2> way_cost_;
-    std::array<PerState<std::int32_t>, 2> way_level_;
-};
+    return end.cost;
+}
 
 } // namespace
 
 float choose_levels(const PlaneTask& task, bool dependent, TrellisPaths& paths,
                     std::vector<NonZero>& out) {
-    return dependent ? LevelTrellis(task, paths).choose_levels(out)
+    return dependent ? choose_dependent_levels(task, paths, out)
                      : choose_plain_levels(task, paths, out);
 }
 

@@ -36,9 +36,11 @@ struct PlaneTask {
     std::span<const std::uint8_t> crosses; // sums of the amplitudes of earlier planes, for contexts
 };
 
-// Memory of the paths, kept from plane to plane. Of each coefficient and state behind it: the best
-// path's state before, its level, and its amplitude for contexts.
+// Memory of the paths, kept from plane to plane, and of the rest of a TrellisTask.
 struct TrellisPaths {
+    std::vector<std::uint16_t> flag_row;
+    std::vector<std::uint8_t> token_row;
+    std::vector<float> end_cost;
     std::vector<std::uint8_t> before;
     std::vector<std::int32_t> level;
     std::vector<std::uint8_t> seen;

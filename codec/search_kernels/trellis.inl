@@ -1,0 +1,210 @@
+// Included by search_kernels.inl: the Viterbi algorithm over the states of dependent quantisation. Every
+// state's best path has its own contexts. All that is done for each state is done for all of them side by
+// side, a lane each, without branches.
+
+// Paths of the trellis that far back have mostly met.
+constexpr int trellis_window = 20;
+
+// With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
+// less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
+// in squared steps: a path through the trellis gains no more than that elsewhere.
+constexpr float smallest_dependent = 0.4f;
+constexpr float most_for_a_path = 0.3f;
+constexpr float level_unit = 0.5f; // in steps
+
+typedef std::uint8_t Bytes8 __attribute__((vector_size(8)));
+
+template <class Vector> inline Vector everywhere(float value) {
+    return Vector{} + value;
+}
+
+// Lanes of the second quantiser's states.
+constexpr Int8 second_quantiser = {0, -1, 0, -1, 0, -1, 0, -1};
+static_assert(quantiser_of(0) == 0 && quantiser_of(1) == 1 && quantiser_states == 8);
+
+inline Float8 by_quantiser(const Float8& first, const Float8& second) {
+    return second_quantiser ? second : first;
+}
+inline Float8 by_quantiser(float first, float second) {
+    return Float8{first, second, first, second, first, second, first, second};
+}
+inline Int8 by_quantiser(std::int32_t first, std::int32_t second) {
+    return Int8{first, second, first, second, first, second, first, second};
+}
+
+// row[index], 0 <= index < 16.
+inline Float8 look_up(const float* row, const Int8& index) {
+#ifdef __AVX2__
+    const auto at = __builtin_bit_cast(__m256i, index);
+    const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(row), at);
+    const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(row + 8), at);
+    return __builtin_bit_cast(
+        Float8, _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(at, 28))));
+#else
+    Float8 found;
+    for (int lane = 0; lane < 8; ++lane)
+        found[lane] = row[index[lane]];
+    return found;
+#endif
+}
+
+// The two ways that lead to a state, the one from the lower state first: places in what even levels cost in
+// each state, then odd ones; and the states.
+struct WaysTo {
+    int place[2][quantiser_states] = {};
+    std::int32_t from[2][quantiser_states] = {};
+};
+constexpr WaysTo ways_to = [] {
+    WaysTo ways;
+    int found[quantiser_states] = {};
+    for (int state = 0; state < quantiser_states; ++state)
+        for (int parity = 0; parity < 2; ++parity) {
+            const int to = next_state[state][parity];
+            ways.place[found[to]][to] = parity * quantiser_states + state;
+            ways.from[found[to]++][to] = state;
+        }
+    return ways;
+}();
+template <int which, class Vector> inline Vector take_ways(const Vector& even, const Vector& odd) {
+    constexpr auto& p = ways_to.place[which];
+    return __builtin_shufflevector(even, odd, p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]);
+}
+template <int which> inline Int8 states_before() {
+    constexpr auto& s = ways_to.from[which];
+    return Int8{s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]};
+}
+
+// Amplitudes to two binary digits, as contexts see them: amplitude_of(amplitude_code(x)).
+inline Bytes8 seen_amplitudes(const Int8& amplitudes) {
+    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
+    const Int8 below = amplitudes < most ? amplitudes : Int8{} + most;
+    const auto digits = __builtin_bit_cast(Int8, __builtin_convertvector(below, Float8));
+    const Int8 seen = __builtin_convertvector(
+        __builtin_bit_cast(Float8, digits & static_cast<std::int32_t>(0xFFC00000)), Int8);
+    return __builtin_convertvector(seen, Bytes8);
+}
+
+// amplitude_code of what neighbour_class looks up.
+inline Int8 neighbour_classes_of(const Int8& sums, std::int32_t share) {
+    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
+    Int8 mean = (sums * share) >> 9;
+    mean = mean < most ? mean : Int8{} + most;
+    const auto bits = __builtin_bit_cast(Int8, __builtin_convertvector(mean, Float8));
+    const Int8 code = (bits >> 22) - 254; // right from 2 on
+    return mean < 2 ? mean : code;
+}
+
+// Classes of the amplitudes that each state's path has left around the coefficient.
+inline Int8 classify_neighbours(const TrellisTask& task, int at) {
+    typedef std::uint16_t Sums __attribute__((vector_size(16)));
+    Sums once{}, twice{};
+    const std::uint16_t* neighbours = task.neighbours + at * scan_neighbours;
+    for (int j = 0; j < scan_neighbours; ++j) {
+        Bytes8 seen;
+        __builtin_memcpy(&seen, task.seen + neighbours[j] * quantiser_states, sizeof seen);
+        (j < double_neighbours ? twice : once) += __builtin_convertvector(seen, Sums);
+    }
+    const Sums sums = once + twice + twice; // at most 16 times 192
+    return neighbour_classes_of(__builtin_convertvector(sums, Int8), task.context[at].share);
+}
+
+inline float error_of_level(const TrellisTask& task, float amplitude, std::int32_t level) {
+    const float error =
+        amplitude - level_unit * (static_cast<float>(level) - task.offsets[level > 1 ? 1 : 0]);
+    return error * error;
+}
+
+inline int token_of_magnitude(std::int32_t magnitude) {
+    return magnitude <= 4 ? magnitude - 1
+                          : 34 - __builtin_clz(static_cast<unsigned>(magnitude - 3));
+}
+
+// The cheapest ways on from each state, by the parity of the magnitude.
+struct Ways {
+    Float8 even_cost, odd_cost;
+    Int8 even_level, odd_level;
+};
+
+inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, const Float8& cost) {
+    const float signed_a = task.amplitude[at], a = signed_a < 0 ? -signed_a : signed_a;
+    const float energy = a * a, lambda = task.lambda;
+    const float* flags[2] = {task.flags[0] + task.flag_row[at] * 2 * neighbour_classes,
+                             task.flags[1] + task.flag_row[at] * 2 * neighbour_classes};
+    const std::size_t row = std::size_t{task.token_row[at]} * magnitude_tokens * neighbour_classes;
+    const float* tokens[2] = {task.tokens[0] + row, task.tokens[1] + row};
+    const auto token_bits = [&](int quantiser, int token) {
+        return look_up(tokens[quantiser] + token * neighbour_classes, classes);
+    };
+    const Float8 zero_bits = by_quantiser(look_up(flags[0], classes), look_up(flags[1], classes));
+    const Float8 zero = cost + lambda * zero_bits;
+    const Float8 infinite = everywhere<Float8>(__builtin_inff());
+    if (a < smallest_dependent) { // 1 is what there is to choose, its token the first
+        const Float8 odd_bits = look_up(flags[1] + neighbour_classes, classes) + token_bits(1, 0);
+        const Float8 more = level_unit * (level_unit - 2 * a) + lambda * (odd_bits - zero_bits);
+        const Float8 odd = cost + error_of_level(task, a, 1) - energy + lambda * odd_bits;
+        const Int8 possible = second_quantiser & ~(more > most_for_a_path);
+        return {zero, possible ? odd : infinite, Int8{}, by_quantiser(0, 1)};
+    }
+    const float in_levels = a / level_unit + 0.5f;
+    constexpr auto most = static_cast<float>(max_level - 1);
+    const auto nearest = static_cast<std::int32_t>(in_levels < most ? in_levels : most);
+    // Of four levels in a row there is one for each quantiser and parity.
+    std::int32_t level[4];
+    float error[4];
+    int token[4];
+    for (std::int32_t l = nearest - 2; l <= nearest + 1; ++l) {
+        const int i = l & 3;
+        const bool possible = l > 0;
+        level[i] = possible ? l : 0;
+        error[i] = possible ? error_of_level(task, a, l) : __builtin_inff();
+        token[i] = possible ? token_of_magnitude((l + 1) >> 1) : 0;
+    }
+    const Float8 one_bits = by_quantiser(look_up(flags[0] + neighbour_classes, classes),
+                                         look_up(flags[1] + neighbour_classes, classes));
+    const Float8 even_bits =
+        one_bits + by_quantiser(token_bits(0, token[0]), token_bits(1, token[3]));
+    const Float8 odd_bits =
+        one_bits + by_quantiser(token_bits(0, token[2]), token_bits(1, token[1]));
+    const Float8 even = cost + by_quantiser(error[0], error[3]) - energy + lambda * even_bits;
+    const Float8 odd = cost + by_quantiser(error[2], error[1]) - energy + lambda * odd_bits;
+    const Int8 better = even < zero;
+    return {better ? even : zero, odd, better ? by_quantiser(level[0], level[3]) : Int8{},
+            by_quantiser(level[2], level[1])};
+}
+
+TrellisEnd run_trellis(const TrellisTask& task) {
+    TrellisEnd end{task.zero_cost, 0, 0};
+    Float8 cost = everywhere<Float8>(unreachable_cost);
+    cost[0] = 0;
+    for (int at = 0; at < task.count; ++at) {
+        std::uint8_t* seen = task.seen + at * quantiser_states;
+        std::uint8_t* before = task.before + at * quantiser_states;
+        const Bytes8 nothing{}; // where a coefficient has no neighbour its own place stands
+        __builtin_memcpy(seen, &nothing, sizeof nothing);
+        const Int8 classes = at == 0 ? Int8{} + task.first_class : classify_neighbours(task, at);
+        const Ways ways = price_levels(task, at, classes, cost);
+        // Of the ways to a state the cheaper one stays; of two that cost the same, the first.
+        const Float8 first = take_ways<0>(ways.even_cost, ways.odd_cost);
+        const Float8 second = take_ways<1>(ways.even_cost, ways.odd_cost);
+        const Int8 best = second < first;
+        const Float8 least = best ? second : first;
+        const Int8 reached = least < unreachable_cost;
+        cost = reached ? least : everywhere<Float8>(unreachable_cost);
+        const Int8 level = reached & (best ? take_ways<1>(ways.even_level, ways.odd_level)
+                                           : take_ways<0>(ways.even_level, ways.odd_level));
+        const Bytes8 from = __builtin_convertvector(
+            reached & (best ? states_before<1>() : states_before<0>()), Bytes8);
+        __builtin_memcpy(task.level + at * quantiser_states, &level, sizeof level);
+        __builtin_memcpy(before, &from, sizeof from);
+        // Each state's past is now that of the state its path came from.
+        const int past = at < trellis_window ? at : trellis_window;
+        follow_paths(seen - past * quantiser_states, past, before);
+        const Bytes8 amplitudes = seen_amplitudes(level);
+        __builtin_memcpy(seen, &amplitudes, sizeof amplitudes);
+        if (task.end_cost[at] < unreachable_cost)
+            for (int state = 0; state < quantiser_states; ++state)
+                if (const float total = cost[state] + task.end_cost[at]; total < end.cost)
+                    end = {total, at + 1, state};
+    }
+    return end;
+}
