@@ -26,6 +26,16 @@ constexpr int copy_shift(bool smooth) {
     return smooth ? 4 : 2;
 }
 
+// Where rows x n values go, rows `stride` apart: each is added to what is there, where `add` says so, and
+// clamped to -limit .. limit - 1.
+struct RowsTarget {
+    std::int32_t* out;
+    int stride, rows, n;
+    bool add;
+    std::int32_t limit;
+};
+constexpr std::int32_t no_limit = 1 << 30; // above all that kernels give
+
 // The filter of FORMAT.md 4.7 for one plane; four taps a ring.
 struct FilterTaps {
     std::array<std::int32_t, filter_rings> strength;
@@ -43,22 +53,21 @@ struct Kernels {
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
-    // out = floor((in + 2^(shift - 1)) / 2^shift) for rows x n values; out's rows lie `stride` apart.
-    void (*round_rows)(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride,
-                       int shift);
+    // Target = floor((in + 2^(shift - 1)) / 2^shift); `in` is dense.
+    void (*round_rows)(const std::int32_t* in, int shift, const RowsTarget& to);
 
     // sums[i] += C of FORMAT.md 4.6 from rows j - 1, j, j + 1. Smooth filters read texels -1..n of
     // them, plain ones 0..n, and neither a row that its filter does without.
     void (*add_copies)(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums);
+    // Target = the predictions that these sums make, from rows that lie `stride` apart. Reads one texel
+    // more on each side where the filter is smooth, one behind each row and a row below where it is not.
+    void (*copy_rows)(const std::int32_t* from, int stride, int filter, const RowsTarget& to);
 
-    // out[i] = floor((sum over j < 6 of weights[j] * rows[j][i] + 2^(shift - 1)) / 2^shift): one axis
-    // of a copy from a base picture (FORMAT.md 4.6).
-    void (*six_taps)(const std::int32_t* const* rows, const std::int8_t* weights, int shift, int n,
-                     std::int32_t* out);
-
-    // values[i] = values[i] + (sums[i] >> shift), within -limit .. limit - 1.
-    void (*add_within)(std::int32_t* values, const std::int32_t* sums, int shift, int n,
-                       std::int32_t limit);
+    // Target[r][i] = floor((sum over j < 6 of weights[j] * from[r * stride + j * step + i]
+    //                       + 2^(shift - 1)) / 2^shift):
+    // one axis of a copy from a base picture (FORMAT.md 4.6).
+    void (*six_taps)(const std::int32_t* from, int step, int stride, const std::int8_t* weights,
+                     int shift, const RowsTarget& to);
 
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).

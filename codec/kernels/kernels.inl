@@ -105,16 +105,20 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
     inverse_planes_part(in, out, support, n, inner, 0);
 }
 
-void round_rows(const std::int32_t* in, std::int32_t* out, int rows, int n, int stride, int shift) {
+// Calls value(r, i) for all of a target.
+template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
+    const std::int32_t least = -to.limit, most = to.limit - 1;
+    std::int32_t* out = to.out;
+    for (int r = 0; r < to.rows; ++r, out += to.stride)
+        for (int i = 0; i < to.n; ++i) {
+            const std::int32_t sum = value(r, i) + (to.add ? out[i] : 0);
+            out[i] = sum < least ? least : sum > most ? most : sum;
+        }
+}
+
+void round_rows(const std::int32_t* in, int shift, const RowsTarget& to) {
     const std::int32_t half = 1 << (shift - 1);
-    for (int r = 0; r < rows; ++r, in += n, out += stride) {
-        int i = 0;
-        for (; i + lanes <= n; i += lanes)
-            for (int j = 0; j < lanes; ++j)
-                out[i + j] = (in[i + j] + half) >> shift;
-        for (; i < n; ++i)
-            out[i] = (in[i] + half) >> shift;
-    }
+    put_rows(to, [&](int r, int i) { return (in[r * to.n + i] + half) >> shift; });
 }
 
 inline unsigned char to_byte(std::int32_t x) {
@@ -198,23 +202,32 @@ void add_copies(const std::int32_t* const rows[3], int filter, int n, std::int32
     add[filter](rows, n, sums);
 }
 
-void six_taps(const std::int32_t* const* rows, const std::int8_t* weights, int shift, int n,
-              std::int32_t* out) {
-    const std::int32_t *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3], *e = rows[4],
-                       *f = rows[5];
-    const std::int32_t wa = weights[0], wb = weights[1], wc = weights[2], wd = weights[3],
-                       we = weights[4], wf = weights[5];
-    const std::int32_t half = 1 << (shift - 1);
-    for (int i = 0; i < n; ++i)
-        out[i] =
-            (wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i] + wf * f[i] + half) >> shift;
+void copy_rows(const std::int32_t* from, int stride, int filter, const RowsTarget& to) {
+    const int shift = copy_shift(filter >= 4);
+    for (int r = 0; r < to.rows; ++r, from += stride) {
+        const std::int32_t* const rows[3] = {from - stride, from, from + stride};
+        std::int32_t sums[max_tile_side];
+        for (int i = 0; i < to.n; ++i)
+            sums[i] = 1 << (shift - 1);
+        add_copies(rows, filter, to.n, sums);
+        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.add, to.limit},
+                 [&](int, int i) { return sums[i] >> shift; });
+    }
 }
 
-void add_within(std::int32_t* values, const std::int32_t* sums, int shift, int n,
-                std::int32_t bound) {
-    for (int i = 0; i < n; ++i) {
-        const std::int32_t sum = values[i] + (sums[i] >> shift);
-        values[i] = sum < -bound ? -bound : sum > bound - 1 ? bound - 1 : sum;
+void six_taps(const std::int32_t* from, int step, int stride, const std::int8_t* weights, int shift,
+              const RowsTarget& to) {
+    const std::int32_t w[6] = {weights[0], weights[1], weights[2],
+                               weights[3], weights[4], weights[5]};
+    const std::int32_t half = 1 << (shift - 1);
+    for (int r = 0; r < to.rows; ++r, from += stride) {
+        std::int32_t sums[max_tile_side];
+        for (int i = 0; i < to.n; ++i)
+            sums[i] = w[0] * from[i] + w[1] * from[i + step] + w[2] * from[i + 2 * step] +
+                      w[3] * from[i + 3 * step] + w[4] * from[i + 4 * step] +
+                      w[5] * from[i + 5 * step];
+        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.add, to.limit},
+                 [&](int, int i) { return (sums[i] + half) >> shift; });
     }
 }
 
@@ -256,8 +269,8 @@ constexpr Kernels make_kernels(const char* name) {
             inverse_planes,
             round_rows,
             add_copies,
+            copy_rows,
             six_taps,
-            add_within,
             store_ycocg8,
             load_ycocg8,
             clamp_row<std::int16_t>,

@@ -137,6 +137,105 @@ void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int 
     }
 }
 
+// Calls value(r, i, load) for every eight values of a target; load(address) gives those that it needs.
+template <class Value> void put_vectors(const RowsTarget& to, Value value) {
+    const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
+    const int whole = to.n & ~(lanes - 1);
+    const __m256i mask = lane_mask(to.n - whole);
+    const auto load = [](const std::int32_t* at) {
+        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+    };
+    const auto load_some = [&](const std::int32_t* at) { return _mm256_maskload_epi32(at, mask); };
+    const auto within = [&](__m256i x) {
+        return _mm256_max_epi32(_mm256_min_epi32(x, most), least);
+    };
+    std::int32_t* out = to.out;
+    for (int r = 0; r < to.rows; ++r, out += to.stride) {
+        for (int i = 0; i < whole; i += lanes) {
+            __m256i x = value(r, i, load);
+            if (to.add)
+                x = _mm256_add_epi32(x, load(out + i));
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), within(x));
+        }
+        if (whole < to.n) {
+            __m256i x = value(r, whole, load_some);
+            if (to.add)
+                x = _mm256_add_epi32(x, load_some(out + whole));
+            _mm256_maskstore_epi32(out + whole, mask, within(x));
+        }
+    }
+}
+
+__m256i rounded(__m256i x, int shift) {
+    return _mm256_sra_epi32(_mm256_add_epi32(x, _mm256_set1_epi32(1 << (shift - 1))),
+                            _mm_cvtsi32_si128(shift));
+}
+
+void round_rows_avx2(const std::int32_t* in, int shift, const RowsTarget& to) {
+    put_vectors(to, [&](int r, int i, auto load) { return rounded(load(in + r * to.n + i), shift); });
+}
+
+__m256i sum_of(__m256i a, __m256i b) {
+    return _mm256_add_epi32(a, b);
+}
+
+// The filters of copy_weights, their common factors left out.
+void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const RowsTarget& to) {
+    const auto put = [&](auto value) {
+        put_vectors(to, [&](int r, int i, auto load) { return value(from + r * stride + i, load); });
+    };
+    const auto pair = [](const std::int32_t* at, int step, auto load) {
+        return sum_of(load(at), load(at + step));
+    };
+    // Six times the pair along one axis, and those beside it along the other.
+    const auto smooth_pair = [&](int along, int across) {
+        put([=](const std::int32_t* at, auto load) {
+            const __m256i twice = _mm256_slli_epi32(pair(at, along, load), 1);
+            const __m256i beside =
+                sum_of(pair(at - across, along, load), pair(at + across, along, load));
+            return rounded(sum_of(sum_of(twice, _mm256_slli_epi32(twice, 1)), beside), 4);
+        });
+    };
+    switch (filter) {
+    case 0:
+        return put([](const std::int32_t* at, auto load) { return load(at); });
+    case 1:
+        return put([&](const std::int32_t* at, auto load) { return rounded(pair(at, 1, load), 1); });
+    case 2:
+        return put(
+            [&](const std::int32_t* at, auto load) { return rounded(pair(at, stride, load), 1); });
+    case 4:
+        return put([&](const std::int32_t* at, auto load) {
+            const __m256i beside = sum_of(pair(at - 1, 2, load), pair(at - stride, 2 * stride, load));
+            return rounded(sum_of(_mm256_slli_epi32(load(at), 2), beside), 3);
+        });
+    case 5:
+        return smooth_pair(1, stride);
+    case 6:
+        return smooth_pair(stride, 1);
+    default: // 3 and 7
+        return put([&](const std::int32_t* at, auto load) {
+            return rounded(sum_of(pair(at, 1, load), pair(at + stride, 1, load)), 2);
+        });
+    }
+}
+
+void six_taps_avx2(const std::int32_t* from, int step, int stride, const std::int8_t* weights,
+                   int shift, const RowsTarget& to) {
+    const auto weight = [&](int tap) { return _mm256_set1_epi32(weights[tap]); };
+    const __m256i w0 = weight(0), w1 = weight(1), w2 = weight(2), w3 = weight(3), w4 = weight(4),
+                  w5 = weight(5);
+    put_vectors(to, [&](int r, int i, auto load) {
+        const std::int32_t* at = from + r * stride + i;
+        const auto product = [&](int tap, __m256i w) {
+            return _mm256_mullo_epi32(load(at + tap * step), w);
+        };
+        const __m256i a = sum_of(product(0, w0), product(1, w1));
+        const __m256i b = sum_of(product(2, w2), product(3, w3));
+        return rounded(sum_of(sum_of(a, b), sum_of(product(4, w4), product(5, w5))), shift);
+    });
+}
+
 void transpose(__m256i r[8]) {
     __m256i a[8], b[8];
     for (int i = 0; i < 8; i += 2) {
@@ -298,6 +397,9 @@ constexpr Kernels make_avx2_kernels() {
     Kernels k = make_kernels("avx2");
     k.inverse_rows = inverse_rows_avx2;
     k.inverse_planes = inverse_planes_avx2;
+    k.round_rows = round_rows_avx2;
+    k.copy_rows = copy_rows_avx2;
+    k.six_taps = six_taps_avx2;
     k.store_ycocg8 = store_ycocg8_avx2;
     k.load_ycocg8 = load_ycocg8_avx2;
     k.filter_row = filter_row_avx2;

@@ -18,14 +18,9 @@ namespace tessera {
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out);
 
-// Finishes one plane of a block of a predicted tile: adds what it copies to the difference that stands
-// there (`has_difference`; else the copy replaces what is there), and clamps the values to what a
-// predicted tile may hold.
-void finish_predicted(const Block& block, const BlockPrediction& prediction,
-                      const TileCoding& coding, bool has_difference, TilePlanes& decoded,
-                      std::size_t plane);
-// Likewise of a block of the base picture, which copies nothing.
-void finish_base_block(const Block& block, const TileCoding& coding, TilePlanes& decoded,
-                       std::size_t plane);
+// What one plane of a block copies, added to the difference that stands there (`has_difference`; else in
+// place of what is there), and clamped to what a predicted tile may hold. Precondition as above.
+void add_copies(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
+                bool has_difference, TilePlanes& decoded, std::size_t plane);
 
 } // namespace tessera

@@ -85,13 +85,14 @@ int row_start(const Block& block, const BlockShape& tile, int s, int t) {
                        block.origin[3] + t);
 }
 
-void store_block(const Block& block, const std::int32_t* values, int shift, const BlockShape& tile,
-                 std::vector<std::int32_t>& plane) {
+void store_block(const Block& block, const std::int32_t* values, int shift, std::int32_t limit,
+                 const BlockShape& tile, std::vector<std::int32_t>& plane) {
     const auto& n = block.shape.n;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s, values += n[0] * n[1])
-            kernels().round_rows(values, plane.data() + row_start(block, tile, s, t), n[1], n[0],
-                                 tile.n[0], shift);
+            kernels().round_rows(values, shift,
+                                 {plane.data() + row_start(block, tile, s, t), tile.n[0], n[1], n[0],
+                                  false, limit});
 }
 
 void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,
@@ -115,7 +116,8 @@ public:
           picture_(is_of_base_ ? planes.base_shape : tile.shape),
           planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
-          copies_(tile.copies(index)) {}
+          copies_(tile.copies(index)),
+          limit_(tile.predictions.empty() || copies_ ? no_limit : value_limit(coding.type)) {}
 
     // Whether run() gives the plane values that are not all 0.
     bool has_levels(int plane) const {
@@ -184,14 +186,15 @@ private:
             return;
         }
         inverse_transform(support, block_.shape, scratch_);
-        store_block(block_, scratch_.a.data(), shift, picture_,
+        store_block(block_, scratch_.a.data(), shift, limit_, picture_,
                     planes_[static_cast<std::size_t>(plane)]);
     }
 
     void fill(int plane, std::int32_t value) {
         if (copies_ && !has_levels(plane))
             return; // the copy will stand there
-        fill_block(block_, value, picture_, planes_[static_cast<std::size_t>(plane)]);
+        fill_block(block_, std::clamp(value, -limit_, limit_ - 1), picture_,
+                   planes_[static_cast<std::size_t>(plane)]);
     }
 
     const TileLevels& tile_;
@@ -205,6 +208,7 @@ private:
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of this
     const PlaneLevels* const levels_;
     const bool copies_;
+    const std::int32_t limit_; // of its values, of which differences have none
 };
 
 } // namespace
@@ -213,16 +217,11 @@ void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCo
                        ReconstructScratch& scratch, TilePlanes& planes) {
     BlockReconstruction reconstruction(levels, block, coding, scratch, planes);
     reconstruction.run();
-    if (levels.predictions.empty())
+    if (!levels.copies(block))
         return;
-    for (int p = 0; p < coding.planes; ++p) {
-        const auto plane = static_cast<std::size_t>(p);
-        if (block < levels.base_blocks)
-            finish_base_block(levels.blocks[block], coding, planes, plane);
-        else
-            finish_predicted(levels.blocks[block], levels.predictions[block], coding,
-                             reconstruction.has_levels(p), planes, plane);
-    }
+    for (int plane = 0; plane < coding.planes; ++plane)
+        add_copies(levels.blocks[block], levels.predictions[block], coding,
+                   reconstruction.has_levels(plane), planes, static_cast<std::size_t>(plane));
 }
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,

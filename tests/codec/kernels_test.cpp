@@ -200,26 +200,79 @@ TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
             }
 }
 
+// A target of rows x n in `out`, which it fits: what is between its rows must stay as it is.
+RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out) {
+    const int rows = random.range(1, 9), stride = n + random.range(0, 5);
+    out.resize(static_cast<std::size_t>((rows - 1) * stride + n));
+    for (std::int32_t& x : out)
+        x = random.range(-(1 << 18), (1 << 18) - 1);
+    return {out.data(), stride, rows, n, random.chance(0.5), random.chance(0.5) ? 1 << 14 : no_limit};
+}
+
+// What a target must hold where value(r, i) was put.
+template <class Value>
+std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::int32_t> out,
+                                        Value value) {
+    for (int r = 0; r < to.rows; ++r)
+        for (int i = 0; i < to.n; ++i) {
+            std::int32_t& x = out[static_cast<std::size_t>(r * to.stride + i)];
+            x = static_cast<std::int32_t>(std::clamp<std::int64_t>(
+                value(r, i) + (to.add ? x : 0), -to.limit, std::int64_t{to.limit} - 1));
+        }
+    return out;
+}
+
+// Runs a kernel on both paths against value(r, i).
+template <class Run, class Value>
+void expect_rows(Random& random, int n, Run run, Value value) {
+    std::vector<std::int32_t> out;
+    const RowsTarget to = random_target(random, n, out);
+    const std::vector<std::int32_t> before = out, expected = expected_rows(to, out, value);
+    for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+        std::ranges::copy(before, out.begin());
+        run(*path, to);
+        ASSERT_EQ(out, expected) << path->name << " " << n;
+    }
+}
+
 TEST_F(KernelPaths, RoundingIsEqual) {
     Random random(12);
     for (int n = 1; n <= max_tile_side; ++n)
         for (const int shift : {8, 14}) {
-            const int rows = random.range(1, 9), stride = n + random.range(0, 5);
-            const auto in = random_integers(random, static_cast<std::size_t>(rows * n));
-            std::vector<std::int32_t> a(static_cast<std::size_t>(rows * stride), 7), b = a;
-            std::vector<std::int32_t> small = in; // what the passes can give
-            for (std::int32_t& x : small)
+            auto in = random_integers(random, static_cast<std::size_t>(9 * n));
+            for (std::int32_t& x : in) // what the passes can give
                 x >>= 4;
-            kernels_scalar.round_rows(small.data(), a.data(), rows, n, stride, shift);
-            kernels_avx2.round_rows(small.data(), b.data(), rows, n, stride, shift);
-            ASSERT_EQ(a, b) << n;
-            for (int r = 0; r < rows; ++r)
-                for (int x = 0; x < stride; ++x) {
-                    const auto at = static_cast<std::size_t>(r * stride + x);
-                    const std::int64_t value =
-                        x < n ? small[static_cast<std::size_t>(r * n + x)] : 0;
-                    ASSERT_EQ(a[at], x < n ? (value + (1 << (shift - 1))) >> shift : 7);
-                }
+            expect_rows(
+                random, n,
+                [&](const Kernels& k, const RowsTarget& to) { k.round_rows(in.data(), shift, to); },
+                [&](int r, int i) {
+                    return (std::int64_t{in[static_cast<std::size_t>(r * n + i)]} +
+                            (1 << (shift - 1))) >>
+                           shift;
+                });
+        }
+}
+
+// The kernel for pictures against that for sums of rows.
+TEST_F(KernelPaths, CopiedPicturesAreEqual) {
+    Random random(14);
+    for (int filter = 0; filter < 8; ++filter)
+        for (int n = 1; n <= max_tile_side; ++n) {
+            const int stride = n + 2 + random.range(0, 3), shift = copy_shift(filter >= 4);
+            std::vector<std::int32_t> texels(static_cast<std::size_t>(10 * stride + n + 2));
+            for (std::int32_t& x : texels)
+                x = random.range(-(1 << 18), (1 << 18) - 1);
+            const std::int32_t* const from = texels.data() + stride + 1;
+            std::vector<std::int32_t> sums(static_cast<std::size_t>(9 * n), 1 << (shift - 1));
+            for (int r = 0; r < 9; ++r) {
+                const std::int32_t* const rows[3] = {from + (r - 1) * stride, from + r * stride,
+                                                     from + (r + 1) * stride};
+                kernels_scalar.add_copies(rows, filter, n, sums.data() + r * n);
+            }
+            expect_rows(
+                random, n,
+                [&](const Kernels& k, const RowsTarget& to) { k.copy_rows(from, stride, filter, to); },
+                [&](int r, int i) { return sums[static_cast<std::size_t>(r * n + i)] >> shift; });
         }
 }
 
@@ -243,33 +296,30 @@ TEST_F(KernelPaths, CopiesAreEqual) {
 
 TEST_F(KernelPaths, CopiesOfBasePicturesAreEqual) {
     Random random(21);
-    constexpr std::size_t most = max_tile_side;
     for (const auto& weights : base_filter)
-        for (const int shift : {base_first_shift, base_second_shift})
-            for (int n = 1; n <= max_tile_side; ++n) {
-                std::vector<std::vector<std::int32_t>> texels(base_taps);
-                const std::int32_t* rows[base_taps];
-                // As large as values of halves are, and their sums along u.
-                const int limit = shift == base_first_shift ? 1 << 18 : 25 << 18;
-                for (std::size_t tap = 0; tap < base_taps; ++tap) {
-                    for (int i = 0; i < n; ++i)
-                        texels[tap].push_back(random.chance(0.2)
-                                                  ? (random.chance(0.5) ? -limit : limit - 1)
-                                                  : random.range(-limit, limit - 1));
-                    rows[tap] = texels[tap].data();
-                }
-                std::vector<std::int32_t> a(most, 5), b(most, 5);
-                kernels_scalar.six_taps(rows, weights.data(), shift, n, a.data());
-                kernels_avx2.six_taps(rows, weights.data(), shift, n, b.data());
-                ASSERT_EQ(a, b) << shift << " " << n;
-                for (std::size_t i = 0; i < most; ++i) {
+        for (int n = 1; n <= max_tile_side; ++n) {
+            const bool along_u = random.chance(0.5);
+            const int stride = n + base_taps - 1, step = along_u ? 1 : stride;
+            const int shift = along_u ? base_first_shift : base_second_shift;
+            // As large as values of halves are, and their sums along u.
+            const int limit = along_u ? 1 << 18 : 25 << 18;
+            std::vector<std::int32_t> texels(static_cast<std::size_t>((8 + base_taps) * stride));
+            for (std::int32_t& x : texels)
+                x = random.chance(0.2) ? (random.chance(0.5) ? -limit : limit - 1)
+                                       : random.range(-limit, limit - 1);
+            expect_rows(
+                random, n,
+                [&](const Kernels& k, const RowsTarget& to) {
+                    k.six_taps(texels.data(), step, stride, weights.data(), shift, to);
+                },
+                [&](int r, int i) {
                     std::int64_t sum = std::int64_t{1} << (shift - 1);
-                    for (std::size_t tap = 0; i < static_cast<std::size_t>(n) && tap < base_taps;
-                         ++tap)
-                        sum += std::int64_t{weights[tap]} * texels[tap][i];
-                    ASSERT_EQ(a[i], i < static_cast<std::size_t>(n) ? sum >> shift : 5);
-                }
-            }
+                    for (int tap = 0; tap < base_taps; ++tap)
+                        sum += std::int64_t{weights[static_cast<std::size_t>(tap)]} *
+                               texels[static_cast<std::size_t>(r * stride + i + tap * step)];
+                    return sum >> shift;
+                });
+        }
 }
 
 TEST(Kernels, StoreColoursAlike) {
