@@ -1,6 +1,7 @@
 // What this machine and this compiler make of the same textures and files, one line each, to compare with what
-// others do (run.sh): the golden files' texels as in their manifest, then encoded files and their texels.
-//   same_bytes GOLDEN_FOLDER
+// others do (run.sh): the golden files' texels as in their manifest, what is shown of damaged copies of them, then
+// encoded files and their texels.
+//   same_bytes GOLDEN_FOLDER [decode]   decode: encodes nothing; short enough for valgrind
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "tests/support/memory_texture.h"
@@ -8,7 +9,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -41,14 +44,51 @@ std::uint64_t hash_of_texels(const Decoder& decoder, const std::string& of) {
     return fnv1a_64(texels);
 }
 
-void decode_golden(const std::string& folder) {
+std::vector<std::string> golden_names(const std::string& folder) {
     std::ifstream manifest(folder + "/manifest.txt");
-    std::string name, expected;
-    while (manifest >> name >> expected) {
+    std::vector<std::string> names;
+    for (std::string name, expected; manifest >> name >> expected;)
+        names.push_back(name);
+    return names;
+}
+
+void decode_golden(const std::string& folder) {
+    for (const std::string& name : golden_names(folder)) {
         const Decoder decoder = checked(Decoder::open_file(folder + "/" + name), name);
         std::printf("%s %llx\n", name.c_str(),
                     static_cast<unsigned long long>(hash_of_texels(decoder, name)));
     }
+}
+
+// A bit of it flipped at a time: what the tiles' own bytes let through is decoded, the rest is filled.
+void decode_damaged(const std::string& folder, const std::string& name, int copies) {
+    std::ifstream in(folder + "/" + name, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    const auto bytes = std::as_bytes(std::span(text));
+    test::Random random(static_cast<std::uint32_t>(bytes.size()));
+    std::uint64_t hash = 0, filled = 0;
+    int refused = 0;
+    for (int i = 0; i < 2 * copies; ++i) {
+        Bytes file(bytes.begin(), bytes.end());
+        file[random() % file.size()] ^= static_cast<std::byte>(1u << random() % 8);
+        const Result<Decoder> decoder = Decoder::open(wrap_memory(file), DecodeOptions{true, true});
+        if (!decoder || texel_count(decoder->desc().size) > 1 << 20) {
+            ++refused;
+            continue;
+        }
+        const Box4 all = Box4::whole(decoder->desc().size);
+        Bytes texels(decoder->desc().box_bytes(all));
+        ReadOptions options;
+        options.integrity = i % 2 == 0 ? Integrity::tile : Integrity::page;
+        if (decoder->decode_box(all, texels, options))
+            hash = hash * 31 + fnv1a_64(texels);
+        else
+            ++refused;
+        filled += decoder->fill_report().texels;
+    }
+    std::printf("%s damaged: %llx, %d refused, %llu texels filled\n", name.c_str(),
+                static_cast<unsigned long long>(hash), refused,
+                static_cast<unsigned long long>(filled));
 }
 
 // Without functions of the C library, whose last bits differ: edges, slopes and some noise.
@@ -81,10 +121,15 @@ void encode_again(const std::string& name, const TextureDesc& desc, RateTarget r
 
 int main(int argc, char** argv) {
     using namespace tessera;
-    if (argc != 2)
+    const bool only_decode = argc == 3 && std::string(argv[2]) == "decode";
+    if (argc != 2 && !only_decode)
         return 2;
     std::setvbuf(stdout, nullptr, _IOLBF, 0); // a crash keeps what was before
     decode_golden(argv[1]);
+    for (const std::string& name : golden_names(argv[1]))
+        decode_damaged(argv[1], name, 8);
+    if (only_decode)
+        return 0;
     const SampleType unorm8 = SampleType::unorm8, half16 = SampleType::half16;
     for (const int effort : {0, 1, 3})
         encode_again("rgb8_effort" + std::to_string(effort), {{20, 12, 6, 5}, unorm8, 3},
