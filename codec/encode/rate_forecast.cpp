@@ -18,6 +18,7 @@ constexpr double head_bytes = 1000;  // of a file, about
 EncodePlan quick_plan(const EncodePlan& plan) {
     EncodePlan quick = plan;
     quick.effort = EffortSettings::of(std::min(quick_effort, plan.options.effort), plan.tools);
+    quick.effort.dependent = plan.effort.dependent; // what it codes is to foretell the same steps
     quick.journal = nullptr;
     quick.keeps_payloads = false;
     return quick;

@@ -362,6 +362,15 @@ Result<std::vector<std::uint64_t>> choose_sample(const EncodePlan& plan, std::ui
     return tiles;
 }
 
+// Tiles of the same places one after the other: their texels lie side by side in files.
+void sort_by_places(const EncodePlan& plan, std::vector<std::uint64_t>& tiles) {
+    const auto places = [&plan](std::uint64_t tile) {
+        const Extent4 c = plan.grid.coordinates(tile);
+        return std::pair(c[axis_v], c[axis_u]);
+    };
+    std::ranges::stable_sort(tiles, {}, places);
+}
+
 } // namespace
 
 std::uint64_t Sample::texel_count() const {
@@ -376,7 +385,9 @@ std::uint64_t Sample::texels_that_matter() const {
 }
 
 Result<Sample> read_sample(const EncodePlan& plan) {
-    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / 8, 4, 128));
+    // Where tables are fitted to all tiles in the end, half of it does.
+    const std::uint64_t share = plan.effort.quick && plan.effort.recode ? 16 : 8;
+    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / share, 4, 128));
 }
 
 Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {
@@ -433,6 +444,7 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
         done += static_cast<double>(slab.tiles.size() - wanted.size());
         if (wanted.empty())
             continue;
+        sort_by_places(plan, wanted);
         TESSERA_TRY(plan.source.begin_slab(slab.box));
         TESSERA_TRY(parallel_for(
             crew.workers, wanted.size(),

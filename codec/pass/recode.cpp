@@ -22,8 +22,7 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     };
     std::vector<Recoder> workers;
     for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
-        workers.push_back(
-            {TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}});
+        workers.push_back({TileDecoder(before, plan.colour), TileDecoder(after, plan.colour), {}});
     TESSERA_TRY(parallel_for(
         workers, pass.tiles.size(),
         [&](Recoder& worker, std::size_t i) -> Status {
@@ -53,11 +52,9 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
             if (!plan.options.verify)
                 return {};
             // The same levels decode to the same texels, which were measured.
-            const Status decoded =
-                is_stored ? Status() : worker.check.parse(worker.payload, shape);
+            const Status decoded = is_stored ? Status() : worker.check.parse(worker.payload, shape);
             const TileDecoder& checked = is_stored ? worker.from : worker.check;
-            if (!decoded.ok() ||
-                sum_of(checked.levels(), checked.corrections()) != tile.levels_sum)
+            if (!decoded.ok() || sum_of(checked.levels(), checked.corrections()) != tile.levels_sum)
                 return about_texels(
                     plan, {ErrorCode::runtime, "self-check failed: tile " + std::to_string(i) +
                                                    " does not decode to what was encoded " +

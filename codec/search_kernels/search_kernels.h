@@ -82,6 +82,9 @@ struct SearchKernels {
     // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
+    // Bit i: whether the colour (y[i], co[i], cg[i]) has at least that squared length in RGB. n <= 64.
+    std::uint64_t (*long_colours)(const float* y, const float* co, const float* cg, int n,
+                                  float least);
     // sum += x, squares += x^2 over n floats: four partial sums of each, then (0 + 1) + (2 + 3) of them.
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same of each of `count` runs of four floats, one behind the other, into sums[i], squares[i].

@@ -369,6 +369,30 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     }
 }
 
+template <class Value>
+inline Value squared_length(const Value& y, const Value& co, const Value& cg) {
+    return 3.0f * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg;
+}
+
+// Most colours are short: eight at a time are asked first.
+std::uint64_t long_colours(const float* y, const float* co, const float* cg, int n, float least) {
+    std::uint64_t bits = 0;
+    int i = 0;
+    for (; i + 8 <= n; i += 8) {
+        const Int8 is_long = squared_length(load<Float8>(y + i), load<Float8>(co + i),
+                                            load<Float8>(cg + i)) >= Float8{} + least;
+        std::uint64_t halves[4];
+        __builtin_memcpy(halves, &is_long, sizeof halves);
+        if ((halves[0] | halves[1] | halves[2] | halves[3]) == 0)
+            continue;
+        for (int j = 0; j < 8; ++j)
+            bits |= std::uint64_t{is_long[j] != 0} << (i + j);
+    }
+    for (; i < n; ++i)
+        bits |= std::uint64_t{squared_length(y[i], co[i], cg[i]) >= least} << i;
+    return bits;
+}
+
 void add_row(const float* x, int n, float* sum, float* squares) {
     Float4 of_lane{}, squares_of_lane{};
     int i = 0;
@@ -382,7 +406,8 @@ void add_row(const float* x, int n, float* sum, float* squares) {
         squares_of_lane[0] += x[i] * x[i];
     }
     *sum += (of_lane[0] + of_lane[1]) + (of_lane[2] + of_lane[3]);
-    *squares += (squares_of_lane[0] + squares_of_lane[1]) + (squares_of_lane[2] + squares_of_lane[3]);
+    *squares +=
+        (squares_of_lane[0] + squares_of_lane[1]) + (squares_of_lane[2] + squares_of_lane[3]);
 }
 
 // (0 + 1) + (2 + 3) of each of the eight runs in four vectors.
@@ -437,7 +462,8 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_image, add_squared_differences,
-            coding_cost,  add_row,        add_quads,     run_trellis};
+            coding_cost,  long_colours,   add_row,       add_quads,
+            run_trellis};
 }
 
 } // namespace

@@ -52,6 +52,8 @@ float BlockQuantizer::energy(const BlockCoefficients& block) const {
     const auto count = static_cast<std::size_t>(block.shape.texels());
     float total = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
+        if (block.is_blank[static_cast<std::size_t>(plane)])
+            continue;
         const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
         float sum = 0;
         for (std::size_t i = 0; i < count; ++i)
@@ -82,7 +84,8 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
                                               : smallest_candidate;
     amplitude_.resize(static_cast<std::size_t>(limit));
     int last = -1;
-    for (int i = 0; i < limit; ++i) {
+    const bool is_blank = block.is_blank[static_cast<std::size_t>(plane)];
+    for (int i = 0; i < limit && !is_blank; ++i) {
         const auto& k = order.entry[static_cast<std::size_t>(i)].k;
         const float a =
             x[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] *

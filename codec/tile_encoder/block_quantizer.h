@@ -17,9 +17,10 @@ namespace tessera {
 struct BlockCoefficients {
     BlockShape shape;
     std::array<std::vector<float>, max_planes> plane;
-    bool copies = false; // what is left of a block that copies from other views
-    int fineness = 0;    // k: in steps of 2^(-k / 2) times the file's, as those of base pictures
-    int colour = 0; // 0: planes as they are; else the first three are on the axes of rotation - 1
+    std::array<bool, max_planes> is_blank{}; // planes that are known to be all 0
+    bool copies = false;                     // what is left of a block that copies from other views
+    int fineness = 0; // k: in steps of 2^(-k / 2) times the file's, as those of base pictures
+    int colour = 0;   // 0: planes as they are; else the first three are on the axes of rotation - 1
 };
 
 // Coefficients of a block's scan order that an encoder may code: the longest codable length with

@@ -4,6 +4,7 @@
 #include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -181,6 +182,15 @@ void BlockSearch::measure_activity() {
     }
 }
 
+namespace {
+
+// Whether a transform along these changes anything.
+bool has_sides(const std::vector<Segment>& segments) {
+    return std::ranges::any_of(segments, [](const Segment& segment) { return segment.size > 1; });
+}
+
+} // namespace
+
 void BlockSearch::estimate_costs() {
     for (int a = 0; a <= angular_depths_; ++a) {
         bool tried = false;
@@ -191,8 +201,14 @@ void BlockSearch::estimate_costs() {
         for (int plane = 0; tried && plane < coding_.planes; ++plane) {
             const auto p = static_cast<std::size_t>(plane);
             angular_[p].resize(source_[p].size());
-            forward_axis(source_[p].data(), scratch_a_.data(), shape_, 3, t_segments);
-            forward_axis(scratch_a_.data(), angular_[p].data(), shape_, 2, s_segments);
+            const bool along_t = has_sides(t_segments), along_s = has_sides(s_segments);
+            angular_view_[p] = along_t || along_s ? angular_[p].data() : source_[p].data();
+            float* const first = along_s ? scratch_a_.data() : angular_[p].data();
+            if (along_t)
+                forward_axis(source_[p].data(), first, shape_, 3, t_segments);
+            if (along_s)
+                forward_axis(along_t ? first : source_[p].data(), angular_[p].data(), shape_, 2,
+                             s_segments);
         }
         for (int s = 0; s <= spatial_depths_; ++s)
             estimate_grid(grids_[grid_index(s, a)], s, a);
@@ -419,8 +435,8 @@ float BlockSearch::cell_cost(const Grid& grid, const std::array<int, 4>& c) {
         float* to = coefficients_[p].data();
         for (int t = 0; t < shape.n[3]; ++t)
             for (int s = 0; s < shape.n[2]; ++s, to += kept)
-                k.forward_image(angular_[p].data() + (begin[3] + t) * volume +
-                                    (begin[2] + s) * page + begin[1] * row + begin[0],
+                k.forward_image(angular_view_[p] + (begin[3] + t) * volume + (begin[2] + s) * page +
+                                    begin[1] * row + begin[0],
                                 row, shape.n[0], shape.n[1], to);
         const float dc = coefficients_[p][0] * inverse_step_[p];
         energy += dc * dc;
@@ -586,6 +602,18 @@ void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
                     n[0], to);
 }
 
+namespace {
+
+// Whether all are +0.
+bool is_blank(const float* x, std::size_t count) {
+    std::uint32_t bits = 0; // without branches
+    for (std::size_t i = 0; i < count; ++i)
+        bits |= std::bit_cast<std::uint32_t>(x[i]);
+    return bits == 0;
+}
+
+} // namespace
+
 void BlockSearch::transform_block(const Block& block, const BlockPrediction& prediction,
                                   const TilePlanes& reconstructed, BlockCoefficients& out) {
     out.shape = block.shape;
@@ -602,7 +630,8 @@ void BlockSearch::transform_block(const Block& block, const BlockPrediction& pre
         gather_block(block, plane, x.data());
         if (prediction.copies())
             subtract_prediction(block, prediction, plane, reconstructed, x.data());
-        for (int axis = 3; axis >= 0; --axis) {
+        out.is_blank[p] = is_blank(x.data(), texels);
+        for (int axis = out.is_blank[p] ? -1 : 3; axis >= 0; --axis) {
             if (n[axis] == 1)
                 continue;
             forward_axis(x.data(), scratch_a_.data(), block.shape, axis, {{0, n[axis]}});

@@ -58,9 +58,9 @@ private:
     // Costs and choices of all nodes at one pair of depths.
     struct Grid {
         std::array<std::vector<Segment>, 4> segments;
-        std::array<int, 4> cells{};              // entries of each axis
-        std::vector<float> cost;                 // of the best way to code each cell
-        std::vector<float> activity;             // energy about the cell's mean, in squared steps
+        std::array<int, 4> cells{};  // entries of each axis
+        std::vector<float> cost;     // of the best way to code each cell
+        std::vector<float> activity; // energy about the cell's mean, in squared steps
         std::array<std::vector<float>, max_planes> mean_energy; // likewise, of that mean
         // Of zeroing or coding the DC of each plane; without copies only where a cell is flat.
         std::vector<float> mean_cost;
@@ -144,6 +144,7 @@ private:
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;
     std::array<std::vector<float>, max_planes> source_, angular_;
+    std::array<const float*, max_planes> angular_view_{}; // the first where nothing is transformed
     std::vector<float> scratch_a_, rotated_;
     std::array<std::vector<float>, max_planes>
         coefficients_; // of a cell, in the order of forward_image

@@ -40,8 +40,7 @@ CellMoments CellMoments::merged(int axis) const {
                 to[static_cast<std::size_t>(axis) + 1] /= 2;
                 if (axis == 2)
                     to[2] /= 2;
-                const auto row =
-                    static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
+                const auto row = static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
                 for (int u = 0; u < cells[0]; ++u, ++i) {
                     const std::size_t at = row + static_cast<std::size_t>(u >> shift);
                     coarse.sum[at] += sum[i];

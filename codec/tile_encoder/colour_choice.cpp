@@ -1,8 +1,11 @@
 #include "codec/tile_encoder/colour_choice.h"
 
+#include "codec/search_kernels/search_kernels.h"
 #include "format/tile/colour_rotation.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
 namespace tessera {
@@ -41,31 +44,21 @@ ColourMoments kept_moments(const ColourCoefficients& block, const CodingParamete
     ColourMoments moments{};
     const float threshold = 0.6f * static_cast<float>(parameters.rotated_step.value());
     const float least = threshold * threshold;
-    // Squared length in RGB, from the planes, so that most coefficients stop there.
-    const auto is_kept = [&](std::size_t i) {
-        const float y = block.plane[0][i], co = block.plane[1][i], cg = block.plane[2][i];
-        return 3 * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg >= least;
-    };
     const auto add = [&](std::size_t i) {
         const Vector x = rgb_of(block.plane[0][i], block.plane[1][i], block.plane[2][i]);
         for (std::size_t a = 0; a < 3; ++a)
             for (std::size_t b = 0; b < 3; ++b)
                 moments[a][b] += x[a] * x[b];
     };
-    constexpr std::size_t at_once = 16; // without branches
-    std::size_t begin = 0;
-    for (; begin + at_once <= block.count; begin += at_once) {
-        std::int32_t any = 0;
-        for (std::size_t i = 0; i < at_once; ++i)
-            any |= is_kept(begin + i) ? 1 : 0;
-        if (any != 0)
-            for (std::size_t i = 0; i < at_once; ++i)
-                if (is_kept(begin + i))
-                    add(begin + i);
+    constexpr std::size_t at_once = 64;
+    const auto& [y, co, cg] = block.plane;
+    for (std::size_t begin = 0; begin < block.count; begin += at_once) {
+        const auto n = static_cast<int>(std::min(at_once, block.count - begin));
+        std::uint64_t kept =
+            search_kernels().long_colours(y + begin, co + begin, cg + begin, n, least);
+        for (; kept != 0; kept &= kept - 1)
+            add(begin + static_cast<std::size_t>(std::countr_zero(kept)));
     }
-    for (; begin < block.count; ++begin)
-        if (is_kept(begin))
-            add(begin);
     return moments;
 }
 
@@ -101,6 +94,8 @@ void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficie
     out.copies = block.copies;
     out.fineness = block.fineness;
     out.colour = rotation + 1;
+    out.is_blank = block.is_blank;
+    std::fill_n(out.is_blank.begin(), 3, false);
     for (std::size_t plane = 0; plane < 3; ++plane) {
         out.plane[plane].resize(count);
         project_colours(

@@ -22,6 +22,7 @@ struct EffortSettings {
     bool try_base = true;       // whether tiles have base pictures, likewise
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
     bool balance = true;        // tiles keep the mean of their texels
+    bool quick = false;         // small samples, tiles' shape by estimates: coding takes no longer
     int copy_rounds = 1;        // of the search for blocks that copy
     int refinements = 1;        // rounds of splitting and merging at what coding really costs
 

@@ -22,9 +22,9 @@ constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles
 // A first look at a low effort, which takes a third of the time, settles what is clear: it favours
 // many views by up to 4 % of the costs here, so a smaller difference is looked at again.
 constexpr int quick_effort_of_trial = 2, most_effort_of_trial = 4;
-// Up to this effort a trial is no more than the search's estimates: a pass over the patches would be
-// two fifths of the encode.
-constexpr int most_effort_by_estimate = 1;
+// At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
+// fifths of the encode.
+constexpr std::uint64_t fewest_patches_by_estimate = 2;
 constexpr double clear_difference = 0.08;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 
@@ -53,8 +53,9 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     cut.grid = TileGrid(plan.colour.desc.size, extent);
     const std::uint64_t affordable =
         most_patch_bytes / (2 * texel_count(extent) * plan.colour.desc.texel_bytes());
-    const std::uint64_t wanted = std::clamp(cut.grid.tiles() / 16, fewest_patches,
-                                            std::clamp(affordable, fewest_patches, most_patches));
+    const std::uint64_t fewest = plan.effort.quick ? fewest_patches_by_estimate : fewest_patches;
+    const std::uint64_t wanted =
+        std::clamp(cut.grid.tiles() / 16, fewest, std::clamp(affordable, fewest, most_patches));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)
@@ -111,7 +112,7 @@ Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, int eff
     std::array<double, 2> cost{};
     for (std::size_t i = 0; i < 2; ++i) {
         const Sample tiles = cut_into_tiles(patches, i == 0 ? other : usual, desc);
-        if (effort <= most_effort_by_estimate) {
+        if (trial.effort.quick) {
             TESSERA_TRY_ASSIGN(cost[i], estimated_cost(trial, parameters, tiles));
             continue;
         }

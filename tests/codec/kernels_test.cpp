@@ -378,6 +378,34 @@ TEST_F(KernelPaths, ForwardPassesAreEqual) {
         }
 }
 
+// What store_ycocg8 makes of it is the texels again.
+TEST(Kernels, LoadColoursAlike) {
+    Random random(22);
+    for (const int texels : {1, 5, 8, 16, 35, 64})
+        for (const int images : {1, 3, 8, 9, 16, 24, 64}) {
+            const auto count = static_cast<std::size_t>(texels * images);
+            // Exactly the tile's bytes, so that the address sanitizer sees a load past them.
+            std::vector<unsigned char> rgb(3 * count), back(3 * count);
+            for (unsigned char& x : rgb)
+                x = static_cast<unsigned char>(random.range(0, 255));
+            const std::int32_t background[3] = {100, -3, 17};
+            using Planes = std::array<std::vector<std::int32_t>, 3>;
+            const auto load = [&](const Kernels& path) {
+                Planes planes{std::vector<std::int32_t>(count), std::vector<std::int32_t>(count),
+                              std::vector<std::int32_t>(count)};
+                std::int32_t* const to[3] = {planes[0].data(), planes[1].data(), planes[2].data()};
+                path.load_ycocg8(rgb.data(), texels, images, background, to);
+                return planes;
+            };
+            const Planes a = load(kernels_scalar);
+            for (const Kernels* path : vector_paths())
+                ASSERT_EQ(a, load(*path)) << path->name << " " << texels << " " << images;
+            kernels_scalar.store_ycocg8({{a[0].data(), a[1].data(), a[2].data()}, {100, -3, 17}},
+                                        texels, images, back.data());
+            ASSERT_EQ(rgb, back) << texels << " " << images;
+        }
+}
+
 // The search's own transform: the kept frequencies, in the order that forward_order says.
 TEST_F(KernelPaths, ForwardImagesAreEqualAndRight) {
     Random random(14);
@@ -424,6 +452,35 @@ TEST_F(KernelPaths, CodingCostsAreEqual) {
         for (const float value : x)
             energy += std::pow(static_cast<double>(value) * 0.37, 2);
         ASSERT_NEAR(a.energy / energy, 1, 1e-4) << count;
+    }
+}
+
+TEST_F(KernelPaths, MomentsAreEqual) {
+    Random random(21);
+    for (int count = 1; count <= 40; ++count) {
+        const auto x = random_floats(random, 4 * count, 300);
+        const auto places = static_cast<std::size_t>(count);
+        std::vector<float> sums(places, 1), squares(places, 2), a = sums, b = squares;
+        search_kernels_scalar.add_quads(x.data(), count, sums.data(), squares.data());
+        search_kernels_avx2.add_quads(x.data(), count, a.data(), b.data());
+        ASSERT_EQ(std::memcmp(a.data(), sums.data(), places * sizeof(float)), 0) << count;
+        ASSERT_EQ(std::memcmp(b.data(), squares.data(), places * sizeof(float)), 0) << count;
+        for (std::size_t i = 0; i < places; ++i) { // each as a row of its own
+            float sum = 1, square = 2;
+            search_kernels_scalar.add_row(x.data() + 4 * i, 4, &sum, &square);
+            ASSERT_EQ(sum, sums[i]) << count;
+            ASSERT_EQ(square, squares[i]) << count;
+        }
+        const int n = 4 * count - count % 4; // not only whole runs
+        float sum = 0, square = 0, other_sum = 0, other_square = 0;
+        search_kernels_scalar.add_row(x.data(), n, &sum, &square);
+        search_kernels_avx2.add_row(x.data(), n, &other_sum, &other_square);
+        ASSERT_EQ(sum, other_sum) << n;
+        ASSERT_EQ(square, other_square) << n;
+        double right = 0;
+        for (int i = 0; i < n; ++i)
+            right += std::pow(static_cast<double>(x[static_cast<std::size_t>(i)]), 2);
+        ASSERT_NEAR(square / right, 1, 1e-5) << n;
     }
 }
 

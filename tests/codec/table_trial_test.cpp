@@ -33,7 +33,7 @@ double excess(bool dense_tables, double quality) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.effort = test::quick_effort; // noise has nothing that a longer search would find
-    options.tools = dense_tables ? "+dense-tables" : "-dense-tables";
+    options.tools = dense_tables ? "+dependent,+dense-tables" : "+dependent,-dense-tables";
     test::Bytes file;
     const auto report = encode_memory(texture, file, options);
     EXPECT_TRUE(report) << report.status().message();

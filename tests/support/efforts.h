@@ -4,7 +4,7 @@
 
 namespace tessera::test {
 
-constexpr int quick_effort = 1;  // every tool but copies, trials and refinement
+constexpr int quick_effort = 1;  // every tool but copies, trials, refinement and the trellis
 constexpr int copies_effort = 2; // copies, smoothed or not, and the filter, too
 
 } // namespace tessera::test

@@ -5,6 +5,7 @@
 #include "tools/support/standard_streams.h"
 
 #include <cstring>
+#include <mutex>
 
 namespace tessera {
 namespace {
@@ -20,15 +21,75 @@ std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_
     return ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
 }
 
+// All views of the places that tiles read one after the other: a pread for every place of every tile
+// would take a sixth of the fastest encode. Thread-safe.
+class RecentPlaces {
+public:
+    RecentPlaces(ByteSource& file, const TextureDesc& desc) : file_(file), desc_(desc) {}
+
+    struct Places {
+        Box4 box; // all views
+        std::vector<std::byte> texels;
+    };
+    // nullptr where a few texels had better be read alone: places that are asked for now and then.
+    Result<std::shared_ptr<const Places>> find(const Box4& box) {
+        const Box4 wanted = all_views(box);
+        const std::lock_guard lock(mutex_);
+        if (kept_ != nullptr && kept_->box == wanted)
+            return kept_;
+        asked_ = wanted == latest_ ? asked_ + 1 : 1;
+        latest_ = wanted;
+        if (asked_ < worth_keeping || desc_.box_bytes(wanted) > most_bytes)
+            return std::shared_ptr<const Places>();
+        kept_ = nullptr;
+        auto places = std::make_shared<Places>();
+        places->box = wanted;
+        places->texels.resize(desc_.box_bytes(wanted));
+        const std::size_t run = places->texels.size() / wanted.extent()[axis_v];
+        for (std::uint32_t v = wanted.begin[axis_v]; v < wanted.end[axis_v]; ++v)
+            TESSERA_TRY(file_.read(
+                file_offset(desc_, wanted.begin[axis_u], v, 0, 0),
+                std::span(places->texels).subspan((v - wanted.begin[axis_v]) * run, run)));
+        kept_ = std::move(places);
+        return kept_;
+    }
+
+private:
+    static constexpr int worth_keeping = 3; // times in a row
+    static constexpr std::uint64_t most_bytes = 4u << 20;
+
+    Box4 all_views(Box4 box) const {
+        for (const Axis axis : {axis_s, axis_t}) {
+            box.begin[axis] = 0;
+            box.end[axis] = desc_.size[axis];
+        }
+        return box;
+    }
+
+    ByteSource& file_;
+    const TextureDesc& desc_;
+    std::mutex mutex_;
+    std::shared_ptr<const Places> kept_;
+    Box4 latest_{};
+    int asked_ = 0;
+};
+
 class RawSource : public TexelSource {
 public:
     RawSource(std::unique_ptr<ByteSource> file, const TextureDesc& desc)
-        : file_(std::move(file)), desc_(desc) {}
+        : file_(std::move(file)), desc_(desc), recent_(*file_, desc_) {}
 
     const TextureDesc& desc() const override { return desc_; }
 
     Status read(const Box4& box, std::span<std::byte> out) override {
         TESSERA_TRY(check_box(desc_, box, out.size()));
+        if (!spans(box, desc_.size, axis_s, axis_t)) {
+            TESSERA_TRY_ASSIGN(const auto places, recent_.find(box));
+            if (places != nullptr) {
+                copy_box(box, places->box, places->texels, box, out, desc_.texel_bytes());
+                return {};
+            }
+        }
         const Extent4 e = box.extent();
         const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
         const std::uint32_t step = angular_whole ? e[axis_u] : 1; // places per read
@@ -69,6 +130,7 @@ private:
 
     std::unique_ptr<ByteSource> file_;
     TextureDesc desc_;
+    RecentPlaces recent_;
 };
 
 class RawSink : public TexelSink {
