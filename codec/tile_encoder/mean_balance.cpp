@@ -12,8 +12,6 @@ namespace {
 
 // Of a block's mean, in steps of its first coefficient.
 constexpr double most_asked = 0.5;
-// How many times its share a block is asked for, as most have no level near enough to change.
-constexpr double gain = 8;
 
 // What a small change of the channels is in planes.
 Means planes_of(const Means& c, ColourTransform transform) {
@@ -56,9 +54,9 @@ Means MeanMeter::error(const TileTexels& tile, const TilePlanes& decoded) {
     return means;
 }
 
-MeanDebt::MeanDebt(const Means& error, int texels, const TileCoding& coding,
+MeanDebt::MeanDebt(const Means& error, int texels, double gain, const TileCoding& coding,
                    const ColourCoding& colour)
-    : coding_(coding), unit_(1 << value_bits(colour.desc.type)), left_(texels),
+    : coding_(coding), gain_(gain), unit_(1 << value_bits(colour.desc.type)), left_(texels),
       sum_(planes_of(error, colour.transform)) {
     for (double& sum : sum_)
         sum *= -left_;
@@ -70,7 +68,7 @@ void MeanDebt::ask_of(BlockCoefficients& block) const {
     for (std::size_t plane = 0; plane < static_cast<std::size_t>(coding_.planes); ++plane) {
         const double most = most_asked * coding_.parameters.step[plane].value();
         block.plane[plane][0] +=
-            static_cast<float>(std::clamp(gain * sum_[plane] / left_ * scale, -most, most));
+            static_cast<float>(std::clamp(gain_ * sum_[plane] / left_ * scale, -most, most));
     }
 }
 

@@ -41,8 +41,10 @@ private:
 // What the planes of a tile have yet to change by, while its blocks are coded again one after the other.
 class MeanDebt {
 public:
-    // error: of the channels, before.
-    MeanDebt(const Means& error, int texels, const TileCoding& coding, const ColourCoding& colour);
+    // error: of the channels, before. gain: how many times its share a block is asked for, as many have
+    // no level near enough.
+    MeanDebt(const Means& error, int texels, double gain, const TileCoding& coding,
+             const ColourCoding& colour);
 
     // Moves what a block's levels aim at.
     void ask_of(BlockCoefficients& block) const;
@@ -51,6 +53,7 @@ public:
 
 private:
     const TileCoding& coding_;
+    double gain_;
     double unit_;     // values in a code
     double left_ = 0; // texels of blocks yet to come
     Means sum_{};     // over all of these

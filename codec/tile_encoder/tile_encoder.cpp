@@ -5,6 +5,7 @@
 #include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 
@@ -19,7 +20,8 @@ constexpr int smallest_to_split = 8;     // side of a block, as the search goes 
 
 constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings nothing
 
-constexpr int balances = 2;             // rounds of coding a tile again
+// Rounds of coding a tile again. What costs less comes first.
+constexpr std::array<double, 2> balancing_gains = {2, 8};
 constexpr double balanced_mean = 0.015; // codes by which no channel matters
 
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
@@ -387,11 +389,13 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
 void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     reconstruct(out, *coding_, scratch_, decoded_);
     Means error = meter_.error(tile, decoded_);
-    for (int round = 0; round < balances && largest_of(error) > balanced_mean; ++round) {
-        encode_again(out, {error, out.shape.texels(), *coding_, *colour_}, copies_);
+    for (const double gain : balancing_gains) {
+        if (largest_of(error) <= balanced_mean)
+            return;
+        encode_again(out, {error, out.shape.texels(), gain, *coding_, *colour_}, copies_);
         const Means changed = meter_.error(tile, balanced_);
         if (largest_of(changed) >= largest_of(error))
-            break; // one level of a block is too much
+            continue; // one level of a block is too much, or too little was asked for
         error = changed;
         std::swap(out, copies_);
         std::swap(decoded_, balanced_);

@@ -1,9 +1,9 @@
 // The mean of a decoded texture is that of its texels.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "codec/tile_encoder/mean_balance.h"
 #include "format/samples.h"
 #include "format/tile/dequantizer.h"
-#include "codec/tile_encoder/mean_balance.h"
 #include "tests/support/layered_files.h"
 
 #include <cmath>
@@ -63,7 +63,7 @@ TEST(MeanBalance, DebtsArePaidOnce) {
         debt.ask_of(block);
         return block.plane[0][0] / 4; // of the mean
     };
-    MeanDebt debt({-3.0 / 8}, 32, coding, colour);
+    MeanDebt debt({-3.0 / 8}, 32, 8, coding, colour);
     EXPECT_FLOAT_EQ(asked_by(debt), 3) << "eight times its share";
     TilePlanes before, after;
     before.shape = after.shape = block.shape;
@@ -71,7 +71,7 @@ TEST(MeanBalance, DebtsArePaidOnce) {
     after.plane[0].assign(16, 8); // half a code: 8 of the 12 that 32 texels lack
     debt.count({{0, 0, 0, 0}, block.shape}, before, after);
     EXPECT_FLOAT_EQ(asked_by(debt), 2) << "eight times a quarter of a code";
-    const MeanDebt large({-100}, 16, coding, colour);
+    const MeanDebt large({-100}, 16, 8, coding, colour);
     EXPECT_FLOAT_EQ(asked_by(large), 8) << "half a step of the first coefficient";
 }
 
