@@ -17,8 +17,8 @@ namespace tessera {
 
 namespace {
 
-constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'I', 'L'};
-constexpr char record_magic[] = {'T', 'I', 'L', '2'};
+constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'L', '2'}; // 2: sums of levels
+constexpr char record_magic[] = {'T', 'I', 'L', 'E'};
 constexpr std::size_t record_header = 44;
 constexpr std::size_t summed_header = 40;
 // A tile has at most 65,536 texels of four channels; no coding makes them twenty times larger.

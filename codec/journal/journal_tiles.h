@@ -1,6 +1,6 @@
 // Payloads of one pass in a file: one record a tile, appended as tiles are finished.
 //
-// File: 8 bytes "TESSJTIL", 4 bytes length L, L bytes that say what pass this is, CRC32C of all
+// File: 8 bytes "TESSJTL2", 4 bytes length L, L bytes that say what pass this is, CRC32C of all
 // before. Then records, little-endian: "TILE", payload length (4), tile (8), squared error (8),
 // texel CRC (4), largest error (4), NaNs (4), infinities (4), CRC32C of these 40 bytes and of the
 // payload (4), payload. Nothing is ever rewritten, so a kill leaves whole records and at most a torn

@@ -1,6 +1,7 @@
 // Which tiles the encoder cuts a texture into when nobody says.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "codec/pass/steps.h"
 #include "codec/trials/tile_choice.h"
 #include "codec/trials/tile_shapes.h"
 #include "format/levels.h"
@@ -189,6 +190,35 @@ TEST(TileChoice, SmallTexturesNeedNoTrial) {
     EXPECT_EQ(*tile, usual);
     MemoryTexture texture = blurred_views({64, 32, 8, 8});
     EXPECT_EQ(tile_of_file(texture), usual);
+}
+
+// Short cuts of quick efforts: only counting gives what a pass counts, and estimates are near what it
+// costs, whatever the threads.
+TEST(QuickSamples, CountAndEstimateWhatAPassDoes) {
+    MemoryTexture texture = moving_balls({48, 48, 8, 8});
+    EncodeOptions options;
+    options.effort = quick_effort;
+    EncodePlan plan{texture,
+                    options,
+                    TileGrid(texture.desc().size, {16, 16, 8, 8}),
+                    {texture.desc(), ColourTransform::ycocg_r},
+                    EffortSettings::of(quick_effort)};
+    const auto sample = read_sample(plan, 4);
+    ASSERT_TRUE(sample) << sample.status().message();
+    const CodingParameters parameters =
+        coding_parameters(step_of_quality(60, SampleType::unorm8), plan);
+    const auto pass = run_pass(plan, parameters, *sample);
+    ASSERT_TRUE(pass) << pass.status().message();
+    for (const unsigned threads : {1u, 3u}) {
+        options.threads = threads;
+        const auto counts = count_symbols(plan, parameters, *sample);
+        ASSERT_TRUE(counts) << counts.status().message();
+        EXPECT_EQ(counts->stops, pass->totals.statistics.stops);
+        EXPECT_EQ(counts->goes, pass->totals.statistics.goes);
+        const auto estimate = estimated_cost(plan, parameters, *sample);
+        ASSERT_TRUE(estimate) << estimate.status().message();
+        EXPECT_NEAR(*estimate / lagrangian_cost(plan, *pass), 1, 0.3);
+    }
 }
 
 } // namespace
