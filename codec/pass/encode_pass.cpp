@@ -385,7 +385,6 @@ std::uint64_t Sample::texels_that_matter() const {
 }
 
 Result<Sample> read_sample(const EncodePlan& plan) {
-    // Where tables are fitted to all tiles in the end, half of it does.
     const std::uint64_t share = plan.effort.quick && plan.effort.recode ? 16 : 8;
     return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / share, 4, 128));
 }

@@ -82,8 +82,8 @@ inline Status about_texels(const EncodePlan& plan, const Status& status) {
 // Slabs of the whole texture that plan.options.slab_bytes allows.
 Result<std::vector<Slab>> slabs_of(const EncodePlan& plan);
 
-// Reads a spread of the tiles: about an eighth of them, at a quick effort a sixteenth, between 4 and
-// 128; or as many as `wanted`.
+// Reads a spread of the tiles: about an eighth of them, or a sixteenth where tables are all that a
+// sample is for and are fitted again in the end, between 4 and 128; or as many as `wanted`.
 Result<Sample> read_sample(const EncodePlan& plan);
 Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted);
 

@@ -33,8 +33,12 @@ TEST(LevelsSum, TellsEveryChangeApart) {
         [](CodedThing& x) { x.levels.splits[2] = 1; },
         [](CodedThing& x) { x.levels.colours[1] = 0; },
         [](CodedThing& x) { x.levels.predictions[1].from = CopyFrom::along_t; },
-        [](CodedThing& x) { x.levels.predictions[1].displacement = {2, -1}; },
-        [](CodedThing& x) { x.levels.predictions[1].displacement = {1, 2}; },
+        [](CodedThing& x) {
+            x.levels.predictions[1].displacement = {2, -1};
+        },
+        [](CodedThing& x) {
+            x.levels.predictions[1].displacement = {1, 2};
+        },
         [](CodedThing& x) { x.levels.planes[1].coded_length = 10; },
         [](CodedThing& x) { x.levels.planes[0].count = 2; },
         [](CodedThing& x) { x.levels.nonzeros[1].level = 1; },
