@@ -6,6 +6,7 @@
 
 #include <cstring>
 #include <mutex>
+#include <shared_mutex>
 
 namespace tessera {
 namespace {
@@ -27,31 +28,34 @@ class RecentPlaces {
 public:
     RecentPlaces(ByteSource& file, const TextureDesc& desc) : file_(file), desc_(desc) {}
 
-    struct Places {
-        Box4 box; // all views
-        std::vector<std::byte> texels;
-    };
-    // nullptr where a few texels had better be read alone: places that are asked for now and then.
-    Result<std::shared_ptr<const Places>> find(const Box4& box) {
+    // False where a few texels had better be read alone: places that are asked for now and then.
+    Result<bool> read(const Box4& box, std::span<std::byte> out) {
         const Box4 wanted = all_views(box);
+        const auto copy = [&] {
+            copy_box(box, kept_, texels_, box, out, desc_.texel_bytes());
+            return true;
+        };
+        {
+            const std::shared_lock lock(mutex_);
+            if (kept_ == wanted)
+                return copy();
+        }
         const std::lock_guard lock(mutex_);
-        if (kept_ != nullptr && kept_->box == wanted)
-            return kept_;
+        if (kept_ == wanted) // since then
+            return copy();
         asked_ = wanted == latest_ ? asked_ + 1 : 1;
         latest_ = wanted;
         if (asked_ < worth_keeping || desc_.box_bytes(wanted) > most_bytes)
-            return std::shared_ptr<const Places>();
-        kept_ = nullptr;
-        auto places = std::make_shared<Places>();
-        places->box = wanted;
-        places->texels.resize(desc_.box_bytes(wanted));
-        const std::size_t run = places->texels.size() / wanted.extent()[axis_v];
+            return false;
+        kept_ = {};
+        texels_.resize(desc_.box_bytes(wanted));
+        const std::size_t run = texels_.size() / wanted.extent()[axis_v];
         for (std::uint32_t v = wanted.begin[axis_v]; v < wanted.end[axis_v]; ++v)
-            TESSERA_TRY(file_.read(
-                file_offset(desc_, wanted.begin[axis_u], v, 0, 0),
-                std::span(places->texels).subspan((v - wanted.begin[axis_v]) * run, run)));
-        kept_ = std::move(places);
-        return kept_;
+            TESSERA_TRY(
+                file_.read(file_offset(desc_, wanted.begin[axis_u], v, 0, 0),
+                           std::span(texels_).subspan((v - wanted.begin[axis_v]) * run, run)));
+        kept_ = wanted;
+        return copy();
     }
 
 private:
@@ -68,8 +72,9 @@ private:
 
     ByteSource& file_;
     const TextureDesc& desc_;
-    std::mutex mutex_;
-    std::shared_ptr<const Places> kept_;
+    std::shared_mutex mutex_;
+    Box4 kept_{}; // of texels_; empty: nothing
+    std::vector<std::byte> texels_;
     Box4 latest_{};
     int asked_ = 0;
 };
@@ -84,11 +89,9 @@ public:
     Status read(const Box4& box, std::span<std::byte> out) override {
         TESSERA_TRY(check_box(desc_, box, out.size()));
         if (!spans(box, desc_.size, axis_s, axis_t)) {
-            TESSERA_TRY_ASSIGN(const auto places, recent_.find(box));
-            if (places != nullptr) {
-                copy_box(box, places->box, places->texels, box, out, desc_.texel_bytes());
+            TESSERA_TRY_ASSIGN(const bool done, recent_.read(box, out));
+            if (done)
                 return {};
-            }
         }
         const Extent4 e = box.extent();
         const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
