@@ -129,8 +129,8 @@ void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int 
                 const __m256i bits = _mm256_cvtepu8_epi32(
                     _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.whole + x)));
                 const __m256i mask = _mm256_cmpeq_epi32(_mm256_and_si256(bits, bit), bit);
-                whole = _mm256_add_epi32(
-                    whole, _mm256_and_si256(mask, _mm256_set1_epi32(clamped(in[k]))));
+                whole = _mm256_add_epi32(whole,
+                                         _mm256_and_si256(mask, _mm256_set1_epi32(clamped(in[k]))));
             }
             _mm256_maskstore_epi32(out + x, lane_mask(n - x), combine_lanes(h, l, whole));
         }
@@ -172,7 +172,8 @@ __m256i rounded(__m256i x, int shift) {
 }
 
 void round_rows_avx2(const std::int32_t* in, int shift, const RowsTarget& to) {
-    put_vectors(to, [&](int r, int i, auto load) { return rounded(load(in + r * to.n + i), shift); });
+    put_vectors(to,
+                [&](int r, int i, auto load) { return rounded(load(in + r * to.n + i), shift); });
 }
 
 __m256i sum_of(__m256i a, __m256i b) {
@@ -182,7 +183,8 @@ __m256i sum_of(__m256i a, __m256i b) {
 // The filters of copy_weights, their common factors left out.
 void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const RowsTarget& to) {
     const auto put = [&](auto value) {
-        put_vectors(to, [&](int r, int i, auto load) { return value(from + r * stride + i, load); });
+        put_vectors(to,
+                    [&](int r, int i, auto load) { return value(from + r * stride + i, load); });
     };
     const auto pair = [](const std::int32_t* at, int step, auto load) {
         return sum_of(load(at), load(at + step));
@@ -200,13 +202,15 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
     case 0:
         return put([](const std::int32_t* at, auto load) { return load(at); });
     case 1:
-        return put([&](const std::int32_t* at, auto load) { return rounded(pair(at, 1, load), 1); });
+        return put(
+            [&](const std::int32_t* at, auto load) { return rounded(pair(at, 1, load), 1); });
     case 2:
         return put(
             [&](const std::int32_t* at, auto load) { return rounded(pair(at, stride, load), 1); });
     case 4:
         return put([&](const std::int32_t* at, auto load) {
-            const __m256i beside = sum_of(pair(at - 1, 2, load), pair(at - stride, 2 * stride, load));
+            const __m256i beside =
+                sum_of(pair(at - 1, 2, load), pair(at - stride, 2 * stride, load));
             return rounded(sum_of(_mm256_slli_epi32(load(at), 2), beside), 3);
         });
     case 5:
@@ -392,12 +396,14 @@ void filter_row_avx2(const std::int16_t* centre, const std::int16_t* const* from
         const __m256i second =
             _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_extracti128_si256(own, 1)),
                              _mm256_permute2x128_si256(low, high, 0x31));
-        alignas(32) std::int32_t rest[16];
-        std::int32_t* to = n - u >= 16 ? out + u : rest;
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), first);
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 8), second);
-        for (int i = 0; to == rest && i < n - u; ++i)
-            out[u + i] = rest[i];
+        if (n - u >= 16) {
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + u), first);
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + u + lanes), second);
+            continue;
+        }
+        _mm256_maskstore_epi32(out + u, lane_mask(n - u), first);
+        if (n - u > lanes)
+            _mm256_maskstore_epi32(out + u + lanes, lane_mask(n - u - lanes), second);
     }
 }
 

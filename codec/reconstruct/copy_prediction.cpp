@@ -57,9 +57,9 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
             const int half_v = steps * prediction.displacement.v;
             const int filter = copy_filter(smooth, half_u, half_v);
             const int before = smooth ? 1 : 0, after = filter != 0 ? 1 : 0; // what it reads
-            const Rows from = view.part(block.origin[0] + (half_u >> 1) - before,
-                                        block.origin[1] + (half_v >> 1) - before,
-                                        before + n[0] + after, before + n[1] + after, buffer.data());
+            const Rows from = view.part(
+                block.origin[0] + (half_u >> 1) - before, block.origin[1] + (half_v >> 1) - before,
+                before + n[0] + after, before + n[1] + after, buffer.data());
             kernels().copy_rows(from.first + before * (from.stride + 1), from.stride, filter,
                                 target(s, t));
         }
@@ -86,9 +86,12 @@ public:
         if (near)
             filter_along_u(u, du, first, last);
         for (int i = 0; i < count; ++i) {
-            if (!near)
-                filter_along_u(u, du, first = row_of(v_of(i)), first);
-            const std::int32_t* from = filtered_.get() + (row_of(v_of(i)) - first) * nu_;
+            const int row = row_of(v_of(i));
+            if (!near) {
+                first = row;
+                filter_along_u(u, du, row, row);
+            }
+            const std::int32_t* from = filtered_.get() + (row - first) * nu_;
             kernels().six_taps(from, nu_, nu_, weights(v_of(i)), base_second_shift, target(i));
         }
     }
@@ -106,9 +109,7 @@ private:
     int first_row() const { return -(nv_ + taps_around); }
     int last_row() const { return view_.height + taps_around; }
     int row_of(int eighths) const { return std::clamp(eighths >> 3, first_row(), last_row()); }
-    int most_rows(int nv) const {
-        return view_.height + 2 * taps_around + nv + nv + taps_around;
-    }
+    int most_rows(int nv) const { return view_.height + 2 * taps_around + nv + nv + taps_around; }
 
     // What copies from row `first` to those from row `last` on need, each row once; beyond the edges they
     // repeat.
@@ -171,8 +172,8 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
     const auto& n = block.shape.n;
     out.resize(static_cast<std::size_t>(block.shape.texels()));
     copy_block(block, prediction, coding, decoded, plane, [&](int s, int t) {
-        return RowsTarget{out.data() + (t * n[2] + s) * n[1] * n[0], n[0],  n[1],
-                          n[0],                                      false, no_limit};
+        return RowsTarget{
+            out.data() + (t * n[2] + s) * n[1] * n[0], n[0], n[1], n[0], false, no_limit};
     });
 }
 

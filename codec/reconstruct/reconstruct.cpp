@@ -90,9 +90,9 @@ void store_block(const Block& block, const std::int32_t* values, int shift, std:
     const auto& n = block.shape.n;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s, values += n[0] * n[1])
-            kernels().round_rows(values, shift,
-                                 {plane.data() + row_start(block, tile, s, t), tile.n[0], n[1], n[0],
-                                  false, limit});
+            kernels().round_rows(
+                values, shift,
+                {plane.data() + row_start(block, tile, s, t), tile.n[0], n[1], n[0], false, limit});
 }
 
 void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,

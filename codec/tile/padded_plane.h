@@ -49,19 +49,19 @@ public:
                 row.view = t * ns + s;
                 const Value* const centre = at(row.view, 0);
                 std::array<const Value*, filter_taps> from;
-                std::array<const std::uint8_t*, filter_taps> zero;
+                std::array<std::uint8_t, max_tile_side> all_zero;
+                std::copy_n(zeros_of(row.view), nv, all_zero.begin());
                 for (std::size_t i = 0; i < filter_taps; ++i) {
                     const FilterOffset& o = filter_offsets[i / 4][i % 4];
                     const int view =
                         std::clamp(t + o.t, 0, nt - 1) * ns + std::clamp(s + o.s, 0, ns - 1);
                     from[i] = at(view, o.v) + o.u;
-                    zero[i] = zeros_of(view) + o.v;
+                    const std::uint8_t* zero = zeros_of(view) + o.v;
+                    for (int v = 0; v < nv; ++v)
+                        all_zero[static_cast<std::size_t>(v)] &= zero[v];
                 }
                 for (int v = 0; v < nv; ++v) {
-                    unsigned all_zero = zeros_of(row.view)[v];
-                    for (std::size_t i = 0; i < filter_taps; ++i)
-                        all_zero &= zero[i][v];
-                    if (all_zero != 0)
+                    if (all_zero[static_cast<std::size_t>(v)] != 0)
                         continue;
                     row.v = v;
                     row.centre = centre + v * stride_;

@@ -6,14 +6,22 @@
 namespace tessera {
 namespace {
 
-// Sum over the axes of weight * k / n in 1/64 of a halving of variance; floor of an exact quotient
-// per axis, so that every implementation sorts alike.
-std::uint32_t scan_cost(const ScanEntry& e, const BlockShape& shape, const ScanWeights& weights) {
-    std::uint32_t cost = 0;
-    for (int axis = 0; axis < 4; ++axis)
-        cost += std::uint32_t{weights[axis]} * e.k[axis] * 8u / shape.n[axis];
-    return cost;
-}
+// The cost of each frequency along each axis: weight * k / n in 1/64 of a halving of variance; floor of an
+// exact quotient per axis, so that every implementation sorts alike. An entry's cost is their sum.
+class ScanCosts {
+public:
+    ScanCosts(const BlockShape& shape, const ScanWeights& weights) {
+        for (std::size_t axis = 0; axis < 4; ++axis)
+            for (std::uint32_t k = 0; k < max_frequencies; ++k)
+                cost_[axis][k] = std::uint32_t{weights[axis]} * k * 8u / shape.n[axis];
+    }
+    std::uint32_t of(const ScanEntry& e) const {
+        return cost_[0][e.k[0]] + cost_[1][e.k[1]] + cost_[2][e.k[2]] + cost_[3][e.k[3]];
+    }
+
+private:
+    std::array<std::array<std::uint32_t, max_frequencies>, 4> cost_;
+};
 
 std::uint8_t position_class_of(std::uint32_t cost) {
     return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
@@ -21,28 +29,35 @@ std::uint8_t position_class_of(std::uint32_t cost) {
 
 // Neighbours before each entry, and what contexts need of them.
 void find_neighbours(ScanOrder& order) {
+    // Ranks of the entries by frequency, with a border of one all around.
     constexpr std::uint16_t unknown = 0xFFFF;
-    const auto& n = order.shape.n;
-    const auto raster = [&n](const std::array<int, 4>& k) {
-        return static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0]);
-    };
-    std::vector<std::uint16_t> rank(static_cast<std::size_t>(order.shape.texels()), unknown);
-    for (std::size_t i = 0; i < order.entry.size(); ++i) {
-        const auto& k = order.entry[i].k;
-        rank[raster({k[0], k[1], k[2], k[3]})] = static_cast<std::uint16_t>(i);
+    std::array<int, 4> stride;
+    int cells = 1;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+        stride[axis] = cells;
+        cells *= order.support.back()[axis] + 2;
     }
+    std::vector<std::uint16_t> rank(static_cast<std::size_t>(cells), unknown);
+    const auto place = [&stride](const auto& k) {
+        int at = 0;
+        for (std::size_t axis = 0; axis < 4; ++axis)
+            at += k[axis] * stride[axis];
+        return at;
+    };
+    const int origin = place(std::array<int, 4>{1, 1, 1, 1});
+    for (std::size_t i = 0; i < order.entry.size(); ++i)
+        rank[static_cast<std::size_t>(origin + place(order.entry[i].k))] =
+            static_cast<std::uint16_t>(i);
+    std::array<int, scan_neighbours> step;
+    for (std::size_t j = 0; j < scan_neighbours; ++j)
+        step[j] = place(neighbour_steps[j]);
     order.neighbours.resize(order.entry.size());
     order.context.resize(order.entry.size());
     for (std::size_t i = 0; i < order.entry.size(); ++i) {
+        const int at = origin + place(order.entry[i].k);
         unsigned weight = 0;
         for (std::size_t j = 0; j < scan_neighbours; ++j) {
-            std::array<int, 4> k;
-            bool inside = true;
-            for (std::size_t axis = 0; axis < 4; ++axis) {
-                k[axis] = order.entry[i].k[axis] - neighbour_steps[j][axis];
-                inside = inside && k[axis] >= 0 && k[axis] < n[axis];
-            }
-            const std::uint16_t found = inside ? rank[raster(k)] : unknown;
+            const std::uint16_t found = rank[static_cast<std::size_t>(at - step[j])];
             const bool earlier = found < i;
             order.neighbours[i][j] = earlier ? found : static_cast<std::uint16_t>(i);
             weight += earlier ? (j < double_neighbours ? 2u : 1u) : 0u;
@@ -60,6 +75,7 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
     std::array<int, 4> coded;
     for (std::size_t axis = 0; axis < 4; ++axis)
         coded[axis] = std::min<int>(shape.n[axis], max_frequencies);
+    const ScanCosts costs_of(shape, weights);
     const auto for_each_frequency = [&](auto&& visit) {
         for (int t = 0; t < coded[3]; ++t)
             for (int s = 0; s < coded[2]; ++s)
@@ -68,7 +84,7 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
                         const ScanEntry entry{
                             {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
                              static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
-                        visit(entry, scan_cost(entry, shape, weights));
+                        visit(entry, costs_of.of(entry));
                     }
     };
     // Costs are small: sorted by counting, which keeps the raster order among equals.
@@ -76,7 +92,7 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
     const ScanEntry last{
         {static_cast<std::uint8_t>(coded[0] - 1), static_cast<std::uint8_t>(coded[1] - 1),
          static_cast<std::uint8_t>(coded[2] - 1), static_cast<std::uint8_t>(coded[3] - 1)}};
-    std::vector<std::uint32_t> place(scan_cost(last, shape, weights) + 2);
+    std::vector<std::uint32_t> place(costs_of.of(last) + 2);
     for_each_frequency([&](const ScanEntry&, std::uint32_t cost) { ++place[cost + 1]; });
     std::partial_sum(place.begin(), place.end(), place.begin());
     std::vector<ScanEntry> sorted(place.back());

@@ -206,7 +206,8 @@ RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out) 
     out.resize(static_cast<std::size_t>((rows - 1) * stride + n));
     for (std::int32_t& x : out)
         x = random.range(-(1 << 18), (1 << 18) - 1);
-    return {out.data(), stride, rows, n, random.chance(0.5), random.chance(0.5) ? 1 << 14 : no_limit};
+    return {
+        out.data(), stride, rows, n, random.chance(0.5), random.chance(0.5) ? 1 << 14 : no_limit};
 }
 
 // What a target must hold where value(r, i) was put.
@@ -223,8 +224,7 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
 }
 
 // Runs a kernel on both paths against value(r, i).
-template <class Run, class Value>
-void expect_rows(Random& random, int n, Run run, Value value) {
+template <class Run, class Value> void expect_rows(Random& random, int n, Run run, Value value) {
     std::vector<std::int32_t> out;
     const RowsTarget to = random_target(random, n, out);
     const std::vector<std::int32_t> before = out, expected = expected_rows(to, out, value);
@@ -271,7 +271,9 @@ TEST_F(KernelPaths, CopiedPicturesAreEqual) {
             }
             expect_rows(
                 random, n,
-                [&](const Kernels& k, const RowsTarget& to) { k.copy_rows(from, stride, filter, to); },
+                [&](const Kernels& k, const RowsTarget& to) {
+                    k.copy_rows(from, stride, filter, to);
+                },
                 [&](int r, int i) { return sums[static_cast<std::size_t>(r * n + i)] >> shift; });
         }
 }

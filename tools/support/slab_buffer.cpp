@@ -2,7 +2,7 @@
 
 #include "format/texture.h"
 
-#include <exception>
+#include <sys/mman.h>
 
 namespace tessera {
 namespace {
@@ -15,6 +15,20 @@ std::uint64_t texel_index(const Box4& box, std::uint32_t u, std::uint32_t v, std
     return (place * e[axis_t] + (t - box.begin[axis_t])) * e[axis_s] + (s - box.begin[axis_s]);
 }
 
+constexpr std::size_t large_page = std::size_t{2} << 20;
+
+// Uninitialised; large slabs in large pages, where the system has them: 500 times fewer faults. Null
+// where memory is short.
+std::byte* allocate(std::size_t size) {
+    if (size < 2 * large_page)
+        return static_cast<std::byte*>(std::malloc(size));
+    const std::size_t whole_pages = (size + large_page - 1) / large_page * large_page;
+    void* memory = size <= whole_pages ? std::aligned_alloc(large_page, whole_pages) : nullptr;
+    if (memory != nullptr)
+        (void)madvise(memory, whole_pages, MADV_HUGEPAGE); // which may be unknown
+    return static_cast<std::byte*>(memory);
+}
+
 } // namespace
 
 Status SlabBuffer::reset(const TextureDesc& desc, const Box4& box) {
@@ -23,19 +37,24 @@ Status SlabBuffer::reset(const TextureDesc& desc, const Box4& box) {
                 "slab " + to_string(box) + " leaves the texture of " + to_string(desc.size)};
     desc_ = desc;
     box_ = box;
-    try {
-        bytes_.resize(desc.box_bytes(box));
-    } catch (const std::exception&) { // bad_alloc or length_error
+    size_ = desc.box_bytes(box);
+    if (size_ <= room_)
+        return {};
+    memory_.reset(); // before there is another
+    memory_.reset(allocate(size_));
+    room_ = size_;
+    if (memory_ == nullptr) {
+        const std::size_t wished = size_;
         clear();
-        return {ErrorCode::runtime,
-                "no memory for a slab of " + std::to_string(desc.box_bytes(box)) + " bytes"};
+        return {ErrorCode::runtime, "no memory for a slab of " + std::to_string(wished) + " bytes"};
     }
     return {};
 }
 
 void SlabBuffer::clear() {
     box_ = {};
-    bytes_ = {};
+    memory_.reset();
+    size_ = room_ = 0;
 }
 
 Status SlabBuffer::check(const Box4& box, std::size_t bytes) const {
@@ -47,18 +66,18 @@ Status SlabBuffer::check(const Box4& box, std::size_t bytes) const {
 
 Status SlabBuffer::copy_in(const Box4& box, std::span<const std::byte> texels) {
     TESSERA_TRY(check(box, texels.size()));
-    copy_box(box, box, texels, box_, bytes_, desc_.texel_bytes());
+    copy_box(box, box, texels, box_, bytes(), desc_.texel_bytes());
     return {};
 }
 
 Status SlabBuffer::copy_out(const Box4& box, std::span<std::byte> out) const {
     TESSERA_TRY(check(box, out.size()));
-    copy_box(box, box_, bytes_, box, out, desc_.texel_bytes());
+    copy_box(box, box_, {memory_.get(), size_}, box, out, desc_.texel_bytes());
     return {};
 }
 
 std::byte* SlabBuffer::texel(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t) {
-    return bytes_.data() + texel_index(box_, u, v, s, t) * desc_.texel_bytes();
+    return memory_.get() + texel_index(box_, u, v, s, t) * desc_.texel_bytes();
 }
 
 } // namespace tessera

@@ -6,8 +6,9 @@
 #include "format/texture.h"
 
 #include <cstddef>
+#include <cstdlib>
+#include <memory>
 #include <span>
-#include <vector>
 
 namespace tessera {
 
@@ -24,7 +25,7 @@ public:
     Status copy_out(const Box4& box, std::span<std::byte> out) const;
 
     const Box4& box() const { return box_; }
-    std::span<std::byte> bytes() { return bytes_; }
+    std::span<std::byte> bytes() { return {memory_.get(), size_}; }
     // First byte of a texel of the slab. No check.
     std::byte* texel(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t);
 
@@ -32,7 +33,12 @@ private:
     Status check(const Box4& box, std::size_t bytes) const;
     TextureDesc desc_;
     Box4 box_;
-    std::vector<std::byte> bytes_;
+    // Not filled before it is used: that would touch all of it once more, on one thread.
+    struct Free {
+        void operator()(std::byte* memory) const { std::free(memory); }
+    };
+    std::unique_ptr<std::byte, Free> memory_;
+    std::size_t size_ = 0, room_ = 0;
 };
 
 // Whether a slab spans the whole texture along two axes; the shape that a Locality asks for.
