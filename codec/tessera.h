@@ -236,7 +236,10 @@ typedef struct {
     tessera_cancelled_function cancelled; /* null: none */
     void* user;                           /* of both */
     int32_t journal;                      /* tessera_journal, of tessera_encode_to_path */
-    int32_t reserved;                     /* 0 */
+    /* 1: a TESSERA_PSNR that no quantiser reaches is met by a lossless file; 0 (the default): only
+     * where that is smaller than the finest quantiser's and the source is not slow, else the report
+     * has target_met 0. */
+    int32_t lossless_fallback;
     /* With a journal: what the texels come from, as names and values. A resume under others is
      * refused. */
     const tessera_key_value* source_facts;

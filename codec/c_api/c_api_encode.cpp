@@ -118,8 +118,6 @@ private:
     explicit Call(const tessera_encode_options& o) : watch_(o.progress, o.cancelled, o.user) {}
 
     Status fill(const tessera_encode_options& o) {
-        if (o.reserved != 0)
-            return bad("tessera_encode_options: reserved is not 0");
         TESSERA_TRY_ASSIGN(options_.rate.kind,
                            take_enum(o.rate_kind, RateTarget::Kind::max_error, "rate_kind"));
         options_.rate.value = o.rate_value;
@@ -128,6 +126,7 @@ private:
         std::copy_n(o.tile, 4, options_.tile_extent.begin());
         options_.verify = o.verify != 0;
         options_.strict = o.strict != 0;
+        options_.lossless_fallback = o.lossless_fallback != 0;
         options_.layers = o.layers != 0;
         options_.slab_bytes = o.memory_bytes;
         options_.tools = o.tools != nullptr ? o.tools : "";

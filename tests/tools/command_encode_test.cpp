@@ -93,6 +93,48 @@ TEST_F(EncodeVerb, KeepsItsPromises) {
     EXPECT_EQ(slurp(at("x.tess")), one);
 }
 
+// A baked texture, of which the finest quantiser's file is smaller than a lossless one, misses 90 dB; one of
+// few values is smaller lossless.
+TEST_F(EncodeVerb, TargetsBeyondEveryQuantiser) {
+    succeed("bake composed --size 16x8x4x4 --spp 1 -q -o a.rgb");
+    std::string plain(16 * 8 * 4 * 4 * 3, '\0');
+    for (std::size_t i = 0; i < plain.size(); i += 977)
+        plain[i] = '\xff';
+    spit(at("b.rgb"), plain);
+    const std::string how = " --size 16x8x4x4 --effort 0 --target-psnr 90 ",
+                      encode = "encode a.rgb -o x.tess" + how;
+    fail(6, encode + "-q", {"x.tess", "not 90.00", "--lossless-fallback"});
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "b.rgb", "x.tess"})); // no journal
+    succeed("validate -q x.tess");
+    const std::string missed = slurp(at("x.tess"));
+    for (const char* more : {"--resume", "--threads 1"}) {
+        EXPECT_EQ(run(encode + more).code, 6) << more;
+        EXPECT_EQ(slurp(at("x.tess")) == missed, true) << more;
+    }
+    EXPECT_EQ(json(encode + "--json")["target_met"], false);
+    EXPECT_EQ(run("encode a.rgb -q -o -" + how).out == missed, true);
+
+    spit(at("m.gray"), std::string(64, 'x') + std::string(64, '\0'));
+    for (const std::string more :
+         {"", "--resume", "--layers", "--mask m.gray --mask-size 16x8x1x1"}) {
+        const Json met = json(encode + "--lossless-fallback --json " + more);
+        EXPECT_EQ(met["lossless"], true) << more;
+        const std::string compare = "compare a.rgb x.tess --json ";
+        const bool masked = more.starts_with("--mask");
+        EXPECT_EQ(json(compare + (masked ? more : ""))["max_error"], 0) << more;
+    }
+    EXPECT_EQ(json("info x.tess --json")["metadata"]["tessera:rate"], "max-error 0");
+    const Json by_default = json("encode b.rgb -o x.tess --json" + how);
+    EXPECT_EQ(by_default["lossless"], true);
+    EXPECT_EQ(by_default["target_met"], true);
+
+    for (const char* rate : {"--target-bytes 2000", "--max-error 1", "--quality 90", ""})
+        fail(1, std::string("encode a.rgb --size 16x8x4x4 -o y.tess --lossless-fallback ") + rate,
+             {"--lossless-fallback", "--target-psnr"});
+    fail(1, "bake composed --size 16x8x4x4 --spp 1 -o y.rgb --lossless-fallback",
+         {"--lossless-fallback", ".tess"});
+}
+
 TEST_F(EncodeVerb, MasksSayWhichTexelsMatter) {
     succeed(small_scene + "-q -o a.rgb");
     std::string places(32 * 16, '\0');

@@ -63,8 +63,10 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
     rate->add_option("--quality", a.quality,
                      "1..100, 100 is the finest, 8 less doubles the quantiser's steps (default 75)")
         ->check(number_between(1, 100));
-    rate->add_option("--target-psnr", a.target_psnr,
-                     "PSNR in dB over all samples, reached from above")
+    rate->add_option(
+            "--target-psnr", a.target_psnr,
+            "PSNR in dB over all samples, reached from above; where no quantiser does, the "
+            "file is lossless if that is smaller, else exit code 6")
         ->check(number_between(1, 120));
     rate->add_option("--target-bpt", a.target_bpt,
                      "Bits per texel, all channels together, never exceeded")
@@ -195,7 +197,8 @@ std::string option_of_encoder(const EncodeArguments& a) {
     if (!given_rates(a).empty())
         return rate_option(a);
     for (const auto& [option, is_given] :
-         {std::pair("--effort", a.effort.has_value()), std::pair("--tools", !a.tools.empty()),
+         {std::pair("--lossless-fallback", a.lossless_fallback),
+          std::pair("--effort", a.effort.has_value()), std::pair("--tools", !a.tools.empty()),
           std::pair("--tile", !a.tile.empty()), std::pair("--layers", a.layers),
           std::pair("--no-verify", a.no_verify), std::pair("--strict", a.strict),
           std::pair("--resume", a.resume), std::pair("--meta", !a.metadata.empty())})
