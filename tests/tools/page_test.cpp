@@ -49,20 +49,34 @@ TEST(Page, HoldsWhatItIsGivenAndNothingElse) {
     PageContents contents;
     contents.title = "<b>&\"";
     contents.background = {1, 0.5, 0};
-    const std::string file = "the file", data = "the data";
-    contents.file = bytes_of(file);
+    // Longer than the pieces that it is passed on in.
+    const std::string file = "the file" + std::string(3 << 20, 'x'), data = "the data";
+    const auto source = wrap_memory(bytes_of(file));
+    contents.file = source.get();
     contents.view_data.assign(bytes_of(data).begin(), bytes_of(data).end());
-    const auto page = make_page(contents);
-    if (!page.ok()) { // built without a compiler for wasm
-        EXPECT_EQ(page.status().code(), ErrorCode::unsupported);
-        EXPECT_NE(page.status().message().find("clang-19"), std::string::npos);
+    std::string page;
+    std::size_t largest = 0;
+    const Status written = write_page(contents, [&](std::string_view piece) -> Status {
+        page += piece;
+        largest = std::max(largest, piece.size());
+        return {};
+    });
+    if (!written.ok()) { // built without a compiler for wasm
+        EXPECT_EQ(written.code(), ErrorCode::unsupported);
+        EXPECT_NE(written.message().find("clang-19"), std::string::npos);
+        EXPECT_EQ(page, "");
         return;
     }
-    for (const char* part :
-         {"<title>&lt;b&gt;&amp;&quot;</title>", "background: rgb(255,128,0)",
-          "id=\"file\">dGhlIGZpbGU=<", "id=\"data\">dGhlIGRhdGE=<", "id=\"kit\">H4sI"})
-        EXPECT_NE(page->find(part), page->npos) << part;
-    EXPECT_EQ(page->find("{{"), page->npos);
+    EXPECT_LT(largest, file.size() / 2);
+    EXPECT_NE(page.find("id=\"file\">" + base64(bytes_of(file)) + "<"), page.npos);
+    for (const char* part : {"<title>&lt;b&gt;&amp;&quot;</title>", "background: rgb(255,128,0)",
+                             "id=\"data\">dGhlIGRhdGE=<", "id=\"kit\">H4sI"})
+        EXPECT_NE(page.find(part), page.npos) << part;
+    EXPECT_EQ(page.find("{{"), page.npos);
+    // What its taker says ends it.
+    const Status stopped =
+        write_page(contents, [](std::string_view) { return Status(ErrorCode::io, "disk full"); });
+    EXPECT_EQ(stopped.message(), "disk full");
     // The budget of viewer and decoder.
     const auto server = make_server_page();
     ASSERT_TRUE(server.ok());

@@ -37,9 +37,23 @@ std::string css(const glm::dvec3& colour) {
     return text;
 }
 
-std::string script(const char* id, std::span<const std::byte> bytes) {
-    return std::string("<script type=\"text/plain\" id=\"") + id + "\">" + base64(bytes) +
-           "</script>\n";
+// A script that holds what `append_text` appends.
+template <class AppendText>
+Status append_script(const char* id, const PageSink& append, const AppendText& append_text) {
+    TESSERA_TRY(append(std::string("<script type=\"text/plain\" id=\"") + id + "\">"));
+    TESSERA_TRY(append_text());
+    return append("</script>\n");
+}
+
+Status append_base64(ByteSource& file, const PageSink& append) {
+    constexpr std::uint64_t most = 3ull << 18; // whole groups of three: pieces join
+    std::vector<std::byte> piece;
+    for (std::uint64_t at = 0; at < file.size(); at += piece.size()) {
+        piece.resize(static_cast<std::size_t>(std::min(most, file.size() - at)));
+        TESSERA_TRY(file.read(at, piece));
+        TESSERA_TRY(append(base64(piece)));
+    }
+    return {};
 }
 
 struct Kit {
@@ -73,46 +87,63 @@ Result<Kit> make_kit() {
     return kit;
 }
 
-// Puts values in the places of {{names}}.
-std::string filled(std::string_view page,
-                   const std::vector<std::pair<std::string_view, std::string>>& values) {
-    std::string out;
+// The page, with what put(name) appends in the places of {{names}}.
+template <class Put> Status fill(std::string_view page, const PageSink& append, const Put& put) {
     for (;;) {
         const std::size_t at = page.find("{{"), end = page.find("}}", at);
         if (end == page.npos)
-            return out + std::string(page);
-        out += page.substr(0, at);
-        const std::string_view name = page.substr(at + 2, end - at - 2);
-        for (const auto& [key, value] : values)
-            if (key == name)
-                out += value;
+            return append(page);
+        TESSERA_TRY(append(page.substr(0, at)));
+        TESSERA_TRY(put(page.substr(at + 2, end - at - 2)));
         page.remove_prefix(end + 2);
     }
 }
 
+using PageValues = std::vector<std::pair<std::string_view, std::string>>;
+
+Status append_value(const PageValues& values, std::string_view name, const PageSink& append) {
+    for (const auto& [key, value] : values)
+        if (key == name)
+            return append(value);
+    return {};
+}
+
 } // namespace
 
-Result<std::string> make_page(const PageContents& contents) {
+Status write_page(const PageContents& contents, const PageSink& append) {
     TESSERA_TRY_ASSIGN(const Kit kit, make_kit());
     const std::string poster =
         contents.poster.empty() ? "hidden"
                                 : "src=\"data:image/png;base64," + base64(contents.poster) + "\"";
-    return filled(kit.page,
-                  {{"title", html_text(contents.title)},
-                   {"background", css(contents.background)},
-                   {"poster", poster},
-                   {"inputs", script("data", contents.view_data) + script("file", contents.file)},
-                   {"kit", base64(kit.packed)},
-                   {"wasm", base64(kit.wasm)}});
+    const PageValues values = {{"title", html_text(contents.title)},
+                               {"background", css(contents.background)},
+                               {"poster", poster},
+                               {"kit", base64(kit.packed)},
+                               {"wasm", base64(kit.wasm)}};
+    return fill(kit.page, append, [&](std::string_view name) -> Status {
+        if (name != "inputs")
+            return append_value(values, name, append);
+        TESSERA_TRY(
+            append_script("data", append, [&] { return append(base64(contents.view_data)); }));
+        return append_script("file", append, [&] { return append_base64(*contents.file, append); });
+    });
 }
 
 Result<std::string> make_server_page() {
     TESSERA_TRY_ASSIGN(const Kit kit, make_kit());
-    return filled(kit.page, {{"title", "Tessera"},
-                             {"background", "#181818"},
-                             {"poster", "hidden"},
-                             {"kit", base64(kit.packed)},
-                             {"wasm", base64(kit.wasm)}});
+    const PageValues values = {{"title", "Tessera"},
+                               {"background", "#181818"},
+                               {"poster", "hidden"},
+                               {"kit", base64(kit.packed)},
+                               {"wasm", base64(kit.wasm)}};
+    std::string page;
+    const PageSink append = [&page](std::string_view piece) -> Status {
+        page += piece;
+        return {};
+    };
+    TESSERA_TRY(fill(kit.page, append,
+                     [&](std::string_view name) { return append_value(values, name, append); }));
+    return page;
 }
 
 } // namespace tessera

@@ -97,32 +97,41 @@ Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& 
     return to_png(to_picture(view, stage.desc.type));
 }
 
-Result<std::vector<std::byte>> whole_file(ByteSource& source) {
-    if (source.size() > most_file_bytes)
-        return too_large(source.name(), source.size());
-    std::vector<std::byte> bytes(static_cast<std::size_t>(source.size()));
-    TESSERA_TRY(source.read(0, bytes));
-    return bytes;
+// What is on a server comes whole, once: the page, and the colours and the mesh for it, read it twice.
+Result<std::unique_ptr<ByteSource>> open_for_page(const std::string& name,
+                                                  std::vector<std::byte>& fetched) {
+    TESSERA_TRY_ASSIGN(std::unique_ptr<ByteSource> source, open_tess_bytes(name, "view"));
+    if (source->size() > most_file_bytes)
+        return too_large(source->name(), source->size());
+    if (!is_url(name))
+        return source;
+    fetched.resize(static_cast<std::size_t>(source->size()));
+    TESSERA_TRY(source->read(0, fetched));
+    return wrap_memory(fetched);
 }
 
 Status write_page(const ViewCommand& a) {
     TESSERA_TRY(check_output_path(a.output));
-    TESSERA_TRY_ASSIGN(const auto source, open_tess_bytes(a.file, "view"));
-    TESSERA_TRY_ASSIGN(const std::vector<std::byte> file, whole_file(*source));
-    const auto memory = wrap_memory(file);
-    TESSERA_TRY_ASSIGN(const Decoder decoder, Decoder::open(*memory));
+    std::vector<std::byte> fetched;
+    TESSERA_TRY_ASSIGN(const auto source, open_for_page(a.file, fetched));
+    TESSERA_TRY_ASSIGN(const Decoder decoder, Decoder::open(*source));
     PageContents page;
     page.title = std::filesystem::path(a.file).filename().string();
     TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(decoder.container()));
     page.background = outside;
-    page.file = file;
+    page.file = source.get();
     TESSERA_TRY_ASSIGN(page.view_data, make_view_data(decoder.container()));
     TESSERA_TRY_ASSIGN(page.poster, draw_poster(a, decoder));
-    TESSERA_TRY_ASSIGN(const std::string html, make_page(page));
-    TESSERA_TRY(write_bytes(a.output, std::as_bytes(std::span(html))));
+    TESSERA_TRY_ASSIGN(OutputFile html, OutputFile::create(a.output));
+    TESSERA_TRY(write_page(page, [&html](std::string_view piece) -> Status {
+        TESSERA_TRY(check_interrupt());
+        return html.append(std::as_bytes(std::span(piece)));
+    }));
+    const std::uint64_t bytes = html.appended();
+    TESSERA_TRY(html.commit());
     if (!a.quiet)
         std::printf("%s: %s, of which the texture %s\n", a.output.c_str(),
-                    human_bytes(html.size()).c_str(), human_bytes(file.size()).c_str());
+                    human_bytes(bytes).c_str(), human_bytes(source->size()).c_str());
     return {};
 }
 
