@@ -35,6 +35,7 @@ struct ReadOptions {
 struct DecodeOptions {
     bool allow_partial = false; // tiles that lie past the end of a file that was cut off
     bool allow_damaged = false; // tiles whose page, index record or stream is damaged
+    std::uint64_t most_head_bytes = OpenOptions().most_head_bytes;
 };
 
 // The tiles of level 0 that were asked for and filled so far, each counted once.

@@ -90,6 +90,8 @@ struct TileSummary {
 struct OpenOptions {
     // Accept bytes that stop between the end of the index and the end of the file.
     bool allow_partial = false;
+    // Refuse files whose head, which is held, is longer. No head is by the format.
+    std::uint64_t most_head_bytes = std::uint64_t{1} << 28;
 };
 
 struct FileHeader; // format/container/syntax.h
@@ -104,7 +106,7 @@ class ContainerReader {
 public:
     // One read of min(8 KiB, size) bytes, and a second of the rest of the head if it is longer.
     // `source` must outlive the reader. Errors: io; invalid_file (truncated, damaged, fields out of
-    // range); unsupported (another version, unknown required feature or section).
+    // range); unsupported (another version, unknown required feature or section); over_budget (the head).
     static Result<ContainerReader> open(ByteSource& source, const OpenOptions& options = {});
     ContainerReader(ContainerReader&&) noexcept;
     ContainerReader& operator=(ContainerReader&&) noexcept;

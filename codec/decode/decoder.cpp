@@ -43,8 +43,9 @@ Decoder::Decoder(Decoder&&) noexcept = default;
 Decoder::~Decoder() = default;
 
 Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) {
-    TESSERA_TRY_ASSIGN(ContainerReader container,
-                       ContainerReader::open(source, {options.allow_partial}));
+    TESSERA_TRY_ASSIGN(
+        ContainerReader container,
+        ContainerReader::open(source, {options.allow_partial, options.most_head_bytes}));
     TESSERA_TRY_ASSIGN(auto codings, level_codings(container).with_context(source.name()));
     const FileHeader& header = container.header();
     const ColourCoding colour{header.desc, header.colour, header.background,

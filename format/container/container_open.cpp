@@ -66,7 +66,7 @@ Status OpenContainer::invalid(const std::string& text) const {
 Status OpenContainer::load(ByteSource& source, const OpenOptions& options, ContainerRule& rule) {
     source_ = &source;
     TESSERA_TRY(load_header(options, rule));
-    TESSERA_TRY(load_sections(rule));
+    TESSERA_TRY(load_sections(options, rule));
     rule = ContainerRule::metadata;
     if (std::ranges::find(sections_, "meta", &SectionInfo::type) != sections_.end()) {
         TESSERA_TRY_ASSIGN(metadata_, unpack_metadata(section_bytes("meta")).with_context(name()));
@@ -129,7 +129,7 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     return {};
 }
 
-Status OpenContainer::load_sections(ContainerRule& rule) {
+Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& rule) {
     rule = ContainerRule::section_table;
     std::vector<SectionEntry> entries;
     for (std::size_t i = 0; i < header_.section_count; ++i) {
@@ -156,6 +156,11 @@ Status OpenContainer::load_sections(ContainerRule& rule) {
                        std::to_string(source_->size()) +
                        " are here; the index, which a part of a file needs, ends at " +
                        std::to_string(index_end));
+    if (header_.head_size > options.most_head_bytes)
+        return {ErrorCode::over_budget,
+                name() + ": the " + std::to_string(header_.head_size) +
+                    " bytes before the index have to be held in memory, only " +
+                    std::to_string(options.most_head_bytes) + " are allowed"};
     if (const std::size_t have = head_.size(); have < header_.head_size) {
         head_.resize(header_.head_size);
         TESSERA_TRY(source_->read(have, std::span(head_).subspan(have)));

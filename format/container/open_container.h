@@ -43,7 +43,7 @@ private:
     // Precondition: groups that exist, each once, at most window_groups * 2.
     Status bring_groups(std::span<const std::uint32_t> groups) const;
     Status load_header(const OpenOptions& options, ContainerRule& rule);
-    Status load_sections(ContainerRule& rule);
+    Status load_sections(const OpenOptions& options, ContainerRule& rule);
     Status load_levels();
     Status load_root();
     // Precondition: the section exists.

@@ -16,13 +16,20 @@ protected:
 
     // A texture of `size` in tiles of 64x64x4x4 of which all are empty.
     void write_empty(const std::string& name, const tessera::Extent4& size,
-                     const tessera::Metadata& metadata = {}) const {
+                     const tessera::Metadata& metadata = {},
+                     std::span<const std::byte> mesh = {}) const {
         const auto code = tessera::write_coding_parameters({});
         ContainerContents contents;
         contents.desc.size = size;
         contents.tile_extent = {64, 64, 4, 4};
         contents.codec_parameters = code;
         contents.metadata = metadata;
+        contents.proxy_mesh = mesh;
+        if (!mesh.empty()) {
+            contents.description.proxy = tessera::Proxy::mesh;
+            contents.description.surface_map = tessera::SurfaceMap::mesh_uv;
+            contents.description.angular_map = tessera::AngularMap::octahedral_hemisphere;
+        }
         contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
         std::vector<std::byte> file;
         tessera::VectorSink sink(file);
@@ -49,6 +56,19 @@ TEST_F(ValidateVerb, ManyKeysOfMetadataAreListedInTheirOrder) {
     ASSERT_EQ(o.code, 0) << o.err;
     EXPECT_LT(o.out.find("\"100000\""), o.out.find("\"100001\""));
     EXPECT_NE(o.out.find("\"165535\""), std::string::npos);
+}
+
+// A head is held whole, so --memory bounds it, too.
+TEST_F(ValidateVerb, LongHeadsAreRefusedWhereMemoryIsShort) {
+    write_empty("head.tess", {64, 64, 4, 4}, {}, std::vector<std::byte>(4 << 20));
+    const std::string memory = " --threads 1 --memory 97M -q";
+    for (const std::string& command :
+         {std::string("decode head.tess -o x.rgb"), std::string("encode head.tess -o x.tess"),
+          std::string("compare head.tess head.tess"),
+          std::string("compare head.tess head.tess --beginnings 2")})
+        fail(5, command + memory, {"head.tess", "held in memory", "--memory"});
+    EXPECT_EQ(names(), std::vector<std::string>{"head.tess"});
+    succeed("decode head.tess -o x.rgb --threads 1 --memory 120M -q");
 }
 
 // Levels that do not decode are found, in whatever order groups are stored.

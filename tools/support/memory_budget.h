@@ -19,6 +19,11 @@ void add_memory_option(CLI::App& app, std::string& text);
 // its threads fit.
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads);
 
+// Bytes that the head of an opened file may hold beside such slabs.
+constexpr std::uint64_t most_head_bytes(std::uint64_t slab_bytes) {
+    return slab_bytes / 4;
+}
+
 // `status`, with the option that would help, where a slab was too large.
 Status with_memory_hint(const Status& status);
 

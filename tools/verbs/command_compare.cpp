@@ -42,13 +42,23 @@ struct Inputs {
     std::vector<const Decoder*> decoders{}; // of those that are .tess files
 };
 
+// Those of the texture that is read, within the budget.
+Result<TextureHints> hints_within_budget(const CompareCommand& a) {
+    TESSERA_TRY_ASSIGN(TextureHints hints, make_hints(a.texture));
+    TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
+    // Two files may be open.
+    hints.decode.most_head_bytes =
+        std::min(hints.decode.most_head_bytes, most_head_bytes(slab_bytes) / 2);
+    return hints;
+}
+
 // The scene, baked box by box as it is read, beside the only file.
 Result<Inputs> open_baked(const CompareCommand& arguments) {
-    TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
+    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments));
     TESSERA_TRY(check_scene(arguments.scene).with_context("--bake"));
     auto file = open_texture(arguments.a, hints);
     if (!file.ok())
-        return with_partial_hint(file.status(), arguments.a, hints.decode);
+        return with_partial_hint(with_memory_hint(file.status()), arguments.a, hints.decode);
     TESSERA_TRY_ASSIGN(auto baked,
                        bake_again({arguments.scene, arguments.samples, arguments.seed}, arguments.a,
                                   file->source->desc().size, file->description, file->metadata));
@@ -60,10 +70,11 @@ Result<Inputs> open_baked(const CompareCommand& arguments) {
 }
 
 Result<Inputs> open_both(const CompareCommand& arguments) {
-    TESSERA_TRY_ASSIGN(const auto hints, make_hints(arguments.texture));
+    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments));
     auto opened = open_two_textures(arguments.a, arguments.b, hints);
     if (!opened.ok())
-        return with_partial_hint(opened.status(), arguments.a, arguments.b, hints.decode);
+        return with_partial_hint(with_memory_hint(opened.status()), arguments.a, arguments.b,
+                                 hints.decode);
     auto& [first, second] = *opened;
     std::vector<const Decoder*> decoders;
     for (const Decoder* decoder : {first.decoder, second.decoder})
@@ -209,10 +220,13 @@ Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDes
 
 // The reference of --beginnings. A raw one takes its size from the file that is measured.
 Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured) {
-    TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(measured));
-    TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
+    TESSERA_TRY_ASSIGN(auto hints, hints_within_budget(a));
+    const auto reader =
+        ContainerReader::open(measured, {.most_head_bytes = hints.decode.most_head_bytes});
+    if (!reader.ok())
+        return with_memory_hint(reader.status());
     if (!hints.size && kind_of_input(a.a) == TextureKind::raw)
-        hints.size = reader.desc().size;
+        hints.size = reader->desc().size;
     TESSERA_TRY_ASSIGN(auto opened, open_texture(a.a, hints));
     return interruptible(std::move(opened.source));
 }

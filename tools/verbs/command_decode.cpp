@@ -110,12 +110,14 @@ void print_summary(const DecodeCommand& a, const Decoder& decoder, const ByteSou
 
 Status run(const DecodeCommand& a) {
     TESSERA_TRY(check_json_output(a.json, a.output));
-    TESSERA_TRY(slab_budget(a.memory, a.texture.threads));
+    TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
+    DecodeOptions opening = a.texture.decode;
+    opening.most_head_bytes = std::min(opening.most_head_bytes, most_head_bytes(slab_bytes));
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const auto file, open_tess_bytes(a.input, "decode"));
-    const auto decoder = Decoder::open(*file, a.texture.decode);
+    const auto decoder = Decoder::open(*file, opening);
     if (!decoder.ok())
-        return with_partial_hint(decoder.status(), *file, a.texture.decode);
+        return with_partial_hint(with_memory_hint(decoder.status()), *file, opening);
     const TextureDesc desc = decoder->desc();
     Box4 box = Box4::whole(desc.size);
     if (!a.box.empty()) {

@@ -62,12 +62,12 @@ Status check_unchanged(const EncodeCommand& a, const std::string& name,
 }
 
 // The file of --reuse; nothing without one.
-Result<std::optional<Decoder>> open_reused(const EncodeCommand& a) {
+Result<std::optional<Decoder>> open_reused(const EncodeCommand& a, const DecodeOptions& opening) {
     if (a.reuse.empty())
         return std::optional<Decoder>();
     TESSERA_TRY(check_reuse_options(a.encode));
     TESSERA_TRY_ASSIGN(auto bytes, open_tess_bytes(a.reuse, "encode --reuse"));
-    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(std::move(bytes)));
+    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(std::move(bytes), opening));
     return std::optional(std::move(decoder));
 }
 
@@ -147,12 +147,18 @@ Status run(const EncodeCommand& a) {
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
     TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
-    TESSERA_TRY(make_encode_options(a.encode, a.texture.threads, {}, {}));
-    TESSERA_TRY_ASSIGN(const std::optional<Decoder> reused, open_reused(a));
+    TESSERA_TRY_ASSIGN(const auto checked,
+                       make_encode_options(a.encode, a.texture.threads, {}, {}));
+    hints.decode.most_head_bytes =
+        std::min(hints.decode.most_head_bytes, most_head_bytes(checked.slab_bytes));
+    TESSERA_TRY_ASSIGN(const std::optional<Decoder> reused, open_reused(a, hints.decode));
     const ContainerReader* const old = reused ? &reused->container() : nullptr;
     if (old != nullptr && !hints.size && kind_of_input(a.input) == TextureKind::raw)
         hints.size = old->desc().size;
-    TESSERA_TRY_ASSIGN(auto input, open_texture(a.input, hints));
+    auto opened = open_texture(a.input, hints);
+    if (!opened.ok())
+        return with_memory_hint(opened.status());
+    OpenedTexture& input = *opened;
     if (old != nullptr)
         describe_as(*old, input);
     input.metadata.erase(software_key); // the encoder names itself
