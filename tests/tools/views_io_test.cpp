@@ -3,6 +3,7 @@
 #include "tools/picture/jpeg_file.h"
 #include "tools/picture/png_file.h"
 #include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/picture_layout.h"
 #include "tools/texture_io/texture_io.h"
 
 #include <bit>
@@ -173,6 +174,32 @@ TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
     hints = {};
     hints.views.quilt = ViewGrid{10, 1};
     refused(ErrorCode::bad_argument, "no quilt of 10x1", hints, "a_qs2x4a0.75.png");
+}
+
+// All rows with texels of a camera, and of its line of cells no others.
+TEST(PictureLayout, KnowsTheRowsOfAQuiltThatABoxNeeds) {
+    const Extent4 size{4, 3, 5, 2}; // ten cameras in twelve cells, and two rows of pixels left over
+    for (const bool along_columns : {false, true})
+        for (const bool bottom_up : {false, true}) {
+            ViewLayout quilt;
+            quilt.quilt = ViewGrid{3, 4};
+            quilt.order = ViewOrder{along_columns, true, bottom_up, false};
+            const PictureLayout layout(size, quilt, 12, 14);
+            for (std::uint32_t t = 0; t < size[3]; ++t)
+                for (std::uint32_t s = 0; s < size[2]; ++s) {
+                    const Box4 box{{0, 0, s, t}, {4, 3, s + 1, t + 1}};
+                    const auto [first, last] = layout.rows_of(box);
+                    EXPECT_EQ(last - first, 3u);
+                    unsigned runs = 0;
+                    for (std::uint32_t y = first; y < last; ++y)
+                        layout.visit_row(y, box, [&](const PictureRun& run) {
+                            runs += run.s == s && run.t == t;
+                        });
+                    EXPECT_EQ(runs, 3u) << s << " " << t;
+                }
+            const auto [first, last] = layout.rows_of(Box4::whole(size));
+            EXPECT_EQ(last - first, 12u);
+        }
 }
 
 TEST_F(ViewsIo, RefusesWhatIsNoPicture) {

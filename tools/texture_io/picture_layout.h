@@ -4,6 +4,7 @@
 #include "format/texture.h"
 #include "tools/texture_io/view_layout.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -30,7 +31,7 @@ public:
     std::pair<std::uint32_t, std::uint32_t> rows_of(const Box4& box) const {
         if (!layout_.quilt)
             return {box.begin[axis_v] * size_[axis_t], box.end[axis_v] * size_[axis_t]};
-        return {0, height_};
+        return rows_of_quilt(box);
     }
 
     // The runs of row y that may hold texels of `box`, from left to right. Pixels of no texel are in none.
@@ -45,11 +46,32 @@ public:
     }
 
 private:
+    // What is left over is at the end of the order: above where that goes up.
+    std::uint32_t left_over_above() const {
+        return layout_.order.bottom_up ? height_ - layout_.quilt->t * size_[axis_v] : 0;
+    }
+
+    // Those of the cells that hold cameras of the box.
+    std::pair<std::uint32_t, std::uint32_t> rows_of_quilt(const Box4& box) const {
+        const ViewGrid& quilt = *layout_.quilt;
+        std::uint32_t first = quilt.t, last = 0; // cells, last + 1
+        for (std::uint32_t row = 0; row < quilt.t; ++row)
+            for (std::uint32_t column = 0; column < quilt.s; ++column) {
+                const ViewPlace at =
+                    camera_in_quilt(quilt, layout_.order, size_[axis_s], {column, row});
+                if (at.s < box.begin[axis_s] || at.s >= box.end[axis_s] ||
+                    at.t < box.begin[axis_t] || at.t >= box.end[axis_t])
+                    continue;
+                first = std::min(first, row);
+                last = row + 1;
+            }
+        const std::uint32_t above = left_over_above();
+        return {above + std::min(first, last) * size_[axis_v], above + last * size_[axis_v]};
+    }
+
     template <class Visit> void visit_quilt(std::uint32_t y, const Visit& visit) const {
         const ViewGrid& quilt = *layout_.quilt;
-        const std::uint32_t used = quilt.t * size_[axis_v];
-        // What is left over is at the end of the order: above where that goes up.
-        const std::uint32_t above = layout_.order.bottom_up ? height_ - used : 0;
+        const std::uint32_t used = quilt.t * size_[axis_v], above = left_over_above();
         if (y < above || y - above >= used)
             return;
         const std::uint32_t row = (y - above) / size_[axis_v], v = (y - above) % size_[axis_v];
