@@ -15,7 +15,7 @@ TEST_F(GpuTimer, HasSeveralIntervalsInFlight) {
     GLuint buffer = 0;
     glCreateBuffers(1, &buffer);
     glNamedBufferStorage(buffer, 4 << 20, nullptr, 0);
-    for (const TimerClock clock : {TimerClock::device, TimerClock::host}) {
+    for (const TimerClock clock : {TimerClock::device, TimerClock::processor}) {
         auto created = GlTimer::create(3, clock);
         ASSERT_TRUE(created) << created.status().message();
         GlTimer timer = std::move(*created);
@@ -42,7 +42,7 @@ TEST_F(GpuTimer, HasSeveralIntervalsInFlight) {
             // llvmpipe's own clock does not see work on buffers.
             EXPECT_GT(*ms, clock == TimerClock::device && context_->is_software() ? -1 : 0.0001);
             std::printf("4 MiB cleared, %s clock: %.6f ms\n",
-                        clock == TimerClock::device ? "device" : "host", *ms);
+                        clock == TimerClock::device ? "device" : "processor", *ms);
         }
         EXPECT_FALSE(timer.wait());
         EXPECT_TRUE(measure());

@@ -47,7 +47,7 @@ public:
     GpuBench(const Decoder& decoder, const HeadlessContext& context, const GpuBenchOptions& options)
         : decoder_(decoder), reader_(decoder.container()), options_(options),
           amount_(context.is_software() ? on_software : on_hardware),
-          clock_(context.is_software() ? TimerClock::host : TimerClock::device) {
+          clock_(context.is_software() ? TimerClock::processor : TimerClock::device) {
         report_.device = context.device();
         report_.vendor = context.vendor();
         report_.driver = context.version();

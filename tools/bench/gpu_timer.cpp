@@ -1,9 +1,19 @@
 #ifdef TESSERA_GPU
 #include "tools/bench/gpu_timer.h"
 
+#include <ctime>
 #include <string>
 
 namespace tessera {
+namespace {
+
+double processor_milliseconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+} // namespace
 
 Result<GlTimer> GlTimer::create(int in_flight, TimerClock clock) {
     if (in_flight < 1 || in_flight > 1024)
@@ -11,7 +21,7 @@ Result<GlTimer> GlTimer::create(int in_flight, TimerClock clock) {
                       "a timer of " + std::to_string(in_flight) + " intervals in flight");
     GlTimer timer;
     timer.intervals_.resize(static_cast<std::size_t>(in_flight));
-    if (clock == TimerClock::host)
+    if (clock == TimerClock::processor)
         return timer;
     while (glGetError() != GL_NO_ERROR) { // of earlier calls
     }
@@ -37,7 +47,7 @@ bool GlTimer::begin() {
         glBeginQuery(GL_TIME_ELAPSED, interval.query);
     } else {
         glFinish();
-        interval.started = std::chrono::steady_clock::now();
+        interval.started = processor_milliseconds();
     }
     running_ = true;
     return true;
@@ -51,7 +61,7 @@ void GlTimer::end() {
         glEndQuery(GL_TIME_ELAPSED);
     } else {
         glFinish();
-        interval.ended = std::chrono::steady_clock::now();
+        interval.ended = processor_milliseconds();
     }
     running_ = false;
     ++ended_;
@@ -79,7 +89,7 @@ double GlTimer::take_oldest() {
     oldest_ = (oldest_ + 1) % intervals_.size();
     --ended_;
     if (interval.query == 0)
-        return std::chrono::duration<double, std::milli>(interval.ended - interval.started).count();
+        return interval.ended - interval.started;
     GLuint64 nanoseconds = 0;
     glGetQueryObjectui64v(interval.query, GL_QUERY_RESULT, &nanoseconds);
     return static_cast<double>(nanoseconds) * 1e-6;

@@ -3,7 +3,6 @@
 
 #include "format/status.h"
 
-#include <chrono>
 #include <cstddef>
 #include <epoxy/gl.h>
 #include <optional>
@@ -13,7 +12,10 @@ namespace tessera {
 
 enum class TimerClock {
     device, // the device's own time stamps, without waiting for it
-    host, // wall clock, waiting for the device at both ends: llvmpipe's own counts no compute work
+    // What this process's threads take of processors, waiting for the device at both ends: of a device
+    // that draws by them. llvmpipe's own clock counts no compute work, and that on the wall counts other
+    // programs' work as well.
+    processor,
 };
 
 // The time that commands between begin() and end() take. Results come some frames later; until then
@@ -41,8 +43,8 @@ public:
 private:
     GlTimer() = default;
     struct Interval {
-        GLuint query = 0; // or none, and
-        std::chrono::steady_clock::time_point started{}, ended{};
+        GLuint query = 0;              // or none, and
+        double started = 0, ended = 0; // milliseconds
     };
     double take_oldest();
 
