@@ -7,6 +7,9 @@
 #include "corpus/bake.h"
 #endif
 
+#include <cstdlib>
+#include <cstring>
+
 namespace tessera::test {
 namespace {
 
@@ -111,92 +114,171 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
 }
 #endif
 
-// Payloads of random bytes, half of them with a sound start: the device refuses what the CPU refuses,
-// draws the background there, and everything else comes out the same.
-TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
-    for (const auto& [type, copies] : {std::pair{SampleType::unorm8, 0.},
-                                       {SampleType::half16, 0.},
-                                       {SampleType::unorm8, 0.5},
-                                       {SampleType::half16, 0.5}}) {
-        const DecodeCase good =
-            random_case(77, type, 3, {96, 48, 16, 8}, {16, 16, 8, 8}, 0.6, 0.1, 3, copies);
-        const auto source = wrap_memory(good.file);
-        const auto reader = ContainerReader::open(*source);
-        ASSERT_TRUE(reader);
-        const auto tables = DecodeTables::make(*reader);
-        ASSERT_TRUE(tables);
-        const auto parameters = read_coding_parameters(reader->codec_parameters());
-        ASSERT_TRUE(parameters);
-        const TileCoding coding(*parameters, type, 3);
-        const ColourCoding colour{reader->desc(), reader->header().colour,
-                                  reader->header().background, false, true};
-        TileDecoder cpu(coding, colour);
-        auto gpu = GlTileDecoder::create(*tables, type == SampleType::half16);
-        ASSERT_TRUE(gpu) << gpu.status().message();
-
-        const TileGrid& grid = reader->grid();
-        TexelPlan plan;
-        plan.stride_s = plan.stride_t = 8;
-        const auto tiles = static_cast<std::uint32_t>(grid.tiles());
-        const auto texture = GlTexture::create(type == SampleType::half16 ? TexelFormat::rgba16f
-                                                                          : TexelFormat::rgba8,
-                                               {128, 128, tiles}, "tiles");
-        ASSERT_TRUE(texture);
-        Random random(9);
-        std::vector<Bytes> payloads;
-        BatchBuilder builder(*tables, grid, {}, plan);
-        for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-            Bytes bytes = random.bytes(2 * static_cast<std::size_t>(random.range(1, 400)));
-            if (random.chance(0.8)) {
-                ASSERT_TRUE(reader->read_tile(tile, bytes));
-                if (!bytes.empty() && random.chance(0.5))
-                    bytes[bytes.size() / 2] ^= std::byte{4};
-            }
-            payloads.push_back(bytes);
-            ASSERT_TRUE(builder.add(tile, bytes, {0, 0, tile, 0, 0}));
-        }
-        const DecodeBatch batch = builder.finish();
-        ASSERT_TRUE(gpu->decode(batch, *texture));
-        const auto counts = gpu->counts(batch);
-        ASSERT_TRUE(counts);
-        Bytes pixels(texture->bytes());
-        ASSERT_TRUE(texture->read(0, pixels));
-
-        const std::size_t sample = sample_bytes(type);
-        unsigned refused = 0;
-        for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-            SCOPED_TRACE(tile);
-            const Box4 box = grid.box(tile);
-            Bytes expected(reader->desc().box_bytes(box));
-            const bool background =
-                payloads[tile].empty() || !cpu.decode(payloads[tile], tile_shape(box), expected);
-            const bool split_refused =
-                std::find(batch.damaged.begin(), batch.damaged.end(), tile) != batch.damaged.end();
-            EXPECT_EQ((*counts)[tile].damaged != 0 || split_refused,
-                      background && !payloads[tile].empty());
-            refused += background;
-            if (background) // as the container decodes a tile without bytes
-                for (std::size_t i = 0; i < expected.size() / sample; ++i)
-                    store_sample(expected.data() + i * sample, reader->header().background[i % 3],
-                                 type);
-            const Extent4 n = box.extent();
-            std::size_t i = 0, differing = 0;
-            for (std::uint32_t v = 0; v < n[1]; ++v)
-                for (std::uint32_t u = 0; u < n[0]; ++u)
-                    for (std::uint32_t t = 0; t < n[3]; ++t)
-                        for (std::uint32_t s = 0; s < n[2]; ++s)
-                            for (std::size_t c = 0; c < 3; ++c, ++i) {
-                                const std::size_t pixel =
-                                    (std::size_t{tile} * 128 + v * 8 + t) * 128 + u * 8 + s;
-                                differing +=
-                                    load_sample(pixels.data() + (pixel * 4 + c) * sample, type) !=
-                                    load_sample(expected.data() + i * sample, type);
-                            }
-            EXPECT_EQ(differing, 0u);
-        }
-        EXPECT_GT(refused, 2u);
-        EXPECT_LT(refused, tiles - 2);
+// A payload as damage and forgers leave it. `sound` and `other`: two of the file.
+Bytes mutant(Random& random, Bytes sound, const Bytes& other) {
+    const auto any = [&random](std::size_t size) {
+        return static_cast<std::size_t>(random.range(0, static_cast<int>(size) - 1));
+    };
+    const int kind = sound.empty() ? 0 : random.range(0, 7);
+    switch (kind) {
+    case 0:
+        return random.bytes(2 * static_cast<std::size_t>(random.range(1, 400)));
+    case 1: // of whom the device must not take others' harm
+        return sound;
+    case 2:
+        sound[any(sound.size())] ^= static_cast<std::byte>(1 << random.range(0, 7));
+        return sound;
+    case 3:
+        for (int n = random.range(2, 30); n > 0; --n)
+            sound[any(sound.size())] = static_cast<std::byte>(random.range(0, 255));
+        return sound;
+    case 4: // the sizes of streams, and the first states
+        for (std::size_t at = 0; at < std::min<std::size_t>(sound.size(), 16); ++at)
+            if (random.chance(0.3))
+                sound[at] = static_cast<std::byte>(random.chance(0.5) ? random.range(0, 255) : 255);
+        return sound;
+    case 5:
+        sound.resize(any(sound.size()));
+        return sound;
+    case 6: {
+        const Bytes more = random.bytes(static_cast<std::size_t>(random.range(1, 64)));
+        sound.insert(sound.begin() + static_cast<std::ptrdiff_t>(any(sound.size())), more.begin(),
+                     more.end());
+        return sound;
     }
+    default: // the end of another
+        if (!other.empty()) {
+            const std::size_t at = any(std::min(sound.size(), other.size()));
+            sound.resize(at);
+            sound.insert(sound.end(), other.begin() + static_cast<std::ptrdiff_t>(at), other.end());
+        }
+        return sound;
+    }
+}
+
+struct Mutants {
+    unsigned long tried = 0, refused = 0;
+};
+
+// A file of random tiles and tables by `seed`, with mutants in the place of its tiles: the device refuses what
+// the CPU refuses, draws the background there, everything else comes out the same, and nothing is written
+// beside the tiles.
+Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    // Tiles are shorter than their slots here and there.
+    const DecodeCase good =
+        random_case(seed, type, 3, {94, 45, 15, 8}, {16, 16, 8, 8}, 0.6, 0.1, 3, copies);
+    const auto source = wrap_memory(good.file);
+    const auto reader = ContainerReader::open(*source);
+    const auto tables = reader ? DecodeTables::make(*reader) : reader.status();
+    if (!tables) {
+        ADD_FAILURE() << tables.status().message();
+        return {};
+    }
+    const auto parameters = read_coding_parameters(reader->codec_parameters());
+    const TileCoding coding(*parameters, type, 3);
+    const ColourCoding colour{reader->desc(), reader->header().colour, reader->header().background,
+                              false, true};
+    TileDecoder cpu(coding, colour);
+    const bool half = type == SampleType::half16;
+    auto gpu = GlTileDecoder::create(*tables, half);
+
+    const TileGrid& grid = reader->grid();
+    TexelPlan plan;
+    plan.stride_s = plan.stride_t = 8;
+    const auto tiles = static_cast<std::uint32_t>(grid.tiles());
+    const std::uint32_t layers = tiles + 1; // nothing is for the last
+    auto texture =
+        GlTexture::create(half ? TexelFormat::rgba16f : TexelFormat::rgba8, {128, 128, layers}, "");
+    if (!gpu || !texture) {
+        ADD_FAILURE() << gpu.status().message() << texture.status().message();
+        return {};
+    }
+    const std::size_t sample = sample_bytes(type);
+    const Bytes untouched(4 * sample, std::byte{0x3B});
+    EXPECT_TRUE(texture->clear(untouched));
+
+    Random random(seed);
+    std::vector<Bytes> payloads;
+    BatchBuilder builder(*tables, grid, {}, plan);
+    for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+        Bytes sound, other;
+        EXPECT_TRUE(reader->read_tile(tile, sound));
+        EXPECT_TRUE(reader->read_tile(
+            static_cast<std::uint64_t>(random.range(0, static_cast<int>(tiles) - 1)), other));
+        payloads.push_back(mutant(random, std::move(sound), other));
+        EXPECT_TRUE(builder.add(tile, payloads.back(), {0, 0, tile, 0, 0}));
+    }
+    const DecodeBatch batch = builder.finish();
+    EXPECT_TRUE(gpu->decode(batch, *texture));
+    const auto counts = gpu->counts(batch);
+    Bytes pixels(texture->bytes());
+    EXPECT_TRUE(texture->read(0, pixels));
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    if (!counts) {
+        ADD_FAILURE() << counts.status().message();
+        return {};
+    }
+
+    unsigned refused = 0;
+    std::vector<bool> is_of_a_tile(std::size_t{layers} * 128 * 128);
+    for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+        SCOPED_TRACE(tile);
+        const Box4 box = grid.box(tile);
+        Bytes expected(reader->desc().box_bytes(box));
+        const bool background =
+            payloads[tile].empty() || !cpu.decode(payloads[tile], tile_shape(box), expected);
+        const bool split_refused =
+            std::find(batch.damaged.begin(), batch.damaged.end(), tile) != batch.damaged.end();
+        EXPECT_EQ((*counts)[tile].damaged != 0 || split_refused,
+                  background && !payloads[tile].empty());
+        refused += background;
+        if (background) // as the container decodes a tile without bytes
+            for (std::size_t i = 0; i < expected.size() / sample; ++i)
+                store_sample(expected.data() + i * sample, reader->header().background[i % 3],
+                             type);
+        const Extent4 n = box.extent();
+        std::size_t i = 0, differing = 0;
+        for (std::uint32_t v = 0; v < n[1]; ++v)
+            for (std::uint32_t u = 0; u < n[0]; ++u)
+                for (std::uint32_t t = 0; t < n[3]; ++t)
+                    for (std::uint32_t s = 0; s < n[2]; ++s) {
+                        const std::size_t pixel =
+                            (std::size_t{tile} * 128 + v * 8 + t) * 128 + u * 8 + s;
+                        is_of_a_tile[pixel] = true;
+                        for (std::size_t c = 0; c < 3; ++c, ++i)
+                            differing +=
+                                load_sample(pixels.data() + (pixel * 4 + c) * sample, type) !=
+                                load_sample(expected.data() + i * sample, type);
+                    }
+        EXPECT_EQ(differing, 0u);
+    }
+    std::size_t touched = 0;
+    for (std::size_t pixel = 0; pixel < is_of_a_tile.size(); ++pixel)
+        touched += !is_of_a_tile[pixel] && std::memcmp(pixels.data() + pixel * 4 * sample,
+                                                       untouched.data(), 4 * sample) != 0;
+    EXPECT_EQ(touched, 0u);
+    return {tiles, refused};
+}
+
+// TESSERA_GPU_MUTANTS=10000 asks for so many.
+TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
+    const char* const asked = std::getenv("TESSERA_GPU_MUTANTS");
+    const unsigned long most = asked != nullptr ? std::strtoul(asked, nullptr, 10) : 100;
+    Mutants all;
+    for (std::uint32_t seed = 77; all.tried < most && !HasFailure(); ++seed)
+        for (const auto& [type, copies] : {std::pair{SampleType::unorm8, 0.},
+                                           {SampleType::half16, 0.},
+                                           {SampleType::unorm8, 0.5},
+                                           {SampleType::half16, 0.5}}) {
+            const Mutants some = expect_mutants_alike(seed, type, copies);
+            all.tried += some.tried;
+            all.refused += some.refused;
+        }
+    EXPECT_GT(all.refused, all.tried / 10);
+    EXPECT_LT(all.refused, all.tried * 9 / 10);
+    if (asked != nullptr)
+        std::printf("%lu mutants, %lu refused\n", all.tried, all.refused);
 }
 
 } // namespace
