@@ -170,7 +170,7 @@ void copy_block(const Block& block, const BlockPrediction& prediction, const Til
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out) {
     const auto& n = block.shape.n;
-    out.resize(static_cast<std::size_t>(block.shape.texels()));
+    out.resize(std::max(out.size(), static_cast<std::size_t>(block.shape.texels())));
     copy_block(block, prediction, coding, decoded, plane, [&](int s, int t) {
         return RowsTarget{
             out.data() + (t * n[2] + s) * n[1] * n[0], n[0], n[1], n[0], false, no_limit};

@@ -13,7 +13,7 @@
 namespace tessera {
 
 // The predicted values of one plane of a block, dense in block order (t, s, v, u), from the tile as far
-// as it is decoded. Precondition: the block copies something, from views within the tile or from the
+// as it is decoded, at the start of `out`, which only grows. Precondition: the block copies something, from views within the tile or from the
 // base picture that it has.
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out);

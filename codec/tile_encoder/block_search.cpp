@@ -378,14 +378,6 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     }
 }
 
-void BlockSearch::subtract_prediction(const Block& block, const BlockPrediction& prediction,
-                                      int plane, const TilePlanes& reconstructed, float* values) {
-    predict_plane(block, prediction, coding_, reconstructed, static_cast<std::size_t>(plane),
-                  predicted_);
-    for (const std::int32_t value : predicted_)
-        *values++ -= static_cast<float>(value) * codes_;
-}
-
 float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
                              const TilePlanes& reconstructed) {
     const BlockShape& shape = block.shape;
@@ -399,12 +391,13 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
     float energy = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
-        gather_block(block, plane, residual_.data());
-        subtract_prediction(block, prediction, plane, reconstructed, residual_.data());
-        float squares = 0;
-        for (std::size_t i = 0; i < texels; ++i)
-            squares += residual_[i] * residual_[i];
-        energy += squares * inverse_step_[p] * inverse_step_[p];
+        gather_difference(block, prediction, plane, reconstructed, residual_.data());
+        if (kept < image) { // else nobody asks
+            float squares = 0;
+            for (std::size_t i = 0; i < texels; ++i)
+                squares += residual_[i] * residual_[i];
+            energy += squares * inverse_step_[p] * inverse_step_[p];
+        }
         for (int axis = 3; axis >= 2; --axis)
             if (shape.n[axis] > 1) {
                 forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
@@ -460,7 +453,8 @@ float plane_cost(const CostSum& sum, int count, float lambda) {
 
 } // namespace
 
-// Cost of coefficients_, those of a block of this energy (squared steps), on the better colour axes.
+// Cost of coefficients_, those of a block of this energy (squared steps; asked for where frequencies are
+// left out), on the better colour axes.
 float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
     const int count = kept * shape.n[2] * shape.n[3];
@@ -587,19 +581,32 @@ void BlockSearch::emit(const Block& block, int spatial, int angular, std::array<
     }
 }
 
-void BlockSearch::gather_block(const Block& block, int plane, float* to) const {
+void BlockSearch::gather_difference(const Block& block, const BlockPrediction& prediction,
+                                    int plane, const TilePlanes& reconstructed, float* to) {
     const auto& n = block.shape.n;
-    const float* from = source_[static_cast<std::size_t>(plane)].data();
+    const auto p = static_cast<std::size_t>(plane);
+    const float* source = source_[p].data();
+    const bool copies = prediction.copies();
+    if (copies)
+        predict_plane(block, prediction, coding_, reconstructed, p, predicted_);
+    const std::int32_t* predicted = predicted_.data();
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v, to += n[0])
-                std::copy_n(
-                    from +
-                        (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) * shape_.n[1] +
-                         block.origin[1] + v) *
-                            shape_.n[0] +
-                        block.origin[0],
-                    n[0], to);
+            for (int v = 0; v < n[1]; ++v, to += n[0]) {
+                const float* from =
+                    source +
+                    (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) * shape_.n[1] +
+                     block.origin[1] + v) *
+                        shape_.n[0] +
+                    block.origin[0];
+                if (!copies) {
+                    std::copy_n(from, n[0], to);
+                    continue;
+                }
+                for (int u = 0; u < n[0]; ++u)
+                    to[u] = from[u] - static_cast<float>(predicted[u]) * codes_;
+                predicted += n[0];
+            }
 }
 
 namespace {
@@ -627,9 +634,7 @@ void BlockSearch::transform_block(const Block& block, const BlockPrediction& pre
         const auto texels = static_cast<std::size_t>(block.shape.texels());
         x.resize(std::max(x.size(), texels));
         scratch_a_.resize(std::max(scratch_a_.size(), texels));
-        gather_block(block, plane, x.data());
-        if (prediction.copies())
-            subtract_prediction(block, prediction, plane, reconstructed, x.data());
+        gather_difference(block, prediction, plane, reconstructed, x.data());
         out.is_blank[p] = is_blank(x.data(), texels);
         for (int axis = out.is_blank[p] ? -1 : 3; axis >= 0; --axis) {
             if (n[axis] == 1)

@@ -110,7 +110,6 @@ private:
     bool search_tree(TileLevels& out);
     void estimate_costs();
     void estimate_grid(Grid& grid, int spatial, int angular);
-    void gather_block(const Block& block, int plane, float* to) const;
     void reset_choices();
     bool can_copy() const;
     bool emit_tree(TileLevels& out);
@@ -124,8 +123,9 @@ private:
                     const TilePlanes& reconstructed);
     float copy_cost(const Block& block, const BlockPrediction& prediction,
                     const TilePlanes& reconstructed);
-    void subtract_prediction(const Block& block, const BlockPrediction& prediction, int plane,
-                             const TilePlanes& reconstructed, float* values);
+    // A block's source, less what it copies.
+    void gather_difference(const Block& block, const BlockPrediction& prediction, int plane,
+                           const TilePlanes& reconstructed, float* to);
     void combine();
     void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
               TileLevels& out) const;

@@ -34,8 +34,17 @@ const std::array<Axes, rotation_count>& all_axes() {
     return axes;
 }
 
-float dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+// First axes of all rotations, component by component.
+using FirstAxes = std::array<std::array<float, rotation_count>, 3>;
+const FirstAxes& first_axes() {
+    static const auto first = [] {
+        FirstAxes result;
+        for (std::size_t i = 0; i < rotation_count; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                result[c][i] = all_axes()[i][0][c];
+        return result;
+    }();
+    return first;
 }
 
 } // namespace
@@ -44,11 +53,14 @@ ColourMoments kept_moments(const ColourCoefficients& block, const CodingParamete
     ColourMoments moments{};
     const float threshold = 0.6f * static_cast<float>(parameters.rotated_step.value());
     const float least = threshold * threshold;
+    // Rows of the moments, side by side.
+    typedef float Row __attribute__((vector_size(16)));
+    std::array<Row, 3> sums{};
     const auto add = [&](std::size_t i) {
         const Vector x = rgb_of(block.plane[0][i], block.plane[1][i], block.plane[2][i]);
+        const Row row{x[0], x[1], x[2]};
         for (std::size_t a = 0; a < 3; ++a)
-            for (std::size_t b = 0; b < 3; ++b)
-                moments[a][b] += x[a] * x[b];
+            sums[a] += row * x[a];
     };
     constexpr std::size_t at_once = 64;
     const auto& [y, co, cg] = block.plane;
@@ -59,23 +71,32 @@ ColourMoments kept_moments(const ColourCoefficients& block, const CodingParamete
         for (; kept != 0; kept &= kept - 1)
             add(begin + static_cast<std::size_t>(std::countr_zero(kept)));
     }
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b)
+            moments[a][b] = sums[a][b];
     return moments;
 }
 
 int choose_rotation(const ColourMoments& moments, int last) {
-    const auto energy_along = [&](int rotation) {
-        const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][0];
-        return dot(d, {dot(moments[0], d), dot(moments[1], d), dot(moments[2], d)});
-    };
+    const FirstAxes& d = first_axes();
+    std::array<float, rotation_count> energy;
+    for (std::size_t i = 0; i < rotation_count; ++i) {
+        const auto along = [&](std::size_t row) {
+            return moments[row][0] * d[0][i] + moments[row][1] * d[1][i] +
+                   moments[row][2] * d[2][i];
+        };
+        energy[i] = d[0][i] * along(0) + d[1][i] * along(1) + d[2][i] * along(2);
+    }
     int best = -1;
     float most = 0;
     for (int i = 0; i < rotation_count; ++i)
-        if (const float energy = energy_along(i); energy > most) {
-            most = energy;
+        if (energy[static_cast<std::size_t>(i)] > most) {
+            most = energy[static_cast<std::size_t>(i)];
             best = i;
         }
     const float total = moments[0][0] + moments[1][1] + moments[2][2];
-    if (best >= 0 && last >= 0 && total - energy_along(last) < 1.1f * (total - most))
+    if (best >= 0 && last >= 0 &&
+        total - energy[static_cast<std::size_t>(last)] < 1.1f * (total - most))
         return last;
     return best;
 }
