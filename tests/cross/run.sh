@@ -27,7 +27,9 @@ clang) other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_CO
            -DCMAKE_FIND_ROOT_PATH="/usr/lib/$multiarch;/usr" -DCMAKE_CROSSCOMPILING_EMULATOR="${run[0]};-L;/")
     ;;
 esac
-filter=${TESTS--Journal*:RateControl*:Mask*:Prediction*:CoarseLevels*:TableTrial*:Sampler*:Octahedral*:Tool*}
+slow=Sampler*:Shader*:Journals*:DamagedJournals*:Rate*:Mask*:Prediction*:PredictedFiles*:EncodeCopies*:Layers*
+slow+=:DenseTables*:Tools*:Encoder*:SameBytes*:DamagedLevels*:Partial*:Threads*
+filter=${TESTS--$slow}
 targets=(same_bytes)
 [ -z "$filter" ] || targets+=(format_tests codec_tests)
 folder=build-cross-$arch
