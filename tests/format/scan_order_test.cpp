@@ -4,6 +4,7 @@
 #include "tests/support/format_values.h"
 
 #include <gtest/gtest.h>
+#include <map>
 #include <set>
 
 namespace tessera::test {
@@ -49,6 +50,29 @@ TEST(ScanOrder, SortsByCostThenRaster) {
             }
             ASSERT_TRUE(seen.contains(0));
             ASSERT_EQ(order.entry[0].k, (std::array<std::uint8_t, 4>{0, 0, 0, 0}));
+        }
+}
+
+TEST(ScanOrder, NeighboursAreThoseThatCameBefore) {
+    for (const ScanWeights& weights : {default_scan_weights, ScanWeights{1, 255, 7, 90}})
+        for (const BlockShape& shape : shapes) {
+            const ScanOrder order = make_scan_order(shape, weights);
+            std::map<std::array<int, 4>, std::size_t> before;
+            for (std::size_t i = 0; i < order.entry.size(); ++i) {
+                const auto& k = order.entry[i].k;
+                unsigned weight = 0;
+                for (std::size_t j = 0; j < scan_neighbours; ++j) {
+                    const auto& step = neighbour_steps[j];
+                    const auto found = before.find(
+                        {k[0] - step[0], k[1] - step[1], k[2] - step[2], k[3] - step[3]});
+                    const bool is_there = found != before.end();
+                    ASSERT_EQ(order.neighbours[i][j], is_there ? found->second : i)
+                        << name_of(shape) << " entry " << i << " neighbour " << j;
+                    weight += is_there ? (j < 4 ? 2u : 1u) : 0u;
+                }
+                ASSERT_EQ(order.context[i].share, weight > 0 ? 4096 / weight : 0u);
+                before[{k[0], k[1], k[2], k[3]}] = i;
+            }
         }
 }
 
