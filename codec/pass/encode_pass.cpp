@@ -153,7 +153,7 @@ Status Crew::encode_or_keep(Worker& worker, std::uint64_t number, const Box4& bo
     const std::span<const std::byte> texels = target_of(worker, worker.tile, desc.texel_bytes());
     measure_error(texels, worker.decoded, desc.type, tile);
     if (is_usable && tile.max_error == 0) {
-        tile.texel_crc = crc32c(worker.decoded);
+        tile.levels_sum = 0; // which only recoding asks for, and such passes are not recoded
         tile.payload_bytes = static_cast<std::uint32_t>(worker.payload.size());
         return {};
     }

@@ -1,6 +1,6 @@
 // A payload's table, byte by byte (FORMAT.md 3.2).
-#include "format/tile/payload.h"
 #include "format/tile/limits.h"
+#include "format/tile/payload.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,7 @@ bool refuses(std::initializer_list<int> values, int texels = correction_chunk) {
 }
 
 // The streams: segments, then corrections; {} if it is refused.
-Places places(std::initializer_list<int> values,
-                                                           int texels = correction_chunk) {
+Places places(std::initializer_list<int> values, int texels = correction_chunk) {
     const Bytes payload = bytes_of(values);
     PayloadParts parts;
     Places found;
@@ -60,15 +59,15 @@ TEST(Payload, KeepsTheBlocksOfSegments) {
 }
 
 TEST(Payload, RefusesTablesThatDoNotFit) {
-    EXPECT_TRUE(refuses({1, 0, 0}));                         // cut off
-    EXPECT_TRUE(refuses({2, 5, 0, 0, 0, 5, 0, 0, 0}));       // out of order
-    EXPECT_TRUE(refuses({1, 0, 0x10, 0, 0}));                // no such block
-    EXPECT_TRUE(refuses({1, 0, 0, 1, 0}));                   // longer than what is there
-    EXPECT_TRUE(refuses({1, 0, 0, 2, 0, 7, 7}));             // by a word
-    EXPECT_TRUE(refuses({128, 2, 0, 1, 0, 9, 9}));           // no such chunk
-    EXPECT_TRUE(refuses({128, 1, 0, 0, 0}));                 // of nothing
-    EXPECT_TRUE(refuses({128, 1, 0}));                       // cut off
-    EXPECT_TRUE(refuses({128}));                             // before the mask
+    EXPECT_TRUE(refuses({1, 0, 0}));                           // cut off
+    EXPECT_TRUE(refuses({2, 5, 0, 0, 0, 5, 0, 0, 0}));         // out of order
+    EXPECT_TRUE(refuses({1, 0, 0x10, 0, 0}));                  // no such block
+    EXPECT_TRUE(refuses({1, 0, 0, 1, 0}));                     // longer than what is there
+    EXPECT_TRUE(refuses({1, 0, 0, 2, 0, 7, 7}));               // by a word
+    EXPECT_TRUE(refuses({128, 2, 0, 1, 0, 9, 9}));             // no such chunk
+    EXPECT_TRUE(refuses({128, 1, 0, 0, 0}));                   // of nothing
+    EXPECT_TRUE(refuses({128, 1, 0}));                         // cut off
+    EXPECT_TRUE(refuses({128}));                               // before the mask
     EXPECT_TRUE(refuses({129, 0, 0, 1, 0, 1, 0, 1, 0, 7, 7})); // a word for both
 }
 
