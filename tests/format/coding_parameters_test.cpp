@@ -163,6 +163,22 @@ TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     EXPECT_TRUE(both->smooth_copies);
 }
 
+TEST(CodingParameters, TakesTheLargestOffsetsAndAllFlags) {
+    constexpr std::size_t offsets = 10, flags = 23;
+    CodingParameters coding;
+    coding.colour_rotation = coding.prediction = coding.dependent = coding.smooth_copies = true;
+    coding.base = {.on = true, .margin = 1, .v_against_u = true};
+    coding.filter.ring[1][2] = {-127, 255};
+    Bytes bytes = write_coding_parameters(coding);
+    EXPECT_EQ(bytes[flags], std::byte{127});
+    for (std::size_t i = offsets; i < offsets + 4; ++i) {
+        bytes[i] = std::byte{32};
+        EXPECT_FALSE(read_coding_parameters(bytes));
+        bytes[i] = std::byte{31};
+        EXPECT_TRUE(read_coding_parameters(bytes));
+    }
+}
+
 TEST(CodingParameters, FiltersHaveARangeAndAnEffect) {
     constexpr std::size_t rings = 24;
     CodingParameters coding;
