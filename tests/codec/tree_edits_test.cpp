@@ -110,14 +110,16 @@ TEST(TreeEdits, SiblingsAreFoundByAnyOfTheirBlocks) {
     EXPECT_GT(found, 500u);
 }
 
-// Discs with hard edges before a slanted wall; both move from view to view.
+// Shining discs with hard edges before a slanted wall; both move from view to view.
 test::MemoryTexture discs() {
     return test::MemoryTexture(
-        {{64, 64, 4, 4}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
-            const double x = u - 1.5 * s, y = v - 1.5 * t;
-            const double wall = 0.4 + 0.2 * std::sin(0.2 * (u - 0.5 * s) + 0.1 * v + c);
-            const bool disc = std::hypot(std::fmod(x + 60, 22) - 11, std::fmod(y + 60, 19) - 9) < 6;
-            return disc ? 0.8 - 0.1 * c : wall;
+        {{32, 32, 8, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
+            const double ds = s - 4, dt = t - 4;
+            const double x = std::fmod(u - ds + 60, 13) - 6, y = std::fmod(v - dt + 60, 11) - 5;
+            const double wall = 0.4 + 0.2 * std::sin(0.2 * (u - 0.25 * ds) + 0.1 * v + c);
+            const double gloss =
+                std::exp(-0.5 * (std::pow(ds - 0.3 * x, 2) + std::pow(dt - 0.3 * y, 2)));
+            return std::hypot(x, y) < 4 ? 0.5 - 0.1 * c + 0.3 * gloss : wall;
         });
 }
 
@@ -125,7 +127,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     test::MemoryTexture texture = discs();
     const auto encode = [&](bool refined, test::Bytes& file) {
         EncodeOptions options;
-        options.rate = {RateTarget::Kind::quality, 55};
+        options.rate = {RateTarget::Kind::quality, 70};
         options.effort = usual_effort;
         options.tools = refined ? "-base,+refine" : "-base,-refine";
         const auto report = encode_memory(texture, file, options);
