@@ -71,6 +71,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.copy_rounds = std::max(level.rounds, 1);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
+    settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);
     if (tools.is_on(CodingTool::refine, level.refinements > 0))
         settings.refinements = std::max(level.refinements, 1);

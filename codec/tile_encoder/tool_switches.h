@@ -26,6 +26,7 @@ enum class CodingTool : std::uint8_t {
     refine,
     filter,
     dense_tables,
+    balance,
 };
 
 struct CodingToolInfo {
@@ -34,7 +35,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 15> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
     {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
@@ -54,6 +55,7 @@ inline constexpr std::array<CodingToolInfo, 14> coding_tools = {{
      "base pictures that all views copy, where a trial finds that they pay"},
     {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
     {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
+    {CodingTool::balance, "balance", "tiles coded again so that their mean colours stay"},
 }};
 
 // What was asked for on top of an effort. By itself nothing.
