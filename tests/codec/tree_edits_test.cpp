@@ -129,7 +129,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 70};
         options.effort = usual_effort;
-        // One texture of 3 kB: what balancing its mean changes by chance is more than what is looked for.
+        // Of one small texture balancing its mean changes more by chance than what is looked for.
         options.tools = refined ? "-base,-balance,+refine" : "-base,-balance,-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();
