@@ -55,6 +55,8 @@ public:
                          const TilePlanes& reconstructed, BlockCoefficients& out);
 
 private:
+    static constexpr float block_overhead_bits = 3.0f;
+
     // Costs and choices of all nodes at one pair of depths.
     struct Grid {
         std::array<std::vector<Segment>, 4> segments;

@@ -1,0 +1,171 @@
+// The part of BlockSearch that decides which blocks copy, from where and how far away.
+#include "codec/tile_encoder/block_search.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// Of a copying block over one that does not, beside its displacements: the model takes what is left
+// of it for cheaper than it is.
+constexpr float copy_bits = 12.0f;
+constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
+constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
+
+} // namespace
+
+bool BlockSearch::can_copy() const {
+    return !is_flat(grids_[0], 0) && angular_depths_ > 0;
+}
+
+bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
+    if (!can_copy())
+        return false;
+    reset_choices();
+    displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
+                         coding_.parameters.smooth_copies);
+    for (int a = 1; a <= angular_depths_; ++a)
+        try_copies(a, reconstructed);
+    if (coding_.parameters.base.on)
+        for (Grid& grid : grids_) {
+            grid.copied_cost = grid.cost;
+            grid.copied = grid.prediction;
+        }
+    return emit_tree(out);
+}
+
+bool BlockSearch::choose_base_copies(const TilePlanes& reconstructed, TileLevels& out) {
+    if (!can_copy())
+        return false;
+    for (Grid& grid : grids_) {
+        grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
+        grid.cost = grid.copied_cost;
+        grid.prediction = grid.copied;
+    }
+    try_base(reconstructed);
+    return emit_tree(out);
+}
+
+void BlockSearch::find_displacements(const TilePlanes& pictured, BaseDisplacements& out) {
+    const Grid& grid = grids_[grid_index(spatial_depths_, 0)];
+    base_matches_.begin(shape_, source_[0], codes_, coding_, pictured);
+    base_matches_.enter(grid.segments);
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        out.set(block_of(grid, c), base_matches_.best(grid.index(c)).displacement);
+    });
+}
+
+// Blocks of single views are what copies from one view to the next are for.
+void BlockSearch::try_base(const TilePlanes& reconstructed) {
+    const int deepest = std::min(angular_depths_, most_base_splits);
+    base_matches_.begin(shape_, source_[0], codes_, coding_, reconstructed);
+    for (int a = angular_depths_; a >= 0; --a)
+        for (int s = spatial_depths_; s >= 0; --s) {
+            Grid& grid = grids_[grid_index(s, a)];
+            base_matches_.enter(grid.segments);
+            if (a > deepest || !is_tried(s, a))
+                continue;
+            grid.for_each_cell([&](const std::array<int, 4>& c) {
+                if (!is_flat(grid, grid.index(c)))
+                    try_base(grid, c, base_matches_.best(grid.index(c)), reconstructed);
+            });
+        }
+}
+
+void BlockSearch::try_base(Grid& grid, const std::array<int, 4>& c, const BaseMatch& match,
+                           const TilePlanes& reconstructed) {
+    const std::size_t i = grid.index(c);
+    if (match.error * inverse_step_[0] * inverse_step_[0] >= grid.activity[i] + grid.mean_cost[i])
+        return;
+    const BlockPrediction prediction{
+        CopyFrom::base, base_displacement(coding_.parameters.base, match.displacement)};
+    const float cost = options_.lambda * (block_overhead_bits + base_copy_bits) +
+                       copy_cost(block_of(grid, c), prediction, reconstructed);
+    if (cost < grid.cost[i]) {
+        grid.cost[i] = cost;
+        grid.prediction[i] = prediction;
+    }
+}
+
+void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
+    const Grid& finest = grids_[grid_index(spatial_depths_, angular)];
+    std::vector<DisplacementSearch::Axes> spatial;
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        const Grid& grid = grids_[grid_index(s, angular)];
+        spatial.push_back({grid.segments[0], grid.segments[1]});
+    }
+    const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
+    for (int direction = 0; direction < copy_directions; ++direction)
+        displacements_.match(direction, {finest.segments[2], finest.segments[3]}, spatial,
+                             options_.copies, costs_, bit_cost,
+                             matches_[static_cast<std::size_t>(direction)]);
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        Grid& grid = grids_[grid_index(s, angular)];
+        if (!is_tried(s, angular))
+            continue;
+        grid.for_each_cell([&](const std::array<int, 4>& c) {
+            const std::size_t i = grid.index(c);
+            if (!is_flat(grid, i))
+                try_copies(grid, c,
+                           {matches_[0][static_cast<std::size_t>(s)][i],
+                            matches_[1][static_cast<std::size_t>(s)][i]},
+                           reconstructed);
+        });
+    }
+}
+
+// One direction, then the other.
+void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
+                             const std::array<Match, copy_directions>& match,
+                             const TilePlanes& reconstructed) {
+    const Block block = block_of(grid, c);
+    const std::size_t i = grid.index(c);
+    const float scale = inverse_step_[0] * inverse_step_[0];
+    for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
+        const Match& found = match[from == CopyFrom::along_s ? 0 : 1];
+        if (found.error * scale >= grid.activity[i] + grid.mean_cost[i])
+            continue;
+        const BlockPrediction prediction{from, found.displacement};
+        const float cost = options_.lambda * (block_overhead_bits + copy_bits + found.bits) +
+                           copy_cost(block, prediction, reconstructed);
+        if (cost < grid.cost[i]) {
+            grid.cost[i] = cost;
+            grid.prediction[i] = prediction;
+        }
+    }
+}
+
+float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
+                             const TilePlanes& reconstructed) {
+    const BlockShape& shape = block.shape;
+    const auto texels = static_cast<std::size_t>(shape.texels());
+    const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const SearchKernels& k = search_kernels();
+    // They change places below.
+    residual_.resize(std::max(residual_.size(), texels));
+    scratch_a_.resize(std::max(scratch_a_.size(), texels));
+    float energy = 0;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto p = static_cast<std::size_t>(plane);
+        gather_difference(block, prediction, plane, reconstructed, residual_.data());
+        if (kept < image) { // else nobody asks
+            float squares = 0;
+            for (std::size_t i = 0; i < texels; ++i)
+                squares += residual_[i] * residual_[i];
+            energy += squares * inverse_step_[p] * inverse_step_[p];
+        }
+        for (int axis = 3; axis >= 2; --axis)
+            if (shape.n[axis] > 1) {
+                forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
+                             {{0, shape.n[axis]}});
+                residual_.swap(scratch_a_);
+            }
+        for (int i = 0; i < images; ++i)
+            k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
+                            coefficients_[p].data() + i * kept);
+    }
+    return coefficients_cost(shape, energy);
+}
+
+} // namespace tessera
