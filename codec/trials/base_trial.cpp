@@ -33,16 +33,8 @@ Result<BasePictures> cheapest(const HeavyTiles& tiles, CodingParameters paramete
     return best;
 }
 
-} // namespace
-
-// A surface's directions are no views that are alike but for parallax.
-bool may_have_base_pictures(const EncodePlan& plan) {
-    return plan.effort.try_base && !plan.colour.corrections &&
-           plan.options.description.proxy != Proxy::mesh;
-}
-
-Result<BasePictures> choose_base_direction(const EncodePlan& plan, const Sample& sample,
-                                           const PassResult& plain) {
+Result<BasePictures> choose_direction(const EncodePlan& plan, const Sample& sample,
+                                      const PassResult& plain) {
     std::array<BasePictures, 2> directions{};
     for (const bool v_against_u : {false, true})
         directions[v_against_u] = {.on = true, .margin = 0, .v_against_u = v_against_u};
@@ -56,9 +48,11 @@ Result<BasePictures> choose_base_direction(const EncodePlan& plan, const Sample&
     return cheapest(tiles, plain.walked, directions, least);
 }
 
+} // namespace
+
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain) {
-    TESSERA_TRY_ASSIGN(const BasePictures direction, choose_base_direction(plan, sample, plain));
+    TESSERA_TRY_ASSIGN(const BasePictures direction, choose_direction(plan, sample, plain));
     if (!direction.on)
         return direction;
     const HeavyTiles tiles(plan, sample, plain, tiles_for_margin);

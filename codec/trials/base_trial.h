@@ -12,12 +12,4 @@ namespace tessera {
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain);
 
-// Whether the encoder tries them: not at low efforts, with corrections or on meshes.
-bool may_have_base_pictures(const EncodePlan& plan);
-
-// Pictures without a margin, in the direction that pays on the sample's heaviest tiles at a low effort;
-// none if neither does. What shapes of tiles are compared with.
-Result<BasePictures> choose_base_direction(const EncodePlan& plan, const Sample& sample,
-                                           const PassResult& plain);
-
 } // namespace tessera

@@ -3,7 +3,6 @@
 #include "codec/pass/steps.h"
 #include "codec/texels/sample_tiles.h"
 #include "codec/trials/background.h"
-#include "codec/trials/base_trial.h"
 #include "codec/trials/tile_shapes.h"
 #include "format/texture.h"
 
@@ -102,35 +101,17 @@ CodingParameters parameters_of_trial(const EncodePlan& trial) {
         trial);
 }
 
-EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& patches, int effort) {
-    EncodePlan trial = plan;
-    trial.colour.background = find_background(patches, plan.colour.desc);
-    trial.effort = EffortSettings::of(effort, plan.tools);
-    return trial;
-}
-
-// The base pictures that tiles are compared with: with those of camera grids fewer views a tile and more
-// texels of each cost up to a seventh less, without them more. At a low effort, on parts of the texture.
-Result<BasePictures> bases_of_trial(const EncodePlan& plan, const Extent4& tile) {
-    if (!may_have_base_pictures(plan))
-        return BasePictures{};
-    TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, tile));
-    const EncodePlan trial =
-        plan_of_trial(plan, patches, std::min(plan.options.effort, quick_effort_of_trial));
-    TESSERA_TRY_ASSIGN(const PassResult plain,
-                       run_pass(trial, parameters_of_trial(trial), patches));
-    return choose_base_direction(trial, patches, plain);
-}
-
 // What `patches` cost in tiles of `other`, over what they cost in tiles of `usual`, at an effort.
-Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, const BasePictures& bases,
-                          int effort, const Extent4& other, const Extent4& usual) {
-    const EncodePlan trial = plan_of_trial(plan, patches, effort);
-    CodingParameters parameters = parameters_of_trial(trial);
-    parameters.base = bases;
+Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, int effort,
+                          const Extent4& other, const Extent4& usual) {
+    const TextureDesc& desc = plan.colour.desc;
+    EncodePlan trial = plan;
+    trial.colour.background = find_background(patches, desc);
+    trial.effort = EffortSettings::of(effort, plan.tools);
+    const CodingParameters parameters = parameters_of_trial(trial);
     std::array<double, 2> cost{};
     for (std::size_t i = 0; i < 2; ++i) {
-        const Sample tiles = cut_into_tiles(patches, i == 0 ? other : usual, plan.colour.desc);
+        const Sample tiles = cut_into_tiles(patches, i == 0 ? other : usual, desc);
         if (trial.effort.quick) {
             TESSERA_TRY_ASSIGN(cost[i], estimated_cost(trial, parameters, tiles));
             continue;
@@ -142,8 +123,7 @@ Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, const B
 }
 
 // Whether parts of the texture code better in tiles of `other` than of `usual`.
-Result<bool> is_better(const EncodePlan& plan, const BasePictures& bases, const Extent4& other,
-                       const Extent4& usual) {
+Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Extent4& usual) {
     // Layers look at as large a part as wide tiles would need.
     const Extent4& smallest = plan.options.layers ? wide_tile : usual;
     TESSERA_TRY_ASSIGN(const Sample patches,
@@ -151,7 +131,7 @@ Result<bool> is_better(const EncodePlan& plan, const BasePictures& bases, const 
     double ratio = 1;
     for (const int most_effort : {quick_effort_of_trial, most_effort_of_trial}) {
         const int effort = std::min(plan.options.effort, most_effort);
-        TESSERA_TRY_ASSIGN(ratio, cost_ratio(plan, patches, bases, effort, other, usual));
+        TESSERA_TRY_ASSIGN(ratio, cost_ratio(plan, patches, effort, other, usual));
         if (std::abs(ratio - 1) > clear_difference || effort == plan.options.effort)
             break;
     }
@@ -176,7 +156,6 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     std::size_t best = shapes.usual;
     if (needs_no_trial(plan))
         return shapes.tiles[best];
-    TESSERA_TRY_ASSIGN(const BasePictures bases, bases_of_trial(plan, shapes.tiles[best]));
     // Towards more views while that pays, else towards fewer: each trial is of two neighbours, as those
     // share small patches.
     for (const int step : {-1, 1}) {
@@ -185,7 +164,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
             if (next >= shapes.tiles.size())
                 break; // below 0, too
             TESSERA_TRY_ASSIGN(const bool better,
-                               is_better(plan, bases, shapes.tiles[next], shapes.tiles[best]));
+                               is_better(plan, shapes.tiles[next], shapes.tiles[best]));
             if (!better)
                 break;
             best = next;
