@@ -58,6 +58,41 @@ TEST(CodeTables, EverySymbolHasItsShare) {
         ASSERT_NO_FATAL_FAILURE(check_tables(CodeTables(random_parameters(random))));
 }
 
+// The first symbol of each group's first table, and of its last one where there are several.
+TEST(CodeTables, EachHasItsPlaceInTheOrderOfParameters) {
+    Random random(9);
+    const Parameters parameters = random_parameters(random);
+    const CodeTables tables(parameters);
+    const auto expect_first = [&]<int symbols>(const SymbolTable<symbols>& table, int offset) {
+        EXPECT_EQ(table.start[1], std::min(stop_frequency(parameters[std::size_t(offset)]),
+                                           probability_total + 1u - std::uint32_t(symbols)))
+            << offset;
+    };
+    EXPECT_EQ(tables.zero.back(), stop_frequency(parameters[zero_parameters - 1]));
+    expect_first(tables.magnitude.front(), magnitude_offset);
+    expect_first(tables.magnitude.back(), first_length_offset - magnitude_chain);
+    expect_first(tables.first_length.front(), first_length_offset);
+    expect_first(tables.first_length.back(), other_length_offset - length_tokens + 1);
+    expect_first(tables.other_length.front(), other_length_offset);
+    expect_first(tables.other_length.back(), split_offset - length_tokens + 1);
+    expect_first(tables.split.front().front(), split_offset);
+    expect_first(tables.split.back().back(), correction_offset - split_kinds + 1);
+    expect_first(tables.correction.front(), correction_offset);
+    expect_first(tables.correction.back(), colour_offset - correction_chain);
+    expect_first(tables.colour.front(), colour_offset);
+    expect_first(tables.colour.back(), prediction_offset - colour_kinds + 1);
+    expect_first(tables.prediction.front(), prediction_offset);
+    expect_first(tables.prediction.back(), displacement_kind_offset - prediction_kinds + 1);
+    expect_first(tables.displacement_kind.front(), displacement_kind_offset);
+    expect_first(tables.displacement_kind.back(), displacement_offset - displacement_kinds + 1);
+    expect_first(tables.displacement.front(), displacement_offset);
+    expect_first(tables.displacement.back(), base_offset - displacement_tokens + 1);
+    expect_first(tables.base, base_offset);
+    expect_first(tables.from_base.front(), from_base_offset);
+    expect_first(tables.from_base.back(), from_base_offset + 1);
+    expect_first(tables.base_displacement, base_displacement_offset);
+}
+
 TEST(CodeTables, OddsFollowTheFormula) {
     for (int p = 0; p < parameter_count_of_odds; ++p)
         EXPECT_EQ(stop_frequency(static_cast<std::uint8_t>(p)),

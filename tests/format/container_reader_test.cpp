@@ -101,6 +101,36 @@ TEST(Container, PagesAreReadOnce) {
     EXPECT_EQ(source.reads().size(), 1 + reader->group_count() + pages);
 }
 
+TEST(Container, SumsAndNamesTheTilesThatHoldBytes) {
+    std::vector<Bytes> tiles = random_tiles(600, 15);
+    tiles[255] = Random(16).bytes(20);
+    tiles.back() = Random(17).bytes(500); // the largest, and the last of its group
+    const Sample sample(std::move(tiles));
+    const Bytes file = sample.write();
+    const auto memory = wrap_memory(file);
+    const auto reader = ContainerReader::open(*memory);
+    ASSERT_TRUE(reader);
+    std::vector<std::uint64_t> expected, named;
+    std::uint64_t bytes = 0;
+    for (std::uint64_t tile = 0; tile < sample.tiles.size(); ++tile) {
+        bytes += sample.tiles[tile].size();
+        if (!sample.tiles[tile].empty())
+            expected.push_back(tile);
+    }
+    for (std::uint32_t group = 0; group < reader->group_count(); ++group) {
+        const auto of_group = reader->nonempty_tiles(group);
+        ASSERT_TRUE(of_group);
+        named.insert(named.end(), of_group->begin(), of_group->end());
+    }
+    EXPECT_EQ(named, expected);
+    const auto sum = reader->summarise_tiles();
+    ASSERT_TRUE(sum);
+    EXPECT_EQ(sum->tiles, sample.tiles.size());
+    EXPECT_EQ(sum->empty, sample.tiles.size() - expected.size());
+    EXPECT_EQ(sum->bytes, bytes);
+    EXPECT_EQ(sum->largest, 500u);
+}
+
 // Two requests bring any neighbourhood that fits the window; loading its tiles then needs none.
 TEST(Container, PrefetchTakesTwoReads) {
     for (const bool large : {false, true}) {

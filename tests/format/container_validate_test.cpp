@@ -48,6 +48,7 @@ TEST(Damage, PageFindingNamesTheTiles) {
     ASSERT_EQ(findings.size(), 2u); // and the note about section xtra
     EXPECT_EQ(findings[0].number, static_cast<int>(ContainerRule::unknown_optional));
     EXPECT_FALSE(findings[0].fatal);
+    EXPECT_EQ(findings[0].tile_count, 0u) << "it is not about tiles";
     EXPECT_EQ(findings[1].number, static_cast<int>(ContainerRule::page_crc));
     EXPECT_EQ(findings[1].first_tile, 257u);
     EXPECT_EQ(findings[1].tile_count, 1u);
