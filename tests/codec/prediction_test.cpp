@@ -113,6 +113,17 @@ TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
     EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 0, 2}));
 }
 
+TEST(CopyDepths, AllViewsOfABlockAreAsDeepAsIt) {
+    const auto views = [](int first, int count) {
+        return Block{{0, 0, first, 0}, test::shape_of(2, 2, count, 1), 0, 0};
+    };
+    const std::vector<Block> blocks{views(0, 2), views(2, 2), views(4, 4)};
+    std::vector<BlockPrediction> predictions(3);
+    predictions[1].from = predictions[2].from = CopyFrom::along_s;
+    const CopyDepths depths = copy_depths(test::shape_of(2, 2, 8, 1), blocks, predictions);
+    EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 2}));
+}
+
 TEST(CopyDepths, SixteenIsRefused) {
     CodingParameters parameters;
     parameters.prediction = true;
