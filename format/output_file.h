@@ -33,7 +33,6 @@ public:
     Status commit();
     std::uint64_t appended() const { return appended_; }
     const std::string& path() const { return path_; }
-    const std::string& temporary_path() const { return temporary_; }
 
 private:
     void discard();

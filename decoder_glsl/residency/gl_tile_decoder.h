@@ -44,8 +44,6 @@ public:
     std::uint64_t bytes() const; // on the device
     // Gives back what decoding needs; the next batch takes it anew.
     void free_work();
-    const GlBuffer& batch_buffer() const { return batch_; }
-    const GlBuffer& work_buffer() const { return work_; }
 
 private:
     GlTileDecoder() = default;
