@@ -115,7 +115,8 @@ TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
 
 TEST(CopyDepths, AllViewsOfABlockAreAsDeepAsIt) {
     const auto views = [](int first, int count) {
-        return Block{{0, 0, first, 0}, test::shape_of(2, 2, count, 1), 0, 0};
+        return Block{
+            {0, 0, static_cast<std::uint8_t>(first), 0}, test::shape_of(2, 2, count, 1), 0, 0};
     };
     const std::vector<Block> blocks{views(0, 2), views(2, 2), views(4, 4)};
     std::vector<BlockPrediction> predictions(3);
