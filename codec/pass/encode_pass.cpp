@@ -371,6 +371,17 @@ void sort_by_places(const EncodePlan& plan, std::vector<std::uint64_t>& tiles) {
     std::ranges::stable_sort(tiles, {}, places);
 }
 
+// Calls work(worker, i) -> Status for every tile of a sample.
+template <class Work> Status for_each_tile(Crew& crew, const Sample& sample, const Work& work) {
+    return parallel_for(
+        crew.workers, sample.boxes.size(),
+        [&](Worker& worker, std::size_t i) -> Status {
+            TESSERA_TRY(check_cancelled(crew.plan.options));
+            return work(worker, i);
+        },
+        [](std::size_t) {});
+}
+
 } // namespace
 
 std::uint64_t Sample::texel_count() const {
@@ -472,14 +483,10 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     std::vector<CodedTile> tiles(sample.boxes.size());
     // Summed in the order of the tiles, whichever thread had which.
     std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);
-    TESSERA_TRY(parallel_for(
-        crew.workers, tiles.size(),
-        [&](Worker& worker, std::size_t i) -> Status {
-            TESSERA_TRY(check_cancelled(plan.options));
-            return crew.encode(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i],
-                               filter != nullptr ? &statistics[i] : nullptr);
-        },
-        [](std::size_t) {}));
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) {
+        return crew.encode(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i],
+                           filter != nullptr ? &statistics[i] : nullptr);
+    }));
     for (const FilterStatistics& one : statistics)
         filter->add(one);
     return finish(crew, 0, std::move(tiles), nullptr);
@@ -488,15 +495,11 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters& parameters,
                                  const Sample& sample) {
     Crew crew(plan, parameters, true);
-    TESSERA_TRY(parallel_for(
-        crew.workers, sample.boxes.size(),
-        [&](Worker& worker, std::size_t i) -> Status {
-            TESSERA_TRY(check_cancelled(plan.options));
-            worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
-            count_symbols(worker.levels, crew.coding, worker.statistics);
-            return {};
-        },
-        [](std::size_t) {}));
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+        worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
+        count_symbols(worker.levels, crew.coding, worker.statistics);
+        return {};
+    }));
     Statistics all;
     for (const Worker& worker : crew.workers)
         all.add(worker.statistics);
@@ -507,15 +510,11 @@ Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& pa
                               const Sample& sample) {
     Crew crew(plan, parameters, true);
     std::vector<float> costs(sample.boxes.size());
-    TESSERA_TRY(parallel_for(
-        crew.workers, costs.size(),
-        [&](Worker& worker, std::size_t i) -> Status {
-            TESSERA_TRY(check_cancelled(plan.options));
-            costs[i] = worker.encoder.estimate(sample.tiles[i], tile_shape(sample.boxes[i]),
-                                               worker.levels);
-            return {};
-        },
-        [](std::size_t) {}));
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+        costs[i] =
+            worker.encoder.estimate(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
+        return {};
+    }));
     return std::accumulate(costs.begin(), costs.end(), 0.0); // in their order, on any thread count
 }
 

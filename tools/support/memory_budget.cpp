@@ -39,6 +39,11 @@ Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
     return static_cast<std::uint64_t>(static_cast<double>(memory - needed) * slab_share);
 }
 
+DecodeOptions within_budget(DecodeOptions options, std::uint64_t slab_bytes, unsigned files) {
+    options.most_head_bytes = std::min(options.most_head_bytes, slab_bytes / 4 / files);
+    return options;
+}
+
 Status with_memory_hint(const Status& status) {
     return status.code() == ErrorCode::over_budget
                ? Status(status.code(), status.message() + "; a larger --memory helps")

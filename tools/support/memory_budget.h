@@ -1,6 +1,7 @@
 // --memory: how much a verb may hold, and what that leaves for texels.
 #pragma once
 
+#include "codec/decoder.h"
 #include "format/status.h"
 #include "format/texture.h"
 
@@ -19,10 +20,9 @@ void add_memory_option(CLI::App& app, std::string& text);
 // its threads fit.
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads);
 
-// Bytes that the head of an opened file may hold beside such slabs.
-constexpr std::uint64_t most_head_bytes(std::uint64_t slab_bytes) {
-    return slab_bytes / 4;
-}
+// `options`, with the limit that keeps the heads of `files` files, open at once, within the budget that
+// left `slab_bytes`.
+DecodeOptions within_budget(DecodeOptions options, std::uint64_t slab_bytes, unsigned files = 1);
 
 // `status`, with the option that would help, where a slab was too large.
 Status with_memory_hint(const Status& status);

@@ -46,9 +46,7 @@ struct Inputs {
 Result<TextureHints> hints_within_budget(const CompareCommand& a) {
     TESSERA_TRY_ASSIGN(TextureHints hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
-    // Two files may be open.
-    hints.decode.most_head_bytes =
-        std::min(hints.decode.most_head_bytes, most_head_bytes(slab_bytes) / 2);
+    hints.decode = within_budget(hints.decode, slab_bytes, 2);
     return hints;
 }
 

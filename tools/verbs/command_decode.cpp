@@ -111,8 +111,7 @@ void print_summary(const DecodeCommand& a, const Decoder& decoder, const ByteSou
 Status run(const DecodeCommand& a) {
     TESSERA_TRY(check_json_output(a.json, a.output));
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
-    DecodeOptions opening = a.texture.decode;
-    opening.most_head_bytes = std::min(opening.most_head_bytes, most_head_bytes(slab_bytes));
+    const DecodeOptions opening = within_budget(a.texture.decode, slab_bytes);
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const auto file, open_tess_bytes(a.input, "decode"));
     const auto decoder = Decoder::open(*file, opening);

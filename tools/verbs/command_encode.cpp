@@ -67,8 +67,10 @@ Result<std::optional<Decoder>> open_reused(const EncodeCommand& a, const DecodeO
         return std::optional<Decoder>();
     TESSERA_TRY(check_reuse_options(a.encode));
     TESSERA_TRY_ASSIGN(auto bytes, open_tess_bytes(a.reuse, "encode --reuse"));
-    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(std::move(bytes), opening));
-    return std::optional(std::move(decoder));
+    auto decoder = Decoder::open(std::move(bytes), opening);
+    if (!decoder.ok())
+        return with_memory_hint(decoder.status());
+    return std::optional(std::move(*decoder));
 }
 
 // The effort that a file was encoded at, if it says so.
@@ -149,8 +151,7 @@ Status run(const EncodeCommand& a) {
     TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto checked,
                        make_encode_options(a.encode, a.texture.threads, {}, {}));
-    hints.decode.most_head_bytes =
-        std::min(hints.decode.most_head_bytes, most_head_bytes(checked.slab_bytes));
+    hints.decode = within_budget(hints.decode, checked.slab_bytes, a.reuse.empty() ? 1 : 2);
     TESSERA_TRY_ASSIGN(const std::optional<Decoder> reused, open_reused(a, hints.decode));
     const ContainerReader* const old = reused ? &reused->container() : nullptr;
     if (old != nullptr && !hints.size && kind_of_input(a.input) == TextureKind::raw)
