@@ -164,7 +164,8 @@ private:
     // Decodes `length` coefficients; those that are not zero go to found_. Their number, or -1 for a
     // level out of range. Nearly all of the time of parsing goes into zeros: what they need is local.
     template <bool dependent>
-    int decode_coefficients(int length, int p_class, bool copies, const ScanOrder& order) {
+    [[gnu::noinline]] int decode_coefficients(int length, int p_class, bool copies,
+                                              const ScanOrder& order) {
         constexpr int by_quantiser = zero_parameter(false, 1, 0, 0, 0, 0);
         constexpr int by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);

@@ -26,13 +26,31 @@ constexpr int copy_shift(bool smooth) {
     return smooth ? 4 : 2;
 }
 
-// Where rows x n values go, rows `stride` apart: each is added to what is there, where `add` says so, and
+// Where rows x n values go, rows `stride` apart: each is added to the one of `add`, where there is one, and
 // clamped to -limit .. limit - 1.
 struct RowsTarget {
     std::int32_t* out;
     int stride, rows, n;
-    bool add;
     std::int32_t limit;
+    const std::int32_t* add = nullptr;
+    int add_stride = 0;
+};
+// Where a block of sides n goes in a plane: what lies between rows, views along s and views along t.
+// Clamped likewise.
+struct BlockTarget {
+    std::int32_t* out;
+    int n[4], row, s, t;
+    std::int32_t limit;
+};
+// Copies of one s from a base picture filtered along u, whose rows are n long and stand side by side. Copy i
+// is of `page` values, goes to out + i * stride, in place of what is there or added to it, and comes from
+// the rows from row[i] on, in phase[i] of base_filter.
+struct BaseCopies {
+    std::int32_t* out;
+    int stride, page, n, count;
+    const std::int16_t* row;
+    const std::uint8_t* phase;
+    bool add;
 };
 constexpr std::int32_t no_limit = 1 << 30; // above all that kernels give
 
@@ -40,6 +58,15 @@ constexpr std::int32_t no_limit = 1 << 30; // above all that kernels give
 struct FilterTaps {
     std::array<std::int32_t, filter_rings> strength;
     std::array<std::uint32_t, filter_rings> slope;
+};
+
+// A view of a plane as the filter reads it: rows x n values, rows `stride` apart; from: where the
+// neighbours of its first value stand, ring after ring. Rows that `skip` says (not 0) stay as they are.
+template <class Value> struct FilterView {
+    const Value* centre;
+    const Value* from[filter_taps];
+    int stride, rows, n;
+    const std::uint8_t* skip;
 };
 
 struct Kernels {
@@ -53,8 +80,8 @@ struct Kernels {
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
-    // Target = floor((in + 2^(shift - 1)) / 2^shift); `in` is dense.
-    void (*round_rows)(const std::int32_t* in, int shift, const RowsTarget& to);
+    // Target = floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0; `in` is dense and may be `out`.
+    void (*put_block)(const std::int32_t* in, int shift, const BlockTarget& to);
 
     // sums[i] += C of FORMAT.md 4.6 from rows j - 1, j, j + 1. Smooth filters read texels -1..n of
     // them, plain ones 0..n, and neither a row that its filter does without.
@@ -63,11 +90,12 @@ struct Kernels {
     // more on each side where the filter is smooth, one behind each row and a row below where it is not.
     void (*copy_rows)(const std::int32_t* from, int stride, int filter, const RowsTarget& to);
 
-    // Target[r][i] = floor((sum over j < 6 of weights[j] * from[r * stride + j * step + i]
-    //                       + 2^(shift - 1)) / 2^shift):
-    // one axis of a copy from a base picture (FORMAT.md 4.6).
-    void (*six_taps)(const std::int32_t* from, int step, int stride, const std::int8_t* weights,
-                     int shift, const RowsTarget& to);
+    // Copies from a base picture (FORMAT.md 4.6). Along u, out[r][i] is R of row r, n of them side by side,
+    // in a phase of base_filter: from texels -2 .. n + 2 of rows that lie `stride` apart.
+    void (*base_along_u)(const std::int32_t* from, int stride, int phase, int rows, int n,
+                         std::int32_t* out);
+    // And along v, where row[i] is the first of those that are summed.
+    void (*base_along_v)(const std::int32_t* from, const BaseCopies& to);
 
     // Planes of `images` (s, t) pairs times `texels` (u, v) places -> 8-bit RGB with the pairs
     // fastest: colour transform, clamp and transposition in one (FORMAT.md 4.5).
@@ -77,17 +105,17 @@ struct Kernels {
     void (*load_ycocg8)(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3]);
 
-    // out = values within -limit .. limit - 1, which fit; returns all bits set in any of them.
+    // out = values within -limit .. limit - 1, which fit; returns whether any is not 0 (not 0).
     std::int32_t (*clamp_row)(const std::int32_t* values, int n, std::int32_t limit,
                               std::int16_t* out);
     std::int32_t (*clamp_wide_row)(const std::int32_t* values, int n, std::int32_t limit,
                                    std::int32_t* out);
-    // out = the filtered values of a row of n; from: where the neighbours of its first value stand, ring
-    // after ring; of unorm8 and, in the second, half16. Values are within value_limit; up to 15 past a row are read and have no effect.
-    void (*filter_row)(const std::int16_t* centre, const std::int16_t* const* from,
-                       const FilterTaps& taps, int n, std::int32_t* out);
-    void (*filter_wide_row)(const std::int32_t* centre, const std::int32_t* const* from,
-                            const FilterTaps& taps, int n, std::int32_t* out);
+    // out = the filtered values of a view, dense; of unorm8 and, in the second, half16. Values are within
+    // value_limit; up to 15 past a row are read and have no effect.
+    void (*filter_view)(const FilterView<std::int16_t>& in, const FilterTaps& taps,
+                        std::int32_t* out);
+    void (*filter_wide_view)(const FilterView<std::int32_t>& in, const FilterTaps& taps,
+                             std::int32_t* out);
 };
 
 // The paths: portable loops; vectors of 128 bits as the compiler makes them of any instruction set (NEON,

@@ -2,6 +2,7 @@
 // No standard library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
 #include "codec/kernels/kernels.h"
 
+#include "format/tile/base_picture.h"
 #include "format/tile/dct_basis.h"
 
 namespace tessera {
@@ -108,17 +109,35 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
 // Calls value(r, i) for all of a target.
 template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
     const std::int32_t least = -to.limit, most = to.limit - 1;
-    std::int32_t* out = to.out;
-    for (int r = 0; r < to.rows; ++r, out += to.stride)
+    for (int r = 0; r < to.rows; ++r) {
+        std::int32_t* const out = to.out + r * to.stride;
+        const std::int32_t* const add = to.add == nullptr ? nullptr : to.add + r * to.add_stride;
         for (int i = 0; i < to.n; ++i) {
-            const std::int32_t sum = value(r, i) + (to.add ? out[i] : 0);
+            const std::int32_t sum = value(r, i) + (add == nullptr ? 0 : add[i]);
             out[i] = sum < least ? least : sum > most ? most : sum;
+        }
+    }
+}
+
+// Calls row(in, out) for the n[0] values of each row of a block.
+template <class Row>
+inline void for_each_block_row(const std::int32_t* in, const BlockTarget& to, Row row) {
+    for (int t = 0; t < to.n[3]; ++t)
+        for (int s = 0; s < to.n[2]; ++s) {
+            std::int32_t* out = to.out + t * to.t + s * to.s;
+            for (int v = 0; v < to.n[1]; ++v, out += to.row, in += to.n[0])
+                row(in, out);
         }
 }
 
-void round_rows(const std::int32_t* in, int shift, const RowsTarget& to) {
-    const std::int32_t half = 1 << (shift - 1);
-    put_rows(to, [&](int r, int i) { return (in[r * to.n + i] + half) >> shift; });
+void put_block(const std::int32_t* in, int shift, const BlockTarget& to) {
+    const std::int32_t half = 1 << shift >> 1, least = -to.limit, most = to.limit - 1;
+    for_each_block_row(in, to, [&](const std::int32_t* from, std::int32_t* out) {
+        for (int i = 0; i < to.n[0]; ++i) {
+            const std::int32_t x = (from[i] + half) >> shift;
+            out[i] = x < least ? least : x > most ? most : x;
+        }
+    });
 }
 
 inline unsigned char to_byte(std::int32_t x) {
@@ -210,24 +229,47 @@ void copy_rows(const std::int32_t* from, int stride, int filter, const RowsTarge
         for (int i = 0; i < to.n; ++i)
             sums[i] = 1 << (shift - 1);
         add_copies(rows, filter, to.n, sums);
-        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.add, to.limit},
+        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.limit,
+                  to.add == nullptr ? nullptr : to.add + r * to.add_stride},
                  [&](int, int i) { return sums[i] >> shift; });
     }
 }
 
-void six_taps(const std::int32_t* from, int step, int stride, const std::int8_t* weights, int shift,
-              const RowsTarget& to) {
-    const std::int32_t w[6] = {weights[0], weights[1], weights[2],
-                               weights[3], weights[4], weights[5]};
-    const std::int32_t half = 1 << (shift - 1);
-    for (int r = 0; r < to.rows; ++r, from += stride) {
-        std::int32_t sums[max_tile_side];
-        for (int i = 0; i < to.n; ++i)
-            sums[i] = w[0] * from[i] + w[1] * from[i + step] + w[2] * from[i + 2 * step] +
-                      w[3] * from[i + 3 * step] + w[4] * from[i + 4 * step] +
-                      w[5] * from[i + 5 * step];
-        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.add, to.limit},
-                 [&](int, int i) { return (sums[i] + half) >> shift; });
+inline const std::int8_t* base_weights(int phase) {
+    return base_filter[static_cast<unsigned>(phase)].data();
+}
+
+// sums[i] += weight j times from[i + j * step], for all six.
+inline void add_taps(const std::int32_t* from, int step, const std::int8_t* weights, int n,
+                     std::int32_t* sums) {
+    for (int j = 0; j < base_taps; ++j)
+        for (int i = 0; i < n; ++i)
+            sums[i] += weights[j] * from[i + j * step];
+}
+
+void base_along_u(const std::int32_t* from, int stride, int phase, int rows, int n,
+                  std::int32_t* out) {
+    const std::int8_t* const weights = base_weights(phase);
+    for (int r = 0; r < rows; ++r, from += stride, out += n) {
+        std::int32_t sums[max_tile_side] = {};
+        add_taps(from - base_taps_before, 1, weights, n, sums);
+        for (int i = 0; i < n; ++i)
+            out[i] = (sums[i] + (1 << base_first_shift >> 1)) >> base_first_shift;
+    }
+}
+
+void base_along_v(const std::int32_t* from, const BaseCopies& to) {
+    for (int copy = 0; copy < to.count; ++copy) {
+        const std::int32_t* const first = from + to.row[copy] * to.n;
+        std::int32_t* const out = to.out + copy * to.stride;
+        for (int begin = 0; begin < to.page; begin += max_tile_side) {
+            const int n = begin + max_tile_side <= to.page ? max_tile_side : to.page - begin;
+            std::int32_t sums[max_tile_side] = {};
+            add_taps(first + begin, to.n, base_weights(to.phase[copy]), n, sums);
+            for (int i = 0; i < n; ++i)
+                out[begin + i] = ((sums[i] + (1 << base_second_shift >> 1)) >> base_second_shift) +
+                                 (to.add ? out[begin + i] : 0);
+        }
     }
 }
 
@@ -263,20 +305,42 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
         out[u] = centre[u] + ((sums[u] + 128) >> 8);
 }
 
+// Calls row(centre, from, out) for the rows that are not skipped.
+template <class Value, class Row>
+inline void for_each_filtered_row(const FilterView<Value>& in, std::int32_t* out, Row row) {
+    for (int v = 0; v < in.rows; ++v) {
+        if (in.skip[v] != 0)
+            continue;
+        const Value* from[filter_taps];
+        for (std::size_t i = 0; i < filter_taps; ++i)
+            from[i] = in.from[i] + v * in.stride;
+        row(in.centre + v * in.stride, from, out + v * in.n);
+    }
+}
+
+template <class Value>
+void filter_view(const FilterView<Value>& in, const FilterTaps& taps, std::int32_t* out) {
+    for_each_filtered_row(
+        in, out, [&](const Value* centre, const Value* const* from, std::int32_t* row_out) {
+            filter_row(centre, from, taps, in.n, row_out);
+        });
+}
+
 constexpr Kernels make_kernels(const char* name) {
     return {name,
             inverse_rows,
             inverse_planes,
-            round_rows,
+            put_block,
             add_copies,
             copy_rows,
-            six_taps,
+            base_along_u,
+            base_along_v,
             store_ycocg8,
             load_ycocg8,
             clamp_row<std::int16_t>,
             clamp_row<std::int32_t>,
-            filter_row<std::int16_t>,
-            filter_row<std::int32_t>};
+            filter_view<std::int16_t>,
+            filter_view<std::int32_t>};
 }
 
 } // namespace

@@ -149,18 +149,19 @@ template <class Value> void put_vectors(const RowsTarget& to, Value value) {
     const auto within = [&](__m256i x) {
         return _mm256_max_epi32(_mm256_min_epi32(x, most), least);
     };
-    std::int32_t* out = to.out;
-    for (int r = 0; r < to.rows; ++r, out += to.stride) {
+    for (int r = 0; r < to.rows; ++r) {
+        std::int32_t* const out = to.out + r * to.stride;
+        const std::int32_t* const add = to.add == nullptr ? nullptr : to.add + r * to.add_stride;
         for (int i = 0; i < whole; i += lanes) {
             __m256i x = value(r, i, load);
-            if (to.add)
-                x = _mm256_add_epi32(x, load(out + i));
+            if (add != nullptr)
+                x = _mm256_add_epi32(x, load(add + i));
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), within(x));
         }
         if (whole < to.n) {
             __m256i x = value(r, whole, load_some);
-            if (to.add)
-                x = _mm256_add_epi32(x, load_some(out + whole));
+            if (add != nullptr)
+                x = _mm256_add_epi32(x, load_some(add + whole));
             _mm256_maskstore_epi32(out + whole, mask, within(x));
         }
     }
@@ -171,9 +172,34 @@ __m256i rounded(__m256i x, int shift) {
                             _mm_cvtsi32_si128(shift));
 }
 
-void round_rows_avx2(const std::int32_t* in, int shift, const RowsTarget& to) {
-    put_vectors(to,
-                [&](int r, int i, auto load) { return rounded(load(in + r * to.n + i), shift); });
+// floor((x + half) / 2^shift), half = 2^(shift - 1); or x for shift 0.
+struct Rounding {
+    explicit Rounding(int shift)
+        : half(_mm256_set1_epi32(1 << shift >> 1)), count(_mm_cvtsi32_si128(shift)) {}
+    __m256i operator()(__m256i x) const {
+        return _mm256_sra_epi32(_mm256_add_epi32(x, half), count);
+    }
+    const __m256i half;
+    const __m128i count;
+};
+
+void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
+    const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
+    const Rounding rounding(shift);
+    const int n = to.n[0], whole = n & ~(lanes - 1);
+    const __m256i mask = lane_mask(n - whole);
+    const auto finished = [&](__m256i x) {
+        return _mm256_max_epi32(_mm256_min_epi32(rounding(x), most), least);
+    };
+    for_each_block_row(in, to, [&](const std::int32_t* from, std::int32_t* out) {
+        for (int i = 0; i < whole; i += lanes)
+            _mm256_storeu_si256(
+                reinterpret_cast<__m256i*>(out + i),
+                finished(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i))));
+        if (whole < n)
+            _mm256_maskstore_epi32(out + whole, mask,
+                                   finished(_mm256_maskload_epi32(from + whole, mask)));
+    });
 }
 
 __m256i sum_of(__m256i a, __m256i b) {
@@ -224,20 +250,64 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
     }
 }
 
-void six_taps_avx2(const std::int32_t* from, int step, int stride, const std::int8_t* weights,
-                   int shift, const RowsTarget& to) {
-    const auto weight = [&](int tap) { return _mm256_set1_epi32(weights[tap]); };
-    const __m256i w0 = weight(0), w1 = weight(1), w2 = weight(2), w3 = weight(3), w4 = weight(4),
-                  w5 = weight(5);
-    put_vectors(to, [&](int r, int i, auto load) {
-        const std::int32_t* at = from + r * stride + i;
-        const auto product = [&](int tap, __m256i w) {
-            return _mm256_mullo_epi32(load(at + tap * step), w);
+// Calls put(i, sum, load) for every eight sums of six neighbours, `step` apart, of n.
+template <class Put>
+void sum_six_taps(const std::int32_t* from, int step, const std::int8_t* weights, int n,
+                  __m256i last_mask, Put put) {
+    __m256i w[base_taps];
+    for (int tap = 0; tap < base_taps; ++tap)
+        w[tap] = _mm256_set1_epi32(weights[tap]);
+    const auto sum = [&](const std::int32_t* at, auto load) {
+        const auto product = [&](int tap) {
+            return _mm256_mullo_epi32(load(at + tap * step), w[tap]);
         };
-        const __m256i a = sum_of(product(0, w0), product(1, w1));
-        const __m256i b = sum_of(product(2, w2), product(3, w3));
-        return rounded(sum_of(sum_of(a, b), sum_of(product(4, w4), product(5, w5))), shift);
-    });
+        return sum_of(sum_of(sum_of(product(0), product(1)), sum_of(product(2), product(3))),
+                      sum_of(product(4), product(5)));
+    };
+    const int whole = n & ~(lanes - 1);
+    for (int i = 0; i < whole; i += lanes)
+        put(i, sum(from + i, [](const std::int32_t* at) {
+                return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+            }));
+    if (whole < n)
+        put(whole, sum(from + whole, [&](const std::int32_t* at) {
+                return _mm256_maskload_epi32(at, last_mask);
+            }));
+}
+
+void base_along_u_avx2(const std::int32_t* from, int stride, int phase, int rows, int n,
+                       std::int32_t* out) {
+    const __m256i mask = lane_mask(n & (lanes - 1));
+    const Rounding rounding(base_first_shift);
+    for (int r = 0; r < rows; ++r, from += stride, out += n)
+        sum_six_taps(
+            from - base_taps_before, 1, base_weights(phase), n, mask, [&](int i, __m256i sum) {
+                if (i + lanes <= n)
+                    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), rounding(sum));
+                else
+                    _mm256_maskstore_epi32(out + i, mask, rounding(sum));
+            });
+}
+
+void base_along_v_avx2(const std::int32_t* from, const BaseCopies& to) {
+    const __m256i mask = lane_mask(to.page & (lanes - 1));
+    const Rounding rounding(base_second_shift);
+    std::int32_t* out = to.out;
+    for (int copy = 0; copy < to.count; ++copy, out += to.stride)
+        sum_six_taps(from + to.row[copy] * to.n, to.n, base_weights(to.phase[copy]), to.page, mask,
+                     [&](int i, __m256i sum) {
+                         __m256i value = rounding(sum);
+                         if (i + lanes <= to.page) {
+                             auto* const at = reinterpret_cast<__m256i*>(out + i);
+                             if (to.add)
+                                 value = sum_of(value, _mm256_loadu_si256(at));
+                             _mm256_storeu_si256(at, value);
+                             return;
+                         }
+                         if (to.add)
+                             value = sum_of(value, _mm256_maskload_epi32(out + i, mask));
+                         _mm256_maskstore_epi32(out + i, mask, value);
+                     });
 }
 
 void transpose(__m256i r[8]) {
@@ -354,69 +424,151 @@ void load_ycocg8_avx2(const unsigned char* in, int texels, int images,
     load_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, background, plane);
 }
 
-// Sixteen values at once. Differences fit 16 bits, their shares 7; two neighbours' products are summed
-// by one multiply-add.
-void filter_row_avx2(const std::int16_t* centre, const std::int16_t* const* from,
-                     const FilterTaps& taps, int n, std::int32_t* out) {
-    const auto load = [](const std::int16_t* at) {
-        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
-    };
-    const __m256i largest = _mm256_set1_epi16(most_difference(SampleType::unorm8));
-    for (int u = 0; u < n; u += 16) {
-        const __m256i own = load(centre + u);
-        __m256i low = _mm256_set1_epi32(128), high = low;
-        for (std::size_t ring = 0; ring < filter_rings; ++ring) {
-            const std::int32_t strength = taps.strength[ring];
+// Sixteen values of a row at once. Differences fit 16 bits, their shares 7; two neighbours' products are
+// summed by one multiply-add.
+class FilterRings {
+public:
+    explicit FilterRings(const FilterTaps& taps) {
+        constexpr std::uint32_t largest = most_difference(SampleType::unorm8);
+        for (int ring = 0; ring < filter_rings; ++ring) {
+            const std::int32_t strength = taps.strength[static_cast<unsigned>(ring)];
+            const std::uint32_t slope = taps.slope[static_cast<unsigned>(ring)];
+            const std::int32_t most = strength < 0 ? -strength : strength;
             if (strength == 0)
                 continue;
-            const __m256i most =
-                _mm256_set1_epi16(static_cast<std::int16_t>(strength < 0 ? -strength : strength));
-            const __m256i sign = _mm256_set1_epi16(strength < 0 ? -1 : 1);
-            const __m256i slope = _mm256_set1_epi16(static_cast<std::int16_t>(taps.slope[ring]));
-            const auto share_of = [&](__m256i d) {
-                const __m256i size = _mm256_min_epu16(_mm256_abs_epi16(d), largest);
-                const __m256i lost = _mm256_mulhi_epu16(_mm256_slli_epi16(size, 4), slope);
-                return _mm256_sign_epi16(_mm256_subs_epu16(most, lost), sign);
-            };
-            for (std::size_t i = 4 * ring; i < 4 * ring + 4; i += 2) {
-                const __m256i a = _mm256_sub_epi16(load(from[i] + u), own);
-                const __m256i b = _mm256_sub_epi16(load(from[i + 1] + u), own);
-                const __m256i p = share_of(a), q = share_of(b);
-                low = _mm256_add_epi32(low, _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b),
-                                                              _mm256_unpacklo_epi16(p, q)));
-                high = _mm256_add_epi32(high, _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b),
-                                                                _mm256_unpackhi_epi16(p, q)));
-            }
+            bounded_ = bounded_ || slope >> 12 != 0 || (largest * slope >> 12) < wide(most);
+            rings_[count_++] = {4 * ring, _mm256_set1_epi16(static_cast<std::int16_t>(most)),
+                                _mm256_set1_epi16(static_cast<std::int16_t>(slope)),
+                                _mm256_set1_epi32(strength < 0 ? -1 : 0)};
         }
-        low = _mm256_srai_epi32(low, 8);
-        high = _mm256_srai_epi32(high, 8);
-        // The halves of each 128 bits were taken apart above.
+        if (!bounded_)
+            for (int i = 0; i < count_; ++i)
+                rings_[i].slope = _mm256_slli_epi16(rings_[i].slope, 4);
+    }
+
+    // Whether there is a ring whose share of the largest difference that counts is not 0, or whose slope
+    // is steep: then differences have to be bounded before their shares are taken.
+    bool bounded() const { return bounded_; }
+
+    template <bool bounded>
+    void filter_row(const std::int16_t* centre, const std::int16_t* const* from, int n,
+                    std::int32_t* out) const {
+        for (int u = 0; u < n; u += 16) {
+            const __m256i own = load(centre + u);
+            __m256i low = _mm256_set1_epi32(128), high = low;
+            for (int i = 0; i < count_; ++i) {
+                const Ring& ring = rings_[i];
+                const std::int16_t* const* const taps = from + ring.first;
+                __m256i ring_low = _mm256_setzero_si256(), ring_high = ring_low;
+                for (int tap = 0; tap < 4; tap += 2) {
+                    const __m256i a = _mm256_sub_epi16(load(taps[tap] + u), own);
+                    const __m256i b = _mm256_sub_epi16(load(taps[tap + 1] + u), own);
+                    const __m256i p = share<bounded>(a, ring), q = share<bounded>(b, ring);
+                    ring_low =
+                        _mm256_add_epi32(ring_low, _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b),
+                                                                     _mm256_unpacklo_epi16(p, q)));
+                    ring_high =
+                        _mm256_add_epi32(ring_high, _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b),
+                                                                      _mm256_unpackhi_epi16(p, q)));
+                }
+                low = _mm256_add_epi32(low, with_sign(ring_low, ring.sign));
+                high = _mm256_add_epi32(high, with_sign(ring_high, ring.sign));
+            }
+            put(own, _mm256_srai_epi32(low, 8), _mm256_srai_epi32(high, 8), n - u, out + u);
+        }
+    }
+
+private:
+    struct Ring {
+        int first; // of its taps
+        __m256i most, slope, sign;
+    };
+
+    static __m256i load(const std::int16_t* at) {
+        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+    }
+    static __m256i with_sign(__m256i x, __m256i sign) {
+        return _mm256_sub_epi32(_mm256_xor_si256(x, sign), sign);
+    }
+    template <bool bounded> static __m256i share(__m256i difference, const Ring& ring) {
+        __m256i size = _mm256_abs_epi16(difference);
+        if (bounded)
+            size = _mm256_slli_epi16(
+                _mm256_min_epu16(size, _mm256_set1_epi16(most_difference(SampleType::unorm8))), 4);
+        return _mm256_subs_epu16(ring.most, _mm256_mulhi_epu16(size, ring.slope));
+    }
+
+    // The first n of 16 values and their changes, whose halves of each 128 bits were taken apart.
+    static void put(__m256i own, __m256i low, __m256i high, int n, std::int32_t* out) {
         const __m256i first = _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_castsi256_si128(own)),
                                                _mm256_permute2x128_si256(low, high, 0x20));
         const __m256i second =
             _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_extracti128_si256(own, 1)),
                              _mm256_permute2x128_si256(low, high, 0x31));
-        if (n - u >= 16) {
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + u), first);
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + u + lanes), second);
-            continue;
+        if (n >= 16) {
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), first);
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + lanes), second);
+            return;
         }
-        _mm256_maskstore_epi32(out + u, lane_mask(n - u), first);
-        if (n - u > lanes)
-            _mm256_maskstore_epi32(out + u + lanes, lane_mask(n - u - lanes), second);
+        _mm256_maskstore_epi32(out, lane_mask(n), first);
+        if (n > lanes)
+            _mm256_maskstore_epi32(out + lanes, lane_mask(n - lanes), second);
     }
+
+    Ring rings_[filter_rings];
+    int count_ = 0;
+    bool bounded_ = false;
+};
+
+void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps,
+                      std::int32_t* out) {
+    const FilterRings rings(taps);
+    const auto filter = [&]<bool bounded>() {
+        for_each_filtered_row(
+            in, out,
+            [&](const std::int16_t* centre, const std::int16_t* const* from, std::int32_t* row) {
+                rings.filter_row<bounded>(centre, from, in.n, row);
+            });
+    };
+    if (rings.bounded())
+        filter.operator()<true>();
+    else
+        filter.operator()<false>();
+}
+
+// Eight values at once; the last ones are done with some that were done before.
+std::int32_t clamp_row_avx2(const std::int32_t* values, int n, std::int32_t most,
+                            std::int16_t* out) {
+    if (n < lanes)
+        return clamp_row(values, n, most, out);
+    const __m256i least = _mm256_set1_epi32(-most), largest = _mm256_set1_epi32(most - 1);
+    __m256i seen = _mm256_setzero_si256();
+    for (int begin = 0; begin < n; begin += lanes) {
+        const int i = begin + lanes <= n ? begin : n - lanes;
+        const __m256i x = _mm256_max_epi32(
+            _mm256_min_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)),
+                             largest),
+            least);
+        seen = _mm256_or_si256(seen, x);
+        _mm_storeu_si128(
+            reinterpret_cast<__m128i*>(out + i),
+            _mm_packs_epi32(_mm256_castsi256_si128(x), _mm256_extracti128_si256(x, 1)));
+    }
+    return !_mm256_testz_si256(seen, seen);
 }
 
 constexpr Kernels make_avx2_kernels() {
     Kernels k = make_kernels("avx2");
     k.inverse_rows = inverse_rows_avx2;
     k.inverse_planes = inverse_planes_avx2;
-    k.round_rows = round_rows_avx2;
+    k.put_block = put_block_avx2;
     k.copy_rows = copy_rows_avx2;
-    k.six_taps = six_taps_avx2;
+    k.base_along_u = base_along_u_avx2;
+    k.base_along_v = base_along_v_avx2;
     k.store_ycocg8 = store_ycocg8_avx2;
     k.load_ycocg8 = load_ycocg8_avx2;
-    k.filter_row = filter_row_avx2;
+    k.filter_view = filter_view_avx2;
+    k.clamp_row = clamp_row_avx2;
     return k;
 }
 

@@ -174,14 +174,14 @@ inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
 }
 
 // Eight values at once, whose sums stay in registers. Differences fit 16 bits, their shares 7.
-void filter_row_vector(const std::int16_t* centre, const std::int16_t* const* from,
-                       const FilterTaps& taps, int n, std::int32_t* out) {
+void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& taps,
+                        std::int32_t* out) {
     const UShort8 largest =
         UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
     struct Ring {
         UShort8 full, slope;
-        Int4 sign; // 0, or all bits where the share is negative
-        const std::int16_t* const* from;
+        Int4 sign;         // 0, or all bits where the share is negative
+        std::size_t first; // of its taps
     };
     Ring rings[filter_rings];
     int count = 0;
@@ -191,31 +191,36 @@ void filter_row_vector(const std::int16_t* centre, const std::int16_t* const* fr
             rings[count++] = {UShort8{} +
                                   static_cast<std::uint16_t>(strength < 0 ? -strength : strength),
                               UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]),
-                              Int4{} + (strength < 0 ? -1 : 0), from + 4 * ring};
+                              Int4{} + (strength < 0 ? -1 : 0), 4 * ring};
     }
-    for (int u = 0; u < n; u += 8) {
-        const auto own = load_vector<Short8>(centre + u);
-        Int4 sums[2] = {Int4{} + 128, Int4{} + 128};
-        for (int r = 0; r < count; ++r) {
-            const Ring& ring = rings[r];
-            Int4 of_ring[2] = {};
-            for (int i = 0; i < 4; i += 2) {
-                const Short8 a = load_vector<Short8>(ring.from[i] + u) - own;
-                const Short8 b = load_vector<Short8>(ring.from[i + 1] + u) - own;
-                add_products(of_ring, a, shares_of(a, largest, ring.full, ring.slope), b,
-                             shares_of(b, largest, ring.full, ring.slope));
+    const int n = in.n;
+    for_each_filtered_row(
+        in, out,
+        [&](const std::int16_t* centre, const std::int16_t* const* from, std::int32_t* row) {
+            for (int u = 0; u < n; u += 8) {
+                const auto own = load_vector<Short8>(centre + u);
+                Int4 sums[2] = {Int4{} + 128, Int4{} + 128};
+                for (int r = 0; r < count; ++r) {
+                    const Ring& ring = rings[r];
+                    Int4 of_ring[2] = {};
+                    for (std::size_t i = 0; i < 4; i += 2) {
+                        const Short8 a = load_vector<Short8>(from[ring.first + i] + u) - own;
+                        const Short8 b = load_vector<Short8>(from[ring.first + i + 1] + u) - own;
+                        add_products(of_ring, a, shares_of(a, largest, ring.full, ring.slope), b,
+                                     shares_of(b, largest, ring.full, ring.slope));
+                    }
+                    sums[0] += (of_ring[0] ^ ring.sign) - ring.sign;
+                    sums[1] += (of_ring[1] ^ ring.sign) - ring.sign;
+                }
+                std::int32_t filtered[8];
+                const Int4 first = sums[0] >> 8, second = sums[1] >> 8;
+                __builtin_memcpy(filtered, &first, sizeof first);
+                __builtin_memcpy(filtered + 4, &second, sizeof second);
+                const int values = n - u < 8 ? n - u : 8;
+                for (int i = 0; i < values; ++i)
+                    row[u + i] = centre[u + i] + filtered[i];
             }
-            sums[0] += (of_ring[0] ^ ring.sign) - ring.sign;
-            sums[1] += (of_ring[1] ^ ring.sign) - ring.sign;
-        }
-        std::int32_t filtered[8];
-        const Int4 first = sums[0] >> 8, second = sums[1] >> 8;
-        __builtin_memcpy(filtered, &first, sizeof first);
-        __builtin_memcpy(filtered + 4, &second, sizeof second);
-        const int values = n - u < 8 ? n - u : 8;
-        for (int i = 0; i < values; ++i)
-            out[u + i] = centre[u + i] + filtered[i];
-    }
+        });
 }
 
 #ifdef TESSERA_PAIR_PRODUCTS
@@ -280,7 +285,7 @@ constexpr Kernels make_vector_kernels() {
     k.inverse_planes = inverse_planes_vector;
 #endif
     k.store_ycocg8 = store_ycocg8_vector;
-    k.filter_row = filter_row_vector;
+    k.filter_view = filter_view_vector;
     return k;
 }
 

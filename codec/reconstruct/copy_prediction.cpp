@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 
 namespace tessera {
 namespace {
@@ -65,131 +66,162 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
         }
 }
 
-// Copies nu x nv texels of one plane of a base picture, moved by eighths of a texel.
-class BasePlane {
+// Copies blocks from one plane of a tile's base picture.
+class BaseCopy {
 public:
-    BasePlane(const std::vector<std::int32_t>& plane, const BlockShape& shape, int nu, int nv)
-        : view_{plane.data(), shape.n[0], shape.n[1]}, nu_(nu), nv_(nv),
-          filtered_(std::make_unique_for_overwrite<std::int32_t[]>(
-              static_cast<std::size_t>(nu * most_rows(nv)))) {}
-
-    // Copies from u, du eighths on, `count` times: from v_of(i), in eighths, to target(i). What is
-    // filtered along u serves all.
-    template <class Place, class Target>
-    void copy(int u, int du, int count, Place v_of, Target target) {
-        int first = last_row(), last = first_row();
-        for (int i = 0; i < count; ++i) {
-            first = std::min(first, row_of(v_of(i)));
-            last = std::max(last, row_of(v_of(i)));
+    BaseCopy(const Block& block, const BlockPrediction& prediction, const TilePlanes& decoded,
+             std::size_t plane)
+        : block_(block), displacement_(prediction.displacement),
+          tile_(decoded.shape), view_{decoded.base[plane].data(), decoded.base_shape.n[0],
+                                      decoded.base_shape.n[1]},
+          margin_((decoded.base_shape.n[0] - decoded.shape.n[0]) / 2), nu_(block.shape.n[0]),
+          nv_(block.shape.n[1]) {
+        for (int t = 0; t < block.shape.n[3]; ++t) {
+            const auto i = static_cast<std::size_t>(t);
+            const int v = from_middle(3, t) * displacement_.v;
+            // So far away that all of a copy is the same row of the edge: the nearest such.
+            const int row = std::clamp(block.origin[1] + margin_ + (v >> 3), -(nv_ + taps_around),
+                                       view_.height + taps_around);
+            row_[i] = static_cast<std::int16_t>(row);
+            phase_[i] = static_cast<std::uint8_t>(v & (base_unit - 1));
         }
-        const bool near = last - first + nv_ + taps_around <= count * (nv_ + taps_around);
-        if (near)
-            filter_along_u(u, du, first, last);
-        for (int i = 0; i < count; ++i) {
-            const int row = row_of(v_of(i));
-            if (!near) {
-                first = row;
-                filter_along_u(u, du, row, row);
+        const auto rows = std::span(row_).first(block.shape.n[3]);
+        first_ = *std::ranges::min_element(rows);
+        last_ = *std::ranges::max_element(rows);
+        filtered_ = std::make_unique_for_overwrite<std::int32_t[]>(
+            static_cast<std::size_t>(nu_ * (last_ - first_ + nv_ + taps_around)));
+    }
+
+    // values, dense in block order: += the copy, or = where not `add`.
+    void run(bool add, std::int32_t* values) {
+        const auto& n = block_.shape.n;
+        const int page = nu_ * nv_;
+        const bool near = last_ - first_ + nv_ + taps_around <= n[3] * (nv_ + taps_around);
+        for (int s = 0; s < n[2]; ++s, values += page) {
+            const int u = from_middle(2, s) * displacement_.u;
+            if (near) { // what is filtered along u serves all
+                filter_along_u(u, first_, last_);
+                filter_along_v({values, n[2] * page, page, nu_, n[3], nullptr, phase_.data(), add},
+                               first_, 0);
+                continue;
             }
-            const std::int32_t* from = filtered_.get() + (row - first) * nu_;
-            kernels().six_taps(from, nu_, nu_, weights(v_of(i)), base_second_shift, target(i));
+            for (int t = 0; t < n[3]; ++t) {
+                const auto i = static_cast<std::size_t>(t);
+                filter_along_u(u, row_[i], row_[i]);
+                filter_along_v(
+                    {values + t * n[2] * page, 0, page, nu_, 1, nullptr, phase_.data() + t, add},
+                    row_[i], i);
+            }
         }
     }
 
 private:
     static_assert(base_unit == 1 << 3);
-    static constexpr int before = 2; // texels before the one that a tap of its own stands for
     static constexpr int taps_around = base_taps - 1;
 
-    static const std::int8_t* weights(int eighths) {
-        return base_filter[static_cast<std::size_t>(eighths & (base_unit - 1))].data();
+    int from_middle(std::size_t axis, int view) const {
+        return block_.origin[axis] + view - (tile_.n[axis] - 1) / 2;
     }
-
-    // Rows so far away that all of a copy is the same row of the edge are taken for the nearest such.
-    int first_row() const { return -(nv_ + taps_around); }
-    int last_row() const { return view_.height + taps_around; }
-    int row_of(int eighths) const { return std::clamp(eighths >> 3, first_row(), last_row()); }
-    int most_rows(int nv) const { return view_.height + 2 * taps_around + nv + nv + taps_around; }
 
     // What copies from row `first` to those from row `last` on need, each row once; beyond the edges they
     // repeat.
-    void filter_along_u(int u, int du, int first, int last) {
-        const int v = first - before, rows = last - first + nv_ + taps_around;
+    void filter_along_u(int eighths, int first, int last) {
+        const int v = first - base_taps_before, rows = last - first + nv_ + taps_around;
         const int begin = std::clamp(-v, 0, rows - 1);
         const int end = std::clamp(view_.height - v, begin + 1, rows);
-        const int nu = nu_ + taps_around;
-        const Rows from =
-            view_.part(u + (du >> 3) - before, v + begin, nu, end - begin, edge_.data());
+        const Rows from = view_.part(block_.origin[0] + margin_ + (eighths >> 3) - base_taps_before,
+                                     v + begin, nu_ + taps_around, end - begin, edge_.data());
         std::int32_t* const to = filtered_.get();
-        kernels().six_taps(from.first, 1, from.stride, weights(du), base_first_shift,
-                           {to + begin * nu_, nu_, end - begin, nu_, false, no_limit});
+        kernels().base_along_u(from.first + base_taps_before, from.stride,
+                               eighths & (base_unit - 1), end - begin, nu_, to + begin * nu_);
         for (int i = 0; i < begin; ++i)
             std::copy_n(to + begin * nu_, nu_, to + i * nu_);
         for (int i = end; i < rows; ++i)
             std::copy_n(to + (end - 1) * nu_, nu_, to + i * nu_);
     }
 
+    // Copies of t from `t` on, from rows of which the first is number `first`.
+    void filter_along_v(BaseCopies to, int first, std::size_t t) {
+        std::array<std::int16_t, max_angular_side> rows;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(to.count); ++i)
+            rows[i] = static_cast<std::int16_t>(row_[t + i] - first);
+        to.row = rows.data();
+        kernels().base_along_v(filtered_.get(), to);
+    }
+
+    const Block& block_;
+    const Displacement displacement_;
+    const BlockShape& tile_;
     const View view_;
-    const int nu_, nv_;
+    const int margin_, nu_, nv_;
+    std::array<std::int16_t, max_angular_side> row_{}; // of each t, that its copy begins at
+    std::array<std::uint8_t, max_angular_side> phase_;
+    int first_ = 0, last_ = 0; // of row_
     std::array<std::int32_t, (max_tile_side + base_taps) * max_tile_side> edge_;
     std::unique_ptr<std::int32_t[]> filtered_;
 };
 
-// Copies all views of a block from the tile's base picture; target(s, t) is where one goes to.
-template <class Target>
-void copy_base(const Block& block, const BlockPrediction& prediction, const TilePlanes& decoded,
-               std::size_t plane, Target target) {
-    const auto& n = block.shape.n;
-    BasePlane base(decoded.base[plane], decoded.base_shape, n[0], n[1]);
-    const int margin = (decoded.base_shape.n[0] - decoded.shape.n[0]) / 2;
-    const auto from_middle = [&](std::size_t axis, int view) {
-        return block.origin[axis] + view - (decoded.shape.n[axis] - 1) / 2;
-    };
-    for (int s = 0; s < n[2]; ++s)
-        base.copy(
-            block.origin[0] + margin, from_middle(2, s) * prediction.displacement.u, n[3],
-            [&](int t) {
-                return (block.origin[1] + margin) * base_unit +
-                       from_middle(3, t) * prediction.displacement.v;
-            },
-            [&](int t) { return target(s, t); });
-}
-
-template <class Target>
-void copy_block(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                const TilePlanes& decoded, std::size_t plane, Target target) {
-    if (prediction.copies_base())
-        copy_base(block, prediction, decoded, plane, target);
-    else
-        copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
-                   decoded.plane[plane], target);
+// Where a view of a block begins, dense in block order.
+int page_of(const BlockShape& shape, int s, int t) {
+    return (t * shape.n[2] + s) * shape.n[1] * shape.n[0];
 }
 
 } // namespace
+
+BlockTarget block_target(const Block& block, const BlockShape& picture,
+                         std::vector<std::int32_t>& plane, std::int32_t limit) {
+    const auto& n = block.shape.n;
+    const int row = picture.n[0], page = row * picture.n[1];
+    BlockTarget to{plane.data() + plane_index(picture, block.origin[0], block.origin[1],
+                                              block.origin[2], block.origin[3]),
+                   {n[0], n[1], n[2], n[3]},
+                   row,
+                   page,
+                   page * picture.n[2],
+                   limit};
+    if (n[0] == row) { // rows are one
+        to.n[0] *= n[1];
+        to.n[1] = 1;
+    }
+    return to;
+}
 
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out) {
     const auto& n = block.shape.n;
     out.resize(std::max(out.size(), static_cast<std::size_t>(block.shape.texels())));
-    copy_block(block, prediction, coding, decoded, plane, [&](int s, int t) {
-        return RowsTarget{
-            out.data() + (t * n[2] + s) * n[1] * n[0], n[0], n[1], n[0], false, no_limit};
-    });
+    if (prediction.copies_base())
+        BaseCopy(block, prediction, decoded, plane).run(false, out.data());
+    else
+        copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
+                   decoded.plane[plane], [&](int s, int t) {
+                       return RowsTarget{out.data() + page_of(block.shape, s, t), n[0], n[1], n[0],
+                                         no_limit};
+                   });
 }
 
-void add_copies(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                bool has_difference, TilePlanes& decoded, std::size_t plane) {
+void copy_block(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
+                bool has_difference, std::int32_t* values, TilePlanes& decoded, std::size_t plane) {
     const auto& n = block.shape.n;
-    std::int32_t* const out = decoded.plane[plane].data();
-    copy_block(block, prediction, coding, decoded, plane, [&](int s, int t) {
-        return RowsTarget{out + plane_index(decoded.shape, block.origin[0], block.origin[1],
-                                            block.origin[2] + s, block.origin[3] + t),
-                          decoded.shape.n[0],
-                          n[1],
-                          n[0],
-                          has_difference,
-                          value_limit(coding.type)};
-    });
+    const std::int32_t limit = value_limit(coding.type);
+    if (prediction.copies_base()) {
+        BaseCopy(block, prediction, decoded, plane).run(has_difference, values);
+        kernels().put_block(values, 0,
+                            block_target(block, decoded.shape, decoded.plane[plane], limit));
+        return;
+    }
+    copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
+               decoded.plane[plane], [&](int s, int t) {
+                   const int first = plane_index(decoded.shape, block.origin[0], block.origin[1],
+                                                 block.origin[2] + s, block.origin[3] + t);
+                   return RowsTarget{decoded.plane[plane].data() + first,
+                                     decoded.shape.n[0],
+                                     n[1],
+                                     n[0],
+                                     limit,
+                                     has_difference ? values + page_of(block.shape, s, t) : nullptr,
+                                     n[0]};
+               });
 }
 
 } // namespace tessera

@@ -2,6 +2,7 @@
 // (FORMAT.md 4.6).
 #pragma once
 
+#include "codec/kernels/kernels.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 #include "format/texture.h"
@@ -18,9 +19,14 @@ namespace tessera {
 void predict_plane(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out);
 
-// What one plane of a block copies, added to the difference that stands there (`has_difference`; else in
-// place of what is there), and clamped to what a predicted tile may hold. Precondition as above.
-void add_copies(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                bool has_difference, TilePlanes& decoded, std::size_t plane);
+// Where a block stands in a plane of `picture`.
+BlockTarget block_target(const Block& block, const BlockShape& picture,
+                         std::vector<std::int32_t>& plane, std::int32_t limit);
+
+// Writes one plane of a block: what it copies, added to the difference in `values` where there is one, and
+// clamped to what a predicted tile may hold. `values` has room for the block, is dense in block order and
+// is used up. Precondition as above.
+void copy_block(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
+                bool has_difference, std::int32_t* values, TilePlanes& decoded, std::size_t plane);
 
 } // namespace tessera

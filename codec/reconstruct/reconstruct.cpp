@@ -12,21 +12,31 @@ namespace {
 
 using Support = std::array<std::uint8_t, 4>;
 
-// Dense coefficients of the support box, order t, s, v, u.
+// Whether coefficients and the passes along u and v are in the order v, u, t, s, which fills vectors where
+// blocks are narrow and have many views, instead of t, s, v, u.
+bool views_run_fastest(const Support& support) {
+    constexpr int fewest_views = 8; // that fill a vector
+    return support[2] * support[3] >= fewest_views;
+}
+
+// Dense coefficients of the support box, order as views_run_fastest() says.
 void dequantize_plane(std::span<const NonZero> levels, const ScanOrder& order,
                       const ScaleSet& scales, const ReconstructionOffsets& offsets,
                       const Support& support, std::vector<std::int32_t>& box) {
-    const int v_step = support[0], s_step = v_step * support[1], t_step = s_step * support[2];
+    const int images = support[0] * support[1], views = support[2] * support[3];
+    const std::array<int, 4> step =
+        views_run_fastest(support) ? std::array<int, 4>{views, views * support[0], 1, support[2]}
+                                   : std::array<int, 4>{1, support[0], images, images * support[2]};
     // Room for every later pass, too.
     box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
-    std::fill_n(box.begin(), t_step * support[3], 0);
+    std::fill_n(box.begin(), images * views, 0);
     for (const NonZero& nz : levels) {
         const auto& k = order.entry[nz.index].k;
         const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
         const std::int32_t magnitude =
             dequantize(std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
-        box[static_cast<std::size_t>(k[0] + k[1] * v_step + k[2] * s_step + k[3] * t_step)] =
-            nz.level < 0 ? -magnitude : magnitude;
+        box[static_cast<std::size_t>(k[0] * step[0] + k[1] * step[1] + k[2] * step[2] +
+                                     k[3] * step[3])] = nz.level < 0 ? -magnitude : magnitude;
     }
 }
 
@@ -50,6 +60,12 @@ void unrotate(std::array<std::vector<std::int32_t>, 3>& planes, std::size_t coun
     }
 }
 
+void transpose(const std::int32_t* from, int rows, int columns, std::int32_t* to) {
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j)
+            *to++ = from[j * columns + i];
+}
+
 // The four passes, u first: the innermost axis grows while the others are still small.
 void inverse_transform(const Support& support, const BlockShape& shape,
                        ReconstructScratch& scratch) {
@@ -59,50 +75,38 @@ void inverse_transform(const Support& support, const BlockShape& shape,
     scratch.b.resize(std::max(scratch.b.size(), texels));
     std::int32_t* from = scratch.a.data();
     std::int32_t* to = scratch.b.data();
-    if (n[0] > 1) {
-        k.inverse_rows(from, to, support[1] * support[2] * support[3], support[0], n[0]);
+    const int views = support[2] * support[3], page = n[0] * n[1];
+    const auto pass = [&](std::size_t axis, int outer, int inner) {
+        if (n[axis] == 1)
+            return;
+        for (int o = 0; o < outer; ++o)
+            k.inverse_planes(from + o * support[axis] * inner, to + o * n[axis] * inner,
+                             support[axis], n[axis], inner);
         std::swap(from, to);
-    }
-    int inner = n[0];
-    int outer = support[2] * support[3];
-    for (int axis = 1; axis < 4; ++axis) {
-        if (n[axis] > 1) {
-            for (int o = 0; o < outer; ++o)
-                k.inverse_planes(from + o * support[axis] * inner, to + o * n[axis] * inner,
-                                 support[axis], n[axis], inner);
+    };
+    if (views_run_fastest(support)) {
+        pass(0, support[1], views);
+        pass(1, 1, n[0] * views);
+        transpose(from, page, views, to);
+        std::swap(from, to);
+    } else {
+        if (n[0] > 1) {
+            k.inverse_rows(from, to, support[1] * views, support[0], n[0]);
             std::swap(from, to);
         }
-        inner *= n[axis];
-        outer = axis < 3 ? outer / support[axis + 1] : 0;
+        pass(1, views, n[0]);
     }
+    pass(2, support[3], page);
+    pass(3, 1, page * n[2]);
     if (from != scratch.a.data())
         scratch.a.swap(scratch.b);
 }
 
-// First texel of a block's rows for its (s, t), in a plane of the tile.
-int row_start(const Block& block, const BlockShape& tile, int s, int t) {
-    return plane_index(tile, block.origin[0], block.origin[1], block.origin[2] + s,
-                       block.origin[3] + t);
-}
-
-void store_block(const Block& block, const std::int32_t* values, int shift, std::int32_t limit,
-                 const BlockShape& tile, std::vector<std::int32_t>& plane) {
-    const auto& n = block.shape.n;
-    for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s, values += n[0] * n[1])
-            kernels().round_rows(
-                values, shift,
-                {plane.data() + row_start(block, tile, s, t), tile.n[0], n[1], n[0], false, limit});
-}
-
-void fill_block(const Block& block, std::int32_t value, const BlockShape& tile,
-                std::vector<std::int32_t>& plane) {
-    const auto& n = block.shape.n;
-    for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v)
-                std::fill_n(plane.data() + row_start(block, tile, s, t) + v * tile.n[0], n[0],
-                            value);
+void fill_block(const BlockTarget& to, std::int32_t value) {
+    for (int t = 0; t < to.n[3]; ++t)
+        for (int s = 0; s < to.n[2]; ++s)
+            for (int v = 0; v < to.n[1]; ++v)
+                std::fill_n(to.out + t * to.t + s * to.s + v * to.row, to.n[0], value);
 }
 
 // One block being reconstructed.
@@ -112,19 +116,12 @@ public:
                         ReconstructScratch& scratch, TilePlanes& planes)
         : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]),
           is_of_base_(index < tile.base_blocks), coding_(coding),
-          shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch),
+          shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), tile_planes_(planes),
           picture_(is_of_base_ ? planes.base_shape : tile.shape),
           planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
-          copies_(tile.copies(index)),
-          limit_(tile.predictions.empty() || copies_ ? no_limit : value_limit(coding.type)) {}
-
-    // Whether run() gives the plane values that are not all 0.
-    bool has_levels(int plane) const {
-        if (colour_ != 0 && plane < 3)
-            return !levels(0).empty() || !levels(1).empty() || !levels(2).empty();
-        return !levels(plane).empty();
-    }
+          prediction_(tile.copies(index) ? &tile.predictions[index] : nullptr),
+          limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {}
 
     void run() {
         int plane = 0;
@@ -135,7 +132,7 @@ public:
         for (; plane < coding_.planes; ++plane) {
             const auto nonzeros = levels(plane);
             if (nonzeros.empty()) {
-                fill(plane, 0);
+                finish_constant(plane, 0);
                 continue;
             }
             const Support& support = shape_.order.support[nonzeros.back().index];
@@ -162,7 +159,7 @@ private:
                 last = std::max<int>(last, levels(plane).back().index);
         if (last < 0) {
             for (int plane = 0; plane < 3; ++plane)
-                fill(plane, 0);
+                finish_constant(plane, 0);
             return;
         }
         const Support& support = shape_.order.support[static_cast<std::size_t>(last)];
@@ -182,19 +179,42 @@ private:
         const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
         // A constant within the range of the passes goes through them as it is.
         if (support == Support{1, 1, 1, 1} && std::abs(scratch_.a[0]) < coefficient_limit) {
-            fill(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
+            finish_constant(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
             return;
         }
         inverse_transform(support, block_.shape, scratch_);
-        store_block(block_, scratch_.a.data(), shift, limit_, picture_,
-                    planes_[static_cast<std::size_t>(plane)]);
+        if (prediction_ != nullptr) {
+            const int texels = block_.shape.texels();
+            std::int32_t* const values = scratch_.a.data();
+            kernels().put_block(values, shift, {values, {texels, 1, 1, 1}, 0, 0, 0, no_limit});
+            add_copies(plane, true);
+            return;
+        }
+        kernels().put_block(scratch_.a.data(), shift, target(plane));
     }
 
-    void fill(int plane, std::int32_t value) {
-        if (copies_ && !has_levels(plane))
-            return; // the copy will stand there
-        fill_block(block_, std::clamp(value, -limit_, limit_ - 1), picture_,
-                   planes_[static_cast<std::size_t>(plane)]);
+    void finish_constant(int plane, std::int32_t value) {
+        if (prediction_ != nullptr) {
+            make_room(scratch_.a);
+            if (value != 0)
+                std::fill_n(scratch_.a.begin(), block_.shape.texels(), value);
+            add_copies(plane, value != 0);
+            return;
+        }
+        fill_block(target(plane), std::clamp(value, -limit_, limit_ - 1));
+    }
+
+    BlockTarget target(int plane) const {
+        return block_target(block_, picture_, planes_[static_cast<std::size_t>(plane)], limit_);
+    }
+
+    void add_copies(int plane, bool has_difference) {
+        copy_block(block_, *prediction_, coding_, has_difference, scratch_.a.data(), tile_planes_,
+                   static_cast<std::size_t>(plane));
+    }
+
+    void make_room(std::vector<std::int32_t>& values) const {
+        values.resize(std::max(values.size(), static_cast<std::size_t>(block_.shape.texels())));
     }
 
     const TileLevels& tile_;
@@ -204,24 +224,19 @@ private:
     const TileCoding& coding_;
     const ShapeCoding& shape_;
     ReconstructScratch& scratch_;
+    TilePlanes& tile_planes_;
     const BlockShape& picture_; // that the block is a part of: the tile, or its base
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of this
     const PlaneLevels* const levels_;
-    const bool copies_;
-    const std::int32_t limit_; // of its values, of which differences have none
+    const BlockPrediction* const prediction_; // none where it copies nothing
+    const std::int32_t limit_;                // of values that copy nothing
 };
 
 } // namespace
 
 void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
                        ReconstructScratch& scratch, TilePlanes& planes) {
-    BlockReconstruction reconstruction(levels, block, coding, scratch, planes);
-    reconstruction.run();
-    if (!levels.copies(block))
-        return;
-    for (int plane = 0; plane < coding.planes; ++plane)
-        add_copies(levels.blocks[block], levels.predictions[block], coding,
-                   reconstruction.has_levels(plane), planes, static_cast<std::size_t>(plane));
+    BlockReconstruction(levels, block, coding, scratch, planes).run();
 }
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,

@@ -20,16 +20,15 @@ FilterTaps taps_of(const TileCoding& coding, int plane) {
 template <class Value, class Kernel>
 void filter_planes(const TileCoding& coding, Kernel kernel, std::vector<Value>& memory,
                    TilePlanes& planes) {
-    const int nu = planes.shape.n[0], nv = planes.shape.n[1];
+    const int page = planes.shape.n[0] * planes.shape.n[1];
     PaddedPlane<Value> padded(memory);
     for (int plane = 0; plane < coding.planes; ++plane) {
         std::int32_t* values = planes.plane[static_cast<std::size_t>(plane)].data();
         if (!padded.fill(planes.shape, values, value_limit(coding.type)))
             continue;
         const FilterTaps taps = taps_of(coding, plane);
-        padded.for_each_row([&](const FilterRow<Value>& row) {
-            kernel(row.centre, row.from.data(), taps, nu, values + (row.view * nv + row.v) * nu);
-        });
+        padded.for_each_view(
+            [&](int view, const FilterView<Value>& in) { kernel(in, taps, values + view * page); });
     }
 }
 
@@ -39,9 +38,9 @@ void filter_tile(const TileCoding& coding, FilterScratch& scratch, TilePlanes& p
     if (!coding.parameters.filter.is_on())
         return;
     if (coding.type == SampleType::unorm8)
-        filter_planes(coding, kernels().filter_row, scratch.narrow, planes);
+        filter_planes(coding, kernels().filter_view, scratch.narrow, planes);
     else
-        filter_planes(coding, kernels().filter_wide_row, scratch.wide, planes);
+        filter_planes(coding, kernels().filter_wide_view, scratch.wide, planes);
 }
 
 } // namespace tessera

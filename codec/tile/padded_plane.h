@@ -40,36 +40,48 @@ public:
         return any;
     }
 
-    // Calls visit(FilterRow) for all rows but those that are zero like all that they are filtered with.
-    template <class Visit> void for_each_row(Visit visit) const {
+    // Calls visit(view, FilterView) for all views; it skips rows that are zero like all that they are
+    // filtered with.
+    template <class Visit> void for_each_view(Visit visit) const {
         const int nv = shape_.n[1], ns = shape_.n[2], nt = shape_.n[3];
-        FilterRow<Value> row{};
+        std::array<std::uint8_t, max_tile_side> all_zero;
+        FilterView<Value> in{};
+        in.stride = stride_;
+        in.rows = nv;
+        in.n = shape_.n[0];
+        in.skip = all_zero.data();
         for (int t = 0; t < nt; ++t)
             for (int s = 0; s < ns; ++s) {
-                row.view = t * ns + s;
-                const Value* const centre = at(row.view, 0);
-                std::array<const Value*, filter_taps> from;
-                std::array<std::uint8_t, max_tile_side> all_zero;
-                std::copy_n(zeros_of(row.view), nv, all_zero.begin());
+                const int own = t * ns + s;
+                in.centre = at(own, 0);
+                std::copy_n(zeros_of(own), nv, all_zero.begin());
                 for (std::size_t i = 0; i < filter_taps; ++i) {
                     const FilterOffset& o = filter_offsets[i / 4][i % 4];
                     const int view =
                         std::clamp(t + o.t, 0, nt - 1) * ns + std::clamp(s + o.s, 0, ns - 1);
-                    from[i] = at(view, o.v) + o.u;
+                    in.from[i] = at(view, o.v) + o.u;
                     const std::uint8_t* zero = zeros_of(view) + o.v;
                     for (int v = 0; v < nv; ++v)
                         all_zero[static_cast<std::size_t>(v)] &= zero[v];
                 }
-                for (int v = 0; v < nv; ++v) {
-                    if (all_zero[static_cast<std::size_t>(v)] != 0)
-                        continue;
-                    row.v = v;
-                    row.centre = centre + v * stride_;
-                    for (std::size_t i = 0; i < filter_taps; ++i)
-                        row.from[i] = from[i] + v * stride_;
-                    visit(row);
-                }
+                visit(own, in);
             }
+    }
+
+    // Calls visit(FilterRow) for all rows that are not skipped.
+    template <class Visit> void for_each_row(Visit visit) const {
+        for_each_view([&](int view, const FilterView<Value>& in) {
+            FilterRow<Value> row{view, 0, nullptr, {}};
+            for (int v = 0; v < in.rows; ++v) {
+                if (in.skip[v] != 0)
+                    continue;
+                row.v = v;
+                row.centre = in.centre + v * in.stride;
+                for (std::size_t i = 0; i < filter_taps; ++i)
+                    row.from[i] = in.from[i] + v * in.stride;
+                visit(row);
+            }
+        });
     }
 
 private:
@@ -96,7 +108,7 @@ private:
         return any;
     }
 
-    // All bits that are set in any of the clamped values.
+    // Whether any of the clamped values is not 0.
     static std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit,
                                   std::int16_t* out) {
         return kernels().clamp_row(values, n, limit, out);

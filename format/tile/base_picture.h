@@ -21,7 +21,8 @@ struct BasePictures {
 constexpr int max_base_margin = 31;
 
 constexpr int base_unit = 8; // displacements count in parts of a texel a view
-constexpr int base_taps = 6; // of the texels from 2 before on
+constexpr int base_taps = 6;
+constexpr int base_taps_before = 2; // of them, before the texel that the displacement leads to
 constexpr int base_first_shift = 2, base_second_shift = 10; // of the sums along u, then along v
 // [displacement mod 8][tap]: Lanczos' kernel of three lobes, in sixty-fourths.
 constexpr std::array<std::array<std::int8_t, base_taps>, base_unit> base_filter = {{

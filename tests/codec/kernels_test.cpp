@@ -201,13 +201,24 @@ TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
 }
 
 // A target of rows x n in `out`, which it fits: what is between its rows must stay as it is.
-RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out) {
+RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out,
+                         std::vector<std::int32_t>& add) {
     const int rows = random.range(1, 9), stride = n + random.range(0, 5);
-    out.resize(static_cast<std::size_t>((rows - 1) * stride + n));
-    for (std::int32_t& x : out)
-        x = random.range(-(1 << 18), (1 << 18) - 1);
-    return {
-        out.data(), stride, rows, n, random.chance(0.5), random.chance(0.5) ? 1 << 14 : no_limit};
+    const int add_stride = n + random.range(0, 2);
+    const auto fill = [&](std::vector<std::int32_t>& values, int step) {
+        values.resize(static_cast<std::size_t>((rows - 1) * step + n));
+        for (std::int32_t& x : values)
+            x = random.range(-(1 << 18), (1 << 18) - 1);
+    };
+    fill(out, stride);
+    fill(add, add_stride);
+    return {out.data(),
+            stride,
+            rows,
+            n,
+            random.chance(0.5) ? 1 << 14 : no_limit,
+            random.chance(0.5) ? add.data() : nullptr,
+            add_stride};
 }
 
 // What a target must hold where value(r, i) was put.
@@ -217,39 +228,43 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
     for (int r = 0; r < to.rows; ++r)
         for (int i = 0; i < to.n; ++i) {
             std::int32_t& x = out[static_cast<std::size_t>(r * to.stride + i)];
-            x = static_cast<std::int32_t>(std::clamp<std::int64_t>(
-                value(r, i) + (to.add ? x : 0), -to.limit, std::int64_t{to.limit} - 1));
+            const std::int32_t add = to.add == nullptr ? 0 : to.add[r * to.add_stride + i];
+            x = static_cast<std::int32_t>(
+                std::clamp<std::int64_t>(value(r, i) + add, -to.limit, std::int64_t{to.limit} - 1));
         }
     return out;
 }
 
-// Runs a kernel on both paths against value(r, i).
-template <class Run, class Value> void expect_rows(Random& random, int n, Run run, Value value) {
-    std::vector<std::int32_t> out;
-    const RowsTarget to = random_target(random, n, out);
-    const std::vector<std::int32_t> before = out, expected = expected_rows(to, out, value);
-    for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
-        std::ranges::copy(before, out.begin());
-        run(*path, to);
-        ASSERT_EQ(out, expected) << path->name << " " << n;
-    }
-}
-
-TEST_F(KernelPaths, RoundingIsEqual) {
+TEST_F(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
     Random random(12);
     for (int n = 1; n <= max_tile_side; ++n)
-        for (const int shift : {8, 14}) {
-            auto in = random_integers(random, static_cast<std::size_t>(9 * n));
+        for (const int shift : {0, 8, 14}) {
+            const int nv = random.range(1, 5), ns = random.range(1, 3), nt = random.range(1, 3);
+            const int row = n + random.range(0, 3), s_step = nv * row + random.range(0, 3);
+            const int t_step = ns * s_step + random.range(0, 3);
+            std::vector<std::int32_t> out(static_cast<std::size_t>(nt * t_step), 77);
+            auto in = random_integers(random, static_cast<std::size_t>(n * nv * ns * nt));
             for (std::int32_t& x : in) // what the passes can give
                 x >>= 4;
-            expect_rows(
-                random, n,
-                [&](const Kernels& k, const RowsTarget& to) { k.round_rows(in.data(), shift, to); },
-                [&](int r, int i) {
-                    return (std::int64_t{in[static_cast<std::size_t>(r * n + i)]} +
-                            (1 << (shift - 1))) >>
-                           shift;
-                });
+            const std::int32_t limit = random.chance(0.5) ? 1 << 14 : no_limit;
+            std::vector<std::int32_t> expected = out;
+            for (int t = 0; t < nt; ++t)
+                for (int s = 0; s < ns; ++s)
+                    for (int v = 0; v < nv; ++v)
+                        for (int u = 0; u < n; ++u)
+                            expected[static_cast<std::size_t>(t * t_step + s * s_step + v * row +
+                                                              u)] =
+                                std::clamp(
+                                    (in[static_cast<std::size_t>(((t * ns + s) * nv + v) * n + u)] +
+                                     (1 << shift >> 1)) >>
+                                        shift,
+                                    -limit, limit - 1);
+            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+                std::vector<std::int32_t> got = out;
+                path->put_block(in.data(), shift,
+                                {got.data(), {n, nv, ns, nt}, row, s_step, t_step, limit});
+                ASSERT_EQ(got, expected) << path->name << " " << n << " " << shift;
+            }
         }
 }
 
@@ -269,12 +284,18 @@ TEST_F(KernelPaths, CopiedPicturesAreEqual) {
                                                      from + (r + 1) * stride};
                 kernels_scalar.add_copies(rows, filter, n, sums.data() + r * n);
             }
-            expect_rows(
-                random, n,
-                [&](const Kernels& k, const RowsTarget& to) {
-                    k.copy_rows(from, stride, filter, to);
-                },
-                [&](int r, int i) { return sums[static_cast<std::size_t>(r * n + i)] >> shift; });
+            std::vector<std::int32_t> out, add;
+            const RowsTarget to = random_target(random, n, out, add);
+            const std::vector<std::int32_t> before = out,
+                                            expected = expected_rows(to, out, [&](int r, int i) {
+                                                return sums[static_cast<std::size_t>(r * n + i)] >>
+                                                       shift;
+                                            });
+            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+                std::ranges::copy(before, out.begin());
+                path->copy_rows(from, stride, filter, to);
+                ASSERT_EQ(out, expected) << path->name << " " << n;
+            }
         }
 }
 
@@ -296,31 +317,80 @@ TEST_F(KernelPaths, CopiesAreEqual) {
         }
 }
 
-TEST_F(KernelPaths, CopiesOfBasePicturesAreEqual) {
+// Clamped values of a row, and whether any is not 0.
+TEST_F(KernelPaths, RowsAreClampedAlike) {
+    Random random(23);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (const bool zero : {false, true}) {
+            std::vector<std::int32_t> in(static_cast<std::size_t>(n));
+            if (!zero)
+                in = random_integers(random, in.size());
+            std::vector<std::int16_t> a(in.size(), 3), b(in.size(), 4);
+            const bool any = kernels_scalar.clamp_row(in.data(), n, 1 << 14, a.data()) != 0;
+            EXPECT_EQ(any, kernels_avx2.clamp_row(in.data(), n, 1 << 14, b.data()) != 0);
+            ASSERT_EQ(a, b) << n;
+            for (std::size_t i = 0; i < in.size(); ++i)
+                ASSERT_EQ(a[i], std::clamp(in[i], -(1 << 14), (1 << 14) - 1));
+        }
+}
+
+// As large as values of halves are, and their sums along u.
+std::vector<std::int32_t> random_values(Random& random, int count, int limit) {
+    std::vector<std::int32_t> values(static_cast<std::size_t>(count));
+    for (std::int32_t& x : values)
+        x = random.chance(0.2) ? (random.chance(0.5) ? -limit : limit - 1)
+                               : random.range(-limit, limit - 1);
+    return values;
+}
+
+std::int64_t six_taps(const std::vector<std::int32_t>& from, int at, int step, int phase) {
+    std::int64_t sum = 0;
+    for (int tap = 0; tap < base_taps; ++tap)
+        sum +=
+            std::int64_t{
+                base_filter[static_cast<std::size_t>(phase)][static_cast<std::size_t>(tap)]} *
+            from[static_cast<std::size_t>(at + tap * step)];
+    return sum;
+}
+
+TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
     Random random(21);
-    for (const auto& weights : base_filter)
+    for (int phase = 0; phase < base_unit; ++phase)
         for (int n = 1; n <= max_tile_side; ++n) {
-            const bool along_u = random.chance(0.5);
-            const int stride = n + base_taps - 1, step = along_u ? 1 : stride;
-            const int shift = along_u ? base_first_shift : base_second_shift;
-            // As large as values of halves are, and their sums along u.
-            const int limit = along_u ? 1 << 18 : 25 << 18;
-            std::vector<std::int32_t> texels(static_cast<std::size_t>((8 + base_taps) * stride));
-            for (std::int32_t& x : texels)
-                x = random.chance(0.2) ? (random.chance(0.5) ? -limit : limit - 1)
-                                       : random.range(-limit, limit - 1);
-            expect_rows(
-                random, n,
-                [&](const Kernels& k, const RowsTarget& to) {
-                    k.six_taps(texels.data(), step, stride, weights.data(), shift, to);
-                },
-                [&](int r, int i) {
-                    std::int64_t sum = std::int64_t{1} << (shift - 1);
-                    for (int tap = 0; tap < base_taps; ++tap)
-                        sum += std::int64_t{weights[static_cast<std::size_t>(tap)]} *
-                               texels[static_cast<std::size_t>(r * stride + i + tap * step)];
-                    return sum >> shift;
-                });
+            constexpr int rows = 8;
+            // Exactly the rows, so that the address sanitizer sees a read past them.
+            const int stride = n + base_taps - 1 + random.range(0, 3);
+            const auto u_from =
+                random_values(random, (rows - 1) * stride + n + base_taps - 1, 1 << 18);
+            const auto v_from = random_values(random, (rows + base_taps) * n, 25 << 18);
+            const int page = random.range(1, 3) * n, count = 3, step = page + random.range(0, 2);
+            const std::int16_t row[] = {2, 0, 5};
+            const std::uint8_t phases[] = {static_cast<std::uint8_t>(phase), 3, 0};
+            const bool add = random.chance(0.5);
+            std::vector<std::int32_t> along_u(static_cast<std::size_t>(rows * n));
+            const auto before = random_values(random, (count - 1) * step + page, 1 << 18);
+            std::vector<std::int32_t> along_v = before;
+            for (int r = 0; r < rows; ++r)
+                for (int i = 0; i < n; ++i)
+                    along_u[static_cast<std::size_t>(r * n + i)] = static_cast<std::int32_t>(
+                        (six_taps(u_from, r * stride + i, 1, phase) + 2) >> 2);
+            for (int copy = 0; copy < count; ++copy)
+                for (int i = 0; i < page; ++i) {
+                    std::int32_t& x = along_v[static_cast<std::size_t>(copy * step + i)];
+                    x = static_cast<std::int32_t>(
+                            (six_taps(v_from, row[copy] * n + i, n, phases[copy]) + 512) >> 10) +
+                        (add ? x : 0);
+                }
+            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+                std::vector<std::int32_t> got(along_u.size());
+                path->base_along_u(u_from.data() + base_taps_before, stride, phase, rows, n,
+                                   got.data());
+                ASSERT_EQ(got, along_u) << path->name << " " << n << " " << phase;
+                got = before;
+                path->base_along_v(v_from.data(),
+                                   {got.data(), step, page, n, count, row, phases, add});
+                ASSERT_EQ(got, along_v) << path->name << " " << n << " " << phase;
+            }
         }
 }
 

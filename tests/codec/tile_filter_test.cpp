@@ -46,7 +46,7 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
     for (int round = 0; round < 400; ++round) {
         const int n = random.range(1, max_tile_side);
         const int most = round % 3 == 0 ? 16383 : round % 3 == 1 ? 600 : 40; // of a value
-        std::vector<std::int16_t> narrow(4096);
+        std::vector<std::int16_t> narrow(4200);
         for (std::int16_t& value : narrow)
             value = static_cast<std::int16_t>(random.range(-most - 1, most));
         const std::vector<std::int32_t> wide(narrow.begin(), narrow.end());
@@ -56,27 +56,30 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
             taps.slope[ring] =
                 static_cast<std::uint32_t>(random.range(0, random.chance(0.5) ? 65535 : 300));
         }
-        std::array<const std::int16_t*, filter_taps> from;
-        std::array<const std::int32_t*, filter_taps> wide_from;
+        const int stride = n + random.range(0, 5);
+        const std::uint8_t skip[] = {0, 1, 0};
+        FilterView<std::int16_t> view{narrow.data() + 7, {}, stride, 3, n, skip};
+        FilterView<std::int32_t> wide_view{wide.data() + 7, {}, stride, 3, n, skip};
         for (std::size_t i = 0; i < filter_taps; ++i) {
-            const int at = random.range(0, 3900);
-            from[i] = narrow.data() + at;
-            wide_from[i] = wide.data() + at;
+            const int at = random.range(0, 3800);
+            view.from[i] = narrow.data() + at;
+            wide_view.from[i] = wide.data() + at;
         }
-        const auto size = static_cast<std::size_t>(n);
-        std::vector<std::int32_t> a(size), b(size), c(size);
-        kernels_scalar.filter_row(narrow.data() + 7, from.data(), taps, n, a.data());
-        kernels_scalar.filter_wide_row(wide.data() + 7, wide_from.data(), taps, n, b.data());
+        const auto size = static_cast<std::size_t>(3 * n);
+        std::vector<std::int32_t> a(size, 5), b(size, 5), c(size, 5);
+        kernels_scalar.filter_view(view, taps, a.data());
+        kernels_scalar.filter_wide_view(wide_view, taps, b.data());
+        EXPECT_EQ(a[static_cast<std::size_t>(n)], 5) << "a row that is skipped";
         if (2 * most + 1 <= 4095) { // else differences count further in halves
             EXPECT_EQ(a, b);
         }
-        kernels_vector.filter_row(narrow.data() + 7, from.data(), taps, n, c.data());
+        kernels_vector.filter_view(view, taps, c.data());
         EXPECT_EQ(a, c) << n;
         if (!avx2_available())
             continue;
-        kernels_avx2.filter_row(narrow.data() + 7, from.data(), taps, n, c.data());
+        kernels_avx2.filter_view(view, taps, c.data());
         EXPECT_EQ(a, c) << n;
-        kernels_avx2.filter_wide_row(wide.data() + 7, wide_from.data(), taps, n, c.data());
+        kernels_avx2.filter_wide_view(wide_view, taps, c.data());
         EXPECT_EQ(b, c) << n;
     }
 }
