@@ -10,36 +10,6 @@
 namespace tessera {
 namespace {
 
-using Support = std::array<std::uint8_t, 4>;
-
-// Whether coefficients and the passes along u and v are in the order v, u, t, s, which fills vectors where
-// blocks are narrow and have many views, instead of t, s, v, u.
-bool views_run_fastest(const Support& support) {
-    constexpr int fewest_views = 8; // that fill a vector
-    return support[2] * support[3] >= fewest_views;
-}
-
-// Dense coefficients of the support box, order as views_run_fastest() says.
-void dequantize_plane(std::span<const NonZero> levels, const ScanOrder& order,
-                      const ScaleSet& scales, const ReconstructionOffsets& offsets,
-                      const Support& support, std::vector<std::int32_t>& box) {
-    const int images = support[0] * support[1], views = support[2] * support[3];
-    const std::array<int, 4> step =
-        views_run_fastest(support) ? std::array<int, 4>{views, views * support[0], 1, support[2]}
-                                   : std::array<int, 4>{1, support[0], images, images * support[2]};
-    // Room for every later pass, too.
-    box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
-    std::fill_n(box.begin(), images * views, 0);
-    for (const NonZero& nz : levels) {
-        const auto& k = order.entry[nz.index].k;
-        const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
-        const std::int32_t magnitude =
-            dequantize(std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
-        box[static_cast<std::size_t>(k[0] * step[0] + k[1] * step[1] + k[2] * step[2] +
-                                     k[3] * step[3])] = nz.level < 0 ? -magnitude : magnitude;
-    }
-}
-
 // From rotated axes back to Y, Co, Cg. Coefficients are split as in 4.3, so that 32 bits do.
 void unrotate(std::array<std::vector<std::int32_t>, 3>& planes, std::size_t count, int rotation) {
     constexpr int low = 11;
@@ -58,48 +28,6 @@ void unrotate(std::array<std::vector<std::int32_t>, 3>& planes, std::size_t coun
                                (rotation_bits - low);
         }
     }
-}
-
-void transpose(const std::int32_t* from, int rows, int columns, std::int32_t* to) {
-    for (int i = 0; i < columns; ++i)
-        for (int j = 0; j < rows; ++j)
-            *to++ = from[j * columns + i];
-}
-
-// The four passes, u first: the innermost axis grows while the others are still small.
-void inverse_transform(const Support& support, const BlockShape& shape,
-                       ReconstructScratch& scratch) {
-    const auto& n = shape.n;
-    const Kernels& k = kernels();
-    const std::size_t texels = static_cast<std::size_t>(shape.texels());
-    scratch.b.resize(std::max(scratch.b.size(), texels));
-    std::int32_t* from = scratch.a.data();
-    std::int32_t* to = scratch.b.data();
-    const int views = support[2] * support[3], page = n[0] * n[1];
-    const auto pass = [&](std::size_t axis, int outer, int inner) {
-        if (n[axis] == 1)
-            return;
-        for (int o = 0; o < outer; ++o)
-            k.inverse_planes(from + o * support[axis] * inner, to + o * n[axis] * inner,
-                             support[axis], n[axis], inner);
-        std::swap(from, to);
-    };
-    if (views_run_fastest(support)) {
-        pass(0, support[1], views);
-        pass(1, 1, n[0] * views);
-        transpose(from, page, views, to);
-        std::swap(from, to);
-    } else {
-        if (n[0] > 1) {
-            k.inverse_rows(from, to, support[1] * views, support[0], n[0]);
-            std::swap(from, to);
-        }
-        pass(1, views, n[0]);
-    }
-    pass(2, support[3], page);
-    pass(3, 1, page * n[2]);
-    if (from != scratch.a.data())
-        scratch.a.swap(scratch.b);
 }
 
 void fill_block(const BlockTarget& to, std::int32_t value) {
@@ -135,54 +63,51 @@ public:
                 finish_constant(plane, 0);
                 continue;
             }
-            const Support& support = shape_.order.support[nonzeros.back().index];
-            dequantize(plane, support, scratch_.a);
-            finish(plane, support);
+            scratch_.box.begin();
+            scratch_.box.add(nonzeros, shape_.order);
+            dequantize(plane, scratch_.a);
+            finish(plane);
         }
     }
 
 private:
     std::span<const NonZero> levels(int plane) const { return tile_.levels(levels_[plane]); }
 
-    void dequantize(int plane, const Support& support, std::vector<std::int32_t>& box) const {
+    void dequantize(int plane, std::vector<std::int32_t>& values) const {
         const ScaleSet& scales = coding_.scales(shape_, plane, colour_);
-        dequantize_plane(levels(plane), shape_.order,
-                         is_of_base_ ? finer_scales(scales, base_fineness(tile_.shape)) : scales,
-                         coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))],
-                         support, box);
+        scratch_.box.dequantize(
+            levels(plane), shape_.order,
+            is_of_base_ ? finer_scales(scales, base_fineness(tile_.shape)) : scales,
+            coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], values);
     }
 
     void rotated_planes() {
-        int last = -1;
-        for (int plane = 0; plane < 3; ++plane)
-            if (!levels(plane).empty())
-                last = std::max<int>(last, levels(plane).back().index);
-        if (last < 0) {
+        if (levels(0).empty() && levels(1).empty() && levels(2).empty()) {
             for (int plane = 0; plane < 3; ++plane)
                 finish_constant(plane, 0);
             return;
         }
-        const Support& support = shape_.order.support[static_cast<std::size_t>(last)];
+        scratch_.box.begin();
         for (int plane = 0; plane < 3; ++plane)
-            dequantize(plane, support, scratch_.rotated[static_cast<std::size_t>(plane)]);
-        unrotate(scratch_.rotated,
-                 static_cast<std::size_t>(support[0] * support[1] * support[2] * support[3]),
-                 colour_ - 1);
+            scratch_.box.add(levels(plane), shape_.order);
+        for (int plane = 0; plane < 3; ++plane)
+            dequantize(plane, scratch_.rotated[static_cast<std::size_t>(plane)]);
+        unrotate(scratch_.rotated, static_cast<std::size_t>(scratch_.box.size()), colour_ - 1);
         for (int plane = 0; plane < 3; ++plane) {
             scratch_.a.swap(scratch_.rotated[static_cast<std::size_t>(plane)]);
-            finish(plane, support);
+            finish(plane);
         }
     }
 
     // Coefficients in scratch_.a -> the block's texels.
-    void finish(int plane, const Support& support) {
+    void finish(int plane) {
         const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
         // A constant within the range of the passes goes through them as it is.
-        if (support == Support{1, 1, 1, 1} && std::abs(scratch_.a[0]) < coefficient_limit) {
+        if (scratch_.box.is_constant() && std::abs(scratch_.a[0]) < coefficient_limit) {
             finish_constant(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
             return;
         }
-        inverse_transform(support, block_.shape, scratch_);
+        scratch_.box.transform(block_.shape, scratch_.a, scratch_.b);
         if (prediction_ != nullptr) {
             const int texels = block_.shape.texels();
             std::int32_t* const values = scratch_.a.data();

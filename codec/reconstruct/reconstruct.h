@@ -1,6 +1,7 @@
 // Levels -> planes: dequantisation and the inverse transform (FORMAT.md part 4), integers only.
 #pragma once
 
+#include "codec/reconstruct/coefficient_box.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
 #include "codec/tile/tile_planes.h"
@@ -13,6 +14,7 @@ namespace tessera {
 struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
     std::array<std::vector<std::int32_t>, 3> rotated;
+    CoefficientBox box;
     RecentShapes shapes; // of the one TileCoding that the scratch is used with
 };
 

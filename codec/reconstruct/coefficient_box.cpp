@@ -1,0 +1,122 @@
+#include "codec/reconstruct/coefficient_box.h"
+
+#include "codec/kernels/kernels.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace tessera {
+
+void CoefficientBox::begin() {
+    for (int column = 0; column < count_; ++column)
+        column_of_[static_cast<std::size_t>(view_[static_cast<std::size_t>(column)])] = -1;
+    std::fill_n(of_t_.begin(), support_[3], std::uint8_t{0});
+    count_ = 0;
+    support_ = {1, 1, 1, 1};
+}
+
+void CoefficientBox::add(std::span<const NonZero> levels, const ScanOrder& order) {
+    for (const NonZero& nz : levels) {
+        const ScanEntry& entry = order.entry[nz.index];
+        const auto beyond = [](std::uint8_t k) { return static_cast<std::uint8_t>(k + 1); };
+        for (std::size_t axis = 0; axis < 4; ++axis)
+            support_[axis] = std::max(support_[axis], beyond(entry.k[axis]));
+        of_t_[entry.k[3]] = std::max(of_t_[entry.k[3]], beyond(entry.k[2]));
+        std::int16_t& column = column_of_[static_cast<std::size_t>(view_of(entry))];
+        if (column >= 0)
+            continue;
+        column = static_cast<std::int16_t>(count_);
+        view_[static_cast<std::size_t>(count_++)] = static_cast<std::int16_t>(view_of(entry));
+    }
+}
+
+bool CoefficientBox::columns_run_fastest() const {
+    constexpr int fewest = 6;
+    return count_ >= fewest;
+}
+
+void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder& order,
+                                const ScaleSet& scales, const ReconstructionOffsets& offsets,
+                                std::vector<std::int32_t>& box) const {
+    const bool columns_first = columns_run_fastest();
+    const int u_step = columns_first ? count_ : 1, v_step = u_step * support_[0];
+    const int column_step = columns_first ? 1 : support_[0] * support_[1];
+    box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
+    std::fill_n(box.begin(), size(), 0);
+    for (const NonZero& nz : levels) {
+        const ScanEntry& entry = order.entry[nz.index];
+        const auto& k = entry.k;
+        const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
+        const std::int32_t magnitude =
+            tessera::dequantize(std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
+        const int column = column_of_[static_cast<std::size_t>(view_of(entry))];
+        box[static_cast<std::size_t>(k[0] * u_step + k[1] * v_step + column * column_step)] =
+            nz.level < 0 ? -magnitude : magnitude;
+    }
+}
+
+// Columns of `page` values -> order t, s, v, u, for what the pass along s reads.
+void CoefficientBox::spread_columns(const std::int32_t* columns, int page,
+                                    std::int32_t* out) const {
+    for (int t = 0; t < support_[3]; ++t)
+        std::fill_n(out + t * support_[2] * page,
+                    std::max<int>(1, of_t_[static_cast<std::size_t>(t)]) * page, 0);
+    const bool columns_first = columns_run_fastest();
+    const int step = columns_first ? count_ : 1;
+    for (int column = 0; column < count_; ++column) {
+        const int view = view_[static_cast<std::size_t>(column)];
+        const int s = view % max_frequencies, t = view / max_frequencies;
+        const std::int32_t* from = columns + (columns_first ? column : column * page);
+        std::int32_t* const to = out + (t * support_[2] + s) * page;
+        for (int i = 0; i < page; ++i)
+            to[i] = from[i * step];
+    }
+}
+
+// Along u first: the innermost axis grows while the others are still small.
+void CoefficientBox::transform(const BlockShape& shape, std::vector<std::int32_t>& a,
+                               std::vector<std::int32_t>& b) const {
+    const auto& n = shape.n;
+    const Kernels& k = kernels();
+    b.resize(std::max(b.size(), static_cast<std::size_t>(shape.texels())));
+    std::int32_t* from = a.data();
+    std::int32_t* to = b.data();
+    const auto pass = [&](std::size_t axis, int outer, int inner) {
+        if (n[axis] == 1)
+            return;
+        for (int o = 0; o < outer; ++o)
+            k.inverse_planes(from + o * support_[axis] * inner, to + o * n[axis] * inner,
+                             support_[axis], n[axis], inner);
+        std::swap(from, to);
+    };
+    if (columns_run_fastest()) {
+        pass(0, support_[1], count_);
+        pass(1, 1, n[0] * count_);
+    } else {
+        if (n[0] > 1) {
+            k.inverse_rows(from, to, support_[1] * count_, support_[0], n[0]);
+            std::swap(from, to);
+        }
+        pass(1, count_, n[0]);
+    }
+    const int page = n[0] * n[1];
+    spread_columns(from, page, to);
+    std::swap(from, to);
+    if (n[2] > 1) {
+        for (int t = 0; t < support_[3]; ++t) {
+            const int s_support = of_t_[static_cast<std::size_t>(t)];
+            std::int32_t* const out = to + t * n[2] * page;
+            if (s_support == 0)
+                std::fill_n(out, n[2] * page, 0);
+            else
+                k.inverse_planes(from + t * support_[2] * page, out, s_support, n[2], page);
+        }
+        std::swap(from, to);
+    }
+    pass(3, 1, page * n[2]);
+    if (from != a.data())
+        a.swap(b);
+}
+
+} // namespace tessera
