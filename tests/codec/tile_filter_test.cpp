@@ -174,6 +174,29 @@ TEST(FilterFit, TakesAwayTheErrorThatItPromises) {
     EXPECT_LT(squared_difference(source, tile.planes), 0.25 * before);
 }
 
+// The rings are as wide to the left as to the right.
+TEST(FilterFit, SeesTheSameInAMirror) {
+    FilteredTile tile(test::shape_of(13, 8, 3, 3)), mirrored(tile.planes.shape);
+    TilePlanes source = tile.planes, mirrored_source = source;
+    Random random(4);
+    for (std::size_t row = 0; row < tile.planes.plane[0].size(); row += 13)
+        for (std::size_t u = 0; u < 13; ++u) {
+            const std::int32_t value = random.range(-300, 300);
+            source.plane[0][row + u] = mirrored_source.plane[0][row + 12 - u] = value;
+            tile.planes.plane[0][row + u] = mirrored.planes.plane[0][row + 12 - u] =
+                value + random.range(-25, 25);
+        }
+    const auto a = filter_statistics(source, tile.planes, tile.coding).of[0];
+    const auto b = filter_statistics(mirrored_source, mirrored.planes, tile.coding).of[0];
+    EXPECT_NEAR(a.error, b.error, 1e-4 * a.error);
+    for (std::size_t i = 0; i < filter_features; ++i) {
+        EXPECT_NEAR(a.with_error[i], b.with_error[i], 1e-4 * std::sqrt(a.products[i][i] * a.error));
+        for (std::size_t j = 0; j <= i; ++j)
+            EXPECT_NEAR(a.products[i][j], b.products[i][j],
+                        1e-4 * std::sqrt(a.products[i][i] * a.products[j][j]));
+    }
+}
+
 TEST(FilterFit, NothingWhereNothingIsToMend) {
     FilteredTile tile(test::shape_of(64, 64, 4, 4));
     Random random(3);

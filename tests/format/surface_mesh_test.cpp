@@ -247,5 +247,25 @@ TEST(MeshStream, RefusesOtherKindsOfStreams) {
     says(14, 3, "seams");
 }
 
+// An attribute says its kind, its type of numbers, how many, and whether they are normalised.
+TEST(MeshStream, RefusesOtherAttributes) {
+    constexpr int positions = 0, normals = 1, colours = 2, floats = 9;
+    using Said = std::array<int, 4>;
+    const auto refuses = [](const Said& old, const Said& now) {
+        const auto same = [](std::byte a, int b) { return std::to_integer<int>(a) == b; };
+        Bytes stream = box_stream(6);
+        const auto found = std::ranges::search(stream, old, same);
+        ASSERT_FALSE(found.empty());
+        std::ranges::transform(now, found.begin(), [](int x) { return static_cast<std::byte>(x); });
+        EXPECT_EQ(decode_mesh(stream, no_limit).status().code(), ErrorCode::invalid_file);
+    };
+    for (const int kind : {normals, colours})
+        refuses({positions, floats, 3, 0}, {kind, floats, 3, 0});
+    for (const int kind : {positions, colours})
+        refuses({normals, floats, 3, 0}, {kind, floats, 3, 0});
+    refuses({normals, floats, 3, 0}, {normals, floats + 1, 3, 0});
+    refuses({normals, floats, 3, 0}, {normals, floats, 2, 0});
+}
+
 } // namespace
 } // namespace tessera
