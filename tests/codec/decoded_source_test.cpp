@@ -117,10 +117,12 @@ TEST(DecodedLevel, FallsBackAsTheDecoderMay) {
         Bytes few(3);
         const Box4 outside{source->desc().size, {9999, 9999, 9999, 9999}};
         EXPECT_EQ(source->read(outside, few).code(), ErrorCode::bad_argument);
-        EXPECT_EQ(decoder->decode_coarse_box(0, {{0, 0, 0, 0}, {1, 1, 1, 1}}, few).code(),
-                  ErrorCode::bad_argument);
-        EXPECT_EQ(decoder->decode_coarse_box(9, {{0, 0, 0, 0}, {1, 1, 1, 1}}, few).code(),
-                  ErrorCode::bad_argument);
+        for (const std::size_t level : {std::size_t{0}, last + 1, last + 2}) {
+            const Status refused =
+                decoder->decode_coarse_box(level, {{0, 0, 0, 0}, {1, 1, 1, 1}}, few);
+            EXPECT_EQ(refused.code(), ErrorCode::bad_argument);
+            EXPECT_NE(refused.message().find("no coarse level"), std::string::npos) << level;
+        }
     }
 }
 

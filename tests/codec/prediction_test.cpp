@@ -109,8 +109,11 @@ TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
     tile.predictions.resize(4);
     tile.predictions[1].from = CopyFrom::along_s;
     tile.predictions[3].from = CopyFrom::along_t;
-    const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
+    CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
     EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 0, 2}));
+    tile.predictions[2].from = CopyFrom::along_t; // from a view of depth 0, beside one of depth 1
+    depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
+    EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 1, 2}));
 }
 
 TEST(CopyDepths, AllViewsOfABlockAreAsDeepAsIt) {

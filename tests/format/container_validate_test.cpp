@@ -57,6 +57,30 @@ TEST(Damage, PageFindingNamesTheTiles) {
         EXPECT_NE(findings[1].text.find(words), std::string::npos) << findings[1].text;
 }
 
+// What a later version may mean is no damage, and is said.
+TEST(Damage, UnknownValuesAreNoted) {
+    const auto noted = [](int beyond) {
+        auto sample = rich_sample();
+        Description& d = sample->contents.description;
+        const auto after = [beyond]<class Field>(Field last) {
+            return static_cast<Field>(static_cast<int>(last) + beyond);
+        };
+        d.angular_map = after(AngularMap{4});
+        d.transfer = after(Transfer{2});
+        d.primaries = after(Primaries{1});
+        std::string all;
+        for (const Finding& finding : validate_container(*wrap_memory(sample->write())))
+            if (finding.number == static_cast<int>(ContainerRule::unknown_value))
+                all += finding.text;
+        return all;
+    };
+    EXPECT_EQ(noted(0), "");
+    const std::string all = noted(1);
+    for (const char* words : {"angular_map has unknown value 5", "transfer has unknown value 3",
+                              "primaries has unknown value 2"})
+        EXPECT_NE(all.find(words), std::string::npos) << all;
+}
+
 TEST(Damage, IndexFindingNamesTheGroup) {
     Bytes file = rich_sample()->write();
     const auto source = wrap_memory(file);

@@ -107,6 +107,19 @@ TEST_F(Files, FailingRename) {
     EXPECT_EQ(files(), 1);
 }
 
+TEST_F(Files, FoldersReplaceFolders) {
+    for (const char* const name : {"first", "second"}) {
+        Result<OutputFolder> folder = OutputFolder::create(path("views"));
+        ASSERT_TRUE(folder) << folder.status().message();
+        ASSERT_TRUE(folder->add(name, bytes_of(name)));
+        const Status status = folder->commit();
+        EXPECT_TRUE(status) << status.message();
+        EXPECT_EQ(slurp(path("views") + "/" + name), name);
+        EXPECT_EQ(files(), 1);
+    }
+    EXPECT_FALSE(std::filesystem::exists(path("views/first")));
+}
+
 TEST_F(Files, FullDisk) {
     // In a child: the limit stands in for a full disk.
     const auto child = [this] {
