@@ -558,6 +558,10 @@ struct Step {
     int e = 0;
 };
 
+struct Ring { // of the filter
+    int strength = 0, reach = 1;
+};
+
 struct Code {
     std::array<Step, 4> step;
     Step rotated_step;
@@ -570,9 +574,6 @@ struct Code {
     bool smooth_copies = false;
     std::optional<int> base_margin; // of files with base pictures
     bool v_against_u = false;
-    struct Ring {
-        int strength = 0, reach = 1;
-    };
     std::optional<std::array<std::array<Ring, 3>, 2>> filter; // [plane 0, others][ring]
 
     uint32_t zero[2][2][7][6][16]; // frequencies of 0
@@ -659,7 +660,7 @@ Code read_code(Bytes section) {
         code.filter.emplace();
         bool does_something = false;
         for (auto& rings : *code.filter)
-            for (Code::Ring& ring : rings) {
+            for (Ring& ring : rings) {
                 ring.strength = static_cast<int8_t>(u8(section, at++));
                 ring.reach = u8(section, at++);
                 require(ring.strength != -128 && ring.reach != 0, "CODE: filter");
