@@ -182,6 +182,7 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
 // The search goes by estimates. Coding the tree that it chose, and each block's quarters and
 // parent beside it, shows where these were wrong. False if nothing is to be gained.
 bool TileEncoder::refine(TileLevels& out, float& cost) {
+    copies_.clear(); // of the tile before, it may have a base picture
     copies_.shape = out.shape;
     copies_.splits = out.splits;
     copies_.blocks = out.blocks;

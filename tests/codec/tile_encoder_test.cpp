@@ -1,0 +1,53 @@
+#include "codec/tile_encoder/tile_encoder.h"
+
+#include "codec/pass/steps.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+constexpr BlockShape parallax_shape{{24, 24, 5, 5}};
+
+// Waves that move by half a texel a view, of that height about a grey.
+TileTexels moving_waves(double grey, double height) {
+    TileTexels tile;
+    const auto& n = parallax_shape.n;
+    for (int v = 0; v < n[1]; ++v)
+        for (int u = 0; u < n[0]; ++u)
+            for (int t = 0; t < n[3]; ++t)
+                for (int s = 0; s < n[2]; ++s)
+                    for (int c = 0; c < 3; ++c) {
+                        const double x = u + 0.5 * s, y = v + 0.5 * t;
+                        const double wave = 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
+                                            0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
+                        tile.texels.push_back(
+                            static_cast<std::byte>(std::lround(grey + height * wave)));
+                    }
+    return tile;
+}
+
+// A flat tile has no copies to search for, so nothing of the one before may be left.
+TEST(TileEncoder, KeepsNothingOfTheTileBefore) {
+    const TextureDesc desc{{24, 24, 5, 5}, SampleType::unorm8, 3};
+    const EffortSettings settings = EffortSettings::of(3);
+    ColourCoding colour;
+    colour.desc = desc;
+    colour.transform = ColourTransform::ycocg_r;
+    CodingParameters parameters = parameters_for_step(24, desc, settings);
+    parameters.prediction = parameters.base.on = true;
+    const TileCoding coding(parameters, desc.type, desc.channels);
+    const BitCosts costs(coding.tables);
+    TileEncoder used(coding, costs, colour, settings), fresh(coding, costs, colour, settings);
+    TileLevels levels, flat, expected;
+    used.encode(moving_waves(128, 255), parallax_shape, levels);
+    ASSERT_GT(levels.base_blocks, 0u);
+    used.encode(moving_waves(140, 0), parallax_shape, flat);
+    fresh.encode(moving_waves(140, 0), parallax_shape, expected);
+    ASSERT_FALSE(expected.nonzeros.empty());
+    EXPECT_EQ(flat, expected);
+}
+
+} // namespace
+} // namespace tessera
