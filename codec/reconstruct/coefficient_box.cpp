@@ -48,8 +48,8 @@ void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder
         const ScanEntry& entry = order.entry[nz.index];
         const auto& k = entry.k;
         const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
-        const std::int32_t magnitude =
-            tessera::dequantize(std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
+        const std::int32_t magnitude = tessera::dequantize(
+            std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
         const int column = column_of_[static_cast<std::size_t>(view_of(entry))];
         box[static_cast<std::size_t>(k[0] * u_step + k[1] * v_step + column * column_step)] =
             nz.level < 0 ? -magnitude : magnitude;

@@ -42,16 +42,14 @@ private:
 
     // Vectors are filled by columns side by side where there are enough, else by rows.
     bool columns_run_fastest() const;
-    static int view_of(const ScanEntry& entry) {
-        return entry.k[3] * max_frequencies + entry.k[2];
-    }
+    static int view_of(const ScanEntry& entry) { return entry.k[3] * max_frequencies + entry.k[2]; }
     void spread_columns(const std::int32_t* columns, int page, std::int32_t* out) const;
 
-    Support support_{};                               // one more than the largest frequency
+    Support support_{};                                // one more than the largest frequency
     std::array<std::uint8_t, max_frequencies> of_t_{}; // the same along s, at each t; 0: no column
-    int count_ = 0;                                   // of columns
-    std::array<std::int16_t, views> column_of_;       // -1: none
-    std::array<std::int16_t, views> view_;            // of each column
+    int count_ = 0;                                    // of columns
+    std::array<std::int16_t, views> column_of_;        // -1: none
+    std::array<std::int16_t, views> view_;             // of each column
 };
 
 } // namespace tessera
