@@ -28,16 +28,18 @@ void count_copies_as_others(Statistics& counts) {
 Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
                                   const Sample& sample) {
     EncodePlan quick = plan;
-    quick.effort = EffortSettings::of(quick_effort, plan.tools);
+    quick.effort = EffortSettings::of(quick_effort, plan.tools).for_samples();
     quick.effort.search.copies = {};
     parameters.parameters = dense_parameters();
+    for (int round = 0; round < quick_rounds; ++round) {
+        TESSERA_TRY_ASSIGN(Statistics counts, count_symbols(quick, parameters, sample));
+        count_copies_as_others(counts);
+        parameters.parameters = fit_parameters(counts);
+    }
     for (int round = 1;; ++round) {
-        const bool is_quick = round <= quick_rounds;
-        Result<PassResult> pass = run_pass(is_quick ? quick : plan, parameters, sample);
-        if (!pass || round == quick_rounds + whole_rounds)
+        Result<PassResult> pass = run_pass(plan, parameters, sample);
+        if (!pass || round == whole_rounds)
             return pass;
-        if (is_quick)
-            count_copies_as_others(pass->totals.statistics);
         parameters.parameters = fit_parameters(pass->totals.statistics);
     }
 }

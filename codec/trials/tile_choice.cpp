@@ -107,7 +107,7 @@ Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, int eff
     const TextureDesc& desc = plan.colour.desc;
     EncodePlan trial = plan;
     trial.colour.background = find_background(patches, desc);
-    trial.effort = EffortSettings::of(effort, plan.tools);
+    trial.effort = EffortSettings::of(effort, plan.tools).for_samples();
     const CodingParameters parameters = parameters_of_trial(trial);
     std::array<double, 2> cost{};
     for (std::size_t i = 0; i < 2; ++i) {
