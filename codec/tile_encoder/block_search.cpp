@@ -92,6 +92,7 @@ int depths(int a, int b, int smallest) {
 
 float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     shape_ = planes.shape;
+    displacements_.forget_likely();
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);

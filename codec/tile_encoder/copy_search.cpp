@@ -24,7 +24,7 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     reset_choices();
     displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
                          coding_.parameters.smooth_copies);
-    for (int a = 1; a <= angular_depths_; ++a)
+    for (int a = angular_depths_; a >= 1; --a) // single views say best what is likely
         try_copies(a, reconstructed);
     if (coding_.parameters.base.on)
         for (Grid& grid : grids_) {

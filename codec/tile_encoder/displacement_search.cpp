@@ -96,14 +96,40 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
 }
 
 // Whole texels; the halves between are tried around the best of them.
-void DisplacementSearch::set_candidates(int direction, const DisplacementRange& range) {
-    const int most_u = direction == 0 ? range.along : range.across;
-    const int most_v = direction == 0 ? range.across : range.along;
+void DisplacementSearch::set_candidates(const DisplacementRange& range) {
+    most_u_ = (direction_ == 0 ? range.along : range.across) & ~1;
+    most_v_ = (direction_ == 0 ? range.across : range.along) & ~1;
     candidates_.clear();
-    candidates_u_ = static_cast<std::size_t>((most_u - (-most_u & ~1)) / 2 + 1);
-    for (int v = -most_v & ~1; v <= most_v; v += 2)
-        for (int u = -most_u & ~1; u <= most_u; u += 2)
+    candidates_u_ = static_cast<std::size_t>(most_u_ + 1);
+    for (int v = -most_v_; v <= most_v_; v += 2)
+        for (int u = -most_u_; u <= most_u_; u += 2)
             candidates_.push_back({static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)});
+    votes_[static_cast<std::size_t>(direction_)].resize(candidates_.size());
+}
+
+// Of all candidates, in hand, those that got most votes.
+void DisplacementSearch::set_likely_candidates(const DisplacementRange& range) {
+    const auto likely = static_cast<std::size_t>(range.likely);
+    if (candidates_.size() <= likely)
+        return;
+    const auto& votes = votes_[static_cast<std::size_t>(direction_)];
+    std::vector<std::size_t> places(candidates_.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::stable_sort(places.begin(), places.end(),
+                     [&](std::size_t a, std::size_t b) { return votes[a] > votes[b]; });
+    std::vector<Displacement> chosen;
+    for (std::size_t i = 0; i < likely && votes[places[i]] > 0; ++i)
+        chosen.push_back(candidates_[places[i]]);
+    if (chosen.empty())
+        chosen.push_back({});
+    candidates_ = std::move(chosen);
+    candidates_u_ = 0;
+}
+
+void DisplacementSearch::vote(const Displacement& whole, int texels) {
+    const int place = (whole.v + most_v_) / 2 * (most_u_ + 1) + (whole.u + most_u_) / 2;
+    votes_[static_cast<std::size_t>(direction_)][static_cast<std::size_t>(place)] +=
+        static_cast<std::uint32_t>(texels);
 }
 
 void DisplacementSearch::set_bits(int direction, const BitCosts& costs) {
@@ -200,6 +226,13 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     }
 }
 
+void DisplacementSearch::total_likely(const float* own, const std::array<Displacement, 2>& known,
+                                      float bit_cost) {
+    totals_.resize(candidates_.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+        totals_[i] = own[i] + bit_cost * bits_of(candidates_[i], known);
+}
+
 // own[i] and what the bits of candidate i cost, bit by bit as bits_of has them.
 void DisplacementSearch::total_candidates(const float* own,
                                           const std::array<Displacement, 2>& known,
@@ -247,7 +280,10 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
             continue;
         const Segment &u = cells[0][cu], &v = cells[1][cv];
         const float* own = errors + (cv * width + cu) * count;
-        total_candidates(own, known, bit_cost);
+        if (candidates_u_ != 0)
+            total_candidates(own, known, bit_cost);
+        else
+            total_likely(own, known, bit_cost);
         const std::size_t place_of_best = place_of_least(totals_);
         Match best{candidates_[place_of_best], own[place_of_best], 0};
         float least = totals_[place_of_best];
@@ -262,6 +298,7 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
             }
         };
         const Displacement whole = best.displacement;
+        vote(whole, u.size * v.size);
         for (int dv = -1; half && dv <= 1; ++dv)
             for (int du = -1; du <= 1; ++du)
                 if (du != 0 || dv != 0)
@@ -277,11 +314,25 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
     }
 }
 
+void DisplacementSearch::match_angular_cell(const std::vector<Axes>& spatial,
+                                            const DisplacementRange& range, float bit_cost,
+                                            std::size_t angle,
+                                            std::vector<std::vector<Match>>& matches) {
+    measure_all(spatial);
+    const float* errors = errors_.data();
+    for (std::size_t depth = spatial.size(); depth-- > 0;) {
+        const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
+        choose(spatial[depth], errors, range.half, bit_cost, matches[depth].data() + angle * cells);
+        errors += cells * candidates_.size();
+    }
+}
+
 void DisplacementSearch::match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
                                const DisplacementRange& range, const BitCosts& costs,
                                float bit_cost, std::vector<std::vector<Match>>& matches) {
     direction_ = direction;
-    set_candidates(direction, range);
+    const bool knows_likely = !votes_[static_cast<std::size_t>(direction)].empty();
+    set_candidates(range);
     set_bits(direction, costs);
     const std::size_t angular_cells = angular[0].size() * angular[1].size();
     std::size_t all_cells = 0;
@@ -293,20 +344,24 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
                               {{}, std::numeric_limits<float>::infinity(), 0});
     }
     errors_.resize(all_cells * candidates_.size());
-    for (std::size_t angle = 0; angle < angular_cells; ++angle) {
-        s_ = angular[0][angle % angular[0].size()];
-        t_ = angular[1][angle / angular[0].size()];
-        if (s_.size == 0 || t_.size == 0 || (direction == 0 ? s_.begin : t_.begin) == 0)
-            continue;
-        measure_all(spatial);
-        const float* errors = errors_.data();
-        for (std::size_t depth = spatial.size(); depth-- > 0;) {
-            const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
-            choose(spatial[depth], errors, range.half, bit_cost,
-                   matches[depth].data() + angle * cells);
-            errors += cells * candidates_.size();
+    // Of the cells with views before them, every one that is a multiple of `step`, or every other.
+    const auto match_cells = [&](std::size_t step, bool multiples) {
+        std::size_t number = 0;
+        for (std::size_t angle = 0; angle < angular_cells; ++angle) {
+            s_ = angular[0][angle % angular[0].size()];
+            t_ = angular[1][angle / angular[0].size()];
+            if (s_.size != 0 && t_.size != 0 && (direction == 0 ? s_.begin : t_.begin) != 0 &&
+                (number++ % step == 0) == multiples)
+                match_angular_cell(spatial, range, bit_cost, angle, matches);
         }
-    }
+    };
+    if (range.likely == 0)
+        return match_cells(1, true);
+    constexpr std::size_t searched_in_full = 4; // one in so many
+    if (!knows_likely)
+        match_cells(searched_in_full, true);
+    set_likely_candidates(range);
+    match_cells(knows_likely ? 1 : searched_in_full, knows_likely);
 }
 
 } // namespace tessera

@@ -18,6 +18,9 @@ namespace tessera {
 struct DisplacementRange {
     int along = 0, across = 0; // along 0: copying is not tried at all
     bool half = true;          // half texels, too; else only whole ones
+    // Of whole ones, those that are tried everywhere: the ones that a quarter of a tile's views, searched
+    // in full, take most. 0: all.
+    int likely = 0;
 };
 
 // The displacement chosen for one cell, what it leaves (squared error, in the source's units) and
@@ -33,6 +36,8 @@ public:
     // used until the next call; `unit` is one of them in codes. smooth: the filter of the file.
     void begin(const BlockShape& tile, const std::vector<float>& source,
                const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
+    // Another tile: what was likely in the one before is not any more.
+    void forget_likely() { votes_ = {}; }
 
     // Matches every cell of the grids that halve (s, t) into `angular` and (u, v) into spatial[0],
     // spatial[1], ..., coarse to fine. matches[depth] is in the order of the grids' cells; cells with
@@ -44,10 +49,16 @@ public:
 
 private:
     void make_phases(const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
-    void set_candidates(int direction, const DisplacementRange& range);
+    void set_candidates(const DisplacementRange& range);
+    void set_likely_candidates(const DisplacementRange& range);
     void set_bits(int direction, const BitCosts& costs);
     void measure_all(const std::vector<Axes>& spatial);
+    void match_angular_cell(const std::vector<Axes>& spatial, const DisplacementRange& range,
+                            float bit_cost, std::size_t angle,
+                            std::vector<std::vector<Match>>& matches);
     void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
+    void vote(const Displacement& whole, int texels);
+    void total_likely(const float* own, const std::array<Displacement, 2>& known, float bit_cost);
     void total_candidates(const float* own, const std::array<Displacement, 2>& known,
                           float bit_cost);
     // Squared error of the texels u, v of the angular cell in hand, for each of some v; adds to a sum
@@ -65,9 +76,11 @@ private:
     // width past both edges.
     std::array<std::array<std::vector<float>, 2>, 2> phase_;
     int direction_ = 0;
+    int most_u_ = 0, most_v_ = 0; // of whole candidates, even
     Segment s_, t_;                        // the angular cell in hand
     std::vector<Displacement> candidates_; // row after row
-    std::size_t candidates_u_ = 0;         // of a row
+    std::size_t candidates_u_ = 0;         // of a row; 0: only likely ones, in no rows
+    std::array<std::vector<std::uint32_t>, 2> votes_; // of a direction's candidates: texels, in rows
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]
     std::vector<float> totals_, sums_;
     std::array<float, displacement_kinds> kind_bits_{};

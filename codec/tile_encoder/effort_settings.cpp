@@ -26,7 +26,7 @@ constexpr std::uint64_t all = ~std::uint64_t{0};
 struct Level {
     std::uint64_t grids;
     bool rotation, dependent, recode;
-    int along, across, rounds; // of the search for copies; 0: no copies, and no filter either
+    int along, across, likely, rounds; // of the search for copies; 0: no copies, and no filter either
     bool dense_tables;
     int refinements;
 };
@@ -34,11 +34,11 @@ struct Level {
 constexpr bool on = true, off = false;
 constexpr std::array<Level, most_effort + 1> levels = {{
     // grids rotation, dependent, recode; copies; dense tables, refinements
-    {four, off, off, off, 0, 0, 0, off, 0},
-    {seven, on, off, on, 0, 0, 0, off, 0},
-    {seven, on, on, on, 8, 4, 1, off, 0},
-    {all, on, on, on, 16, 6, 2, on, 1},
-    {all, on, on, on, 24, 10, 4, on, 2},
+    {four, off, off, off, 0, 0, 0, 0, off, 0},
+    {seven, on, off, on, 0, 0, 0, 0, off, 0},
+    {seven, on, on, on, 8, 4, 12, 1, off, 0},
+    {all, on, on, on, 16, 6, 24, 2, on, 1},
+    {all, on, on, on, 24, 10, 0, 4, on, 2},
 }};
 // Where a tool switch brings copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -65,7 +65,8 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.try_dense = tools.is_on(CodingTool::dense_tables, level.dense_tables);
     if (copies)
         settings.search.copies =
-            level_copies ? DisplacementRange{level.along, level.across} : usual_range;
+            level_copies ? DisplacementRange{level.along, level.across, true, level.likely}
+                         : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.quick = !level_copies;
     settings.copy_rounds = std::max(level.rounds, 1);
