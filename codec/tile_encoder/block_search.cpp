@@ -112,6 +112,7 @@ float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     for (; !search_tree(out); --angular_depths_) {
     }
     out.predictions.clear(); // all copy nothing
+    forget_tries();
     return grids_[0].cost[0];
 }
 

@@ -69,6 +69,9 @@ private:
         std::vector<std::uint8_t> choice;        // Split
         std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
+        // What copying along s and along t cost when it was tried last, for the tile in hand; 0: not yet.
+        std::array<std::vector<float>, copy_directions> tried_cost;
+        std::vector<float> subtree_cost; // of the best tree below each cell, with those
         // Of each cell as one block that may copy from other views.
         std::vector<float> copied_cost;
         std::vector<BlockPrediction> copied;
@@ -114,6 +117,8 @@ private:
     void estimate_grid(Grid& grid, int spatial, int angular);
     void reset_choices();
     bool can_copy() const;
+    void forget_tries();
+    bool is_hopeless(const Grid& grid, std::size_t cell, std::size_t direction) const;
     bool emit_tree(TileLevels& out);
     void try_base(const TilePlanes& reconstructed);
     void try_base(Grid& grid, const std::array<int, 4>& cell, const BaseMatch& match,

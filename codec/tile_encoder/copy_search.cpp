@@ -10,9 +10,26 @@ namespace {
 // of it for cheaper than it is.
 constexpr float copy_bits = 12.0f;
 constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
+// Copies that cost so many times the best tree in one round are not tried in the next.
+constexpr float hopeless_cost = 1.25f;
+// Of the error of one direction's copy, times the other's: not tried beside it.
+constexpr float hopeless_error = 1.5f;
 constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
 
 } // namespace
+
+void BlockSearch::forget_tries() {
+    for (Grid& grid : grids_) {
+        for (std::vector<float>& cost : grid.tried_cost)
+            cost.assign(grid.activity.size(), 0.0f);
+        grid.subtree_cost.clear();
+    }
+}
+
+bool BlockSearch::is_hopeless(const Grid& grid, std::size_t cell, std::size_t direction) const {
+    return !grid.subtree_cost.empty() &&
+           grid.tried_cost[direction][cell] > hopeless_cost * grid.subtree_cost[cell];
+}
 
 bool BlockSearch::can_copy() const {
     return !is_flat(grids_[0], 0) && angular_depths_ > 0;
@@ -31,7 +48,10 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
             grid.copied_cost = grid.cost;
             grid.copied = grid.prediction;
         }
-    return emit_tree(out);
+    const bool copies = emit_tree(out);
+    for (Grid& grid : grids_)
+        grid.subtree_cost = grid.cost;
+    return copies;
 }
 
 bool BlockSearch::choose_base_copies(const TilePlanes& reconstructed, TileLevels& out) {
@@ -122,12 +142,16 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     const std::size_t i = grid.index(c);
     const float scale = inverse_step_[0] * inverse_step_[0];
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
-        const Match& found = match[from == CopyFrom::along_s ? 0 : 1];
-        if (found.error * scale >= grid.activity[i] + grid.mean_cost[i])
+        const std::size_t direction = from == CopyFrom::along_s ? 0 : 1;
+        const Match& found = match[direction];
+        if (found.error * scale >= grid.activity[i] + grid.mean_cost[i] ||
+            found.error > hopeless_error * match[1 - direction].error ||
+            is_hopeless(grid, i, direction))
             continue;
         const BlockPrediction prediction{from, found.displacement};
         const float cost = options_.lambda * (block_overhead_bits + copy_bits + found.bits) +
                            copy_cost(block, prediction, reconstructed);
+        grid.tried_cost[direction][i] = cost;
         if (cost < grid.cost[i]) {
             grid.cost[i] = cost;
             grid.prediction[i] = prediction;
