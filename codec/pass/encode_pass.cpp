@@ -49,6 +49,10 @@ struct Crew {
     // `filter`: what a filter would have to mend there; wanted only of passes without one.
     Status encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
                   CodedTile& tile, FilterStatistics* filter = nullptr) const;
+    // The same once worker.levels are chosen.
+    Status code(Worker& worker, const TileEncoder& encoder, const Box4& box,
+                const TileTexels& source, CodedTile& tile,
+                FilterStatistics* filter = nullptr) const;
     // The same of worker.tile, with the payload that a reused file has for it where that still holds.
     Status encode_or_keep(Worker& worker, std::uint64_t number, const Box4& box,
                           CodedTile& tile) const;
@@ -94,8 +98,13 @@ std::span<const std::byte> target_of(Worker& worker, const TileTexels& source,
 
 Status Crew::encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
                     CodedTile& tile, FilterStatistics* filter) const {
+    encoder.encode(source, tile_shape(box), worker.levels);
+    return code(worker, encoder, box, source, tile, filter);
+}
+
+Status Crew::code(Worker& worker, const TileEncoder& encoder, const Box4& box,
+                  const TileTexels& source, CodedTile& tile, FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
-    encoder.encode(source, shape, worker.levels);
     worker.decoded.resize(source.texels.size());
     worker.corrections.clear();
     worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
@@ -166,8 +175,13 @@ Status Crew::encode_or_keep(Worker& worker, std::uint64_t number, const Box4& bo
 
 PassResult finish(Crew& crew, unsigned number, std::vector<CodedTile> tiles,
                   std::shared_ptr<TileStore> payloads) {
-    PassResult result{number,           crew.coding.parameters, crew.coding.parameters,
-                      std::move(tiles), std::move(payloads),    {}};
+    PassResult result{number,
+                      crew.coding.parameters,
+                      crew.coding.parameters,
+                      std::move(tiles),
+                      std::move(payloads),
+                      {},
+                      {}};
     PassTotals& totals = result.totals;
     for (const CodedTile& tile : result.tiles) {
         totals.squared_error += static_cast<double>(tile.squared_error);
@@ -371,6 +385,17 @@ void sort_by_places(const EncodePlan& plan, std::vector<std::uint64_t>& tiles) {
     std::ranges::stable_sort(tiles, {}, places);
 }
 
+// Levels without those of blocks that are not a base picture's.
+TileLevels tree_of(const TileLevels& levels, std::size_t planes) {
+    TileLevels tree = levels;
+    const std::size_t kept = levels.base_blocks * planes;
+    if (kept < levels.planes.size())
+        tree.nonzeros.resize(levels.planes[kept].first);
+    tree.planes.resize(kept);
+    tree.nonzeros.shrink_to_fit();
+    return tree;
+}
+
 // Calls work(worker, i) -> Status for every tile of a sample.
 template <class Work> Status for_each_tile(Crew& crew, const Sample& sample, const Work& work) {
     return parallel_for(
@@ -483,12 +508,28 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
     std::vector<CodedTile> tiles(sample.boxes.size());
     // Summed in the order of the tiles, whichever thread had which.
     std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);
-    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) {
-        return crew.encode(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i],
-                           filter != nullptr ? &statistics[i] : nullptr);
+    std::vector<TileLevels> trees(tiles.size());
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+        TESSERA_TRY(crew.encode(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i],
+                                filter != nullptr ? &statistics[i] : nullptr));
+        trees[i] = tree_of(worker.levels, static_cast<std::size_t>(crew.coding.planes));
+        return {};
     }));
     for (const FilterStatistics& one : statistics)
         filter->add(one);
+    PassResult pass = finish(crew, 0, std::move(tiles), nullptr);
+    pass.trees = std::move(trees);
+    return pass;
+}
+
+Result<PassResult> run_pass_as(const EncodePlan& plan, const CodingParameters& parameters,
+                               const Sample& sample, std::span<const TileLevels> trees) {
+    Crew crew(plan, parameters, true);
+    std::vector<CodedTile> tiles(sample.boxes.size());
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) {
+        worker.encoder.encode_as(sample.tiles[i], trees[i], worker.levels);
+        return crew.code(worker, worker.encoder, sample.boxes[i], sample.tiles[i], tiles[i]);
+    }));
     return finish(crew, 0, std::move(tiles), nullptr);
 }
 
@@ -497,6 +538,20 @@ Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters&
     Crew crew(plan, parameters, true);
     TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
         worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
+        count_symbols(worker.levels, crew.coding, worker.statistics);
+        return {};
+    }));
+    Statistics all;
+    for (const Worker& worker : crew.workers)
+        all.add(worker.statistics);
+    return all;
+}
+
+Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParameters& parameters,
+                                    const Sample& sample, std::span<const TileLevels> trees) {
+    Crew crew(plan, parameters, true);
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+        worker.encoder.encode_as(sample.tiles[i], trees[i], worker.levels);
         count_symbols(worker.levels, crew.coding, worker.statistics);
         return {};
     }));

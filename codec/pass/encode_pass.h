@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tessera {
@@ -45,6 +46,8 @@ struct PassResult {
         payloads; // of `tiles`; nullptr for a sample, for a plan that keeps none, and for a pass of which
                   // a journal kept no more than the totals
     PassTotals totals;
+    // Of a sample's tiles: blocks, copies and colours, and the levels of base pictures.
+    std::vector<TileLevels> trees;
 
     // texels: those that matter.
     double psnr(const TextureDesc& desc, std::uint64_t texels) const;
@@ -98,6 +101,12 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 // Only what such a pass counts, in half its time. Precondition: a plan without corrections.
 Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters& parameters,
                                  const Sample& sample);
+// Codes the sample's tiles again in the `trees` of an earlier pass over it, in a tenth of its time; the
+// same, and what it would count. Preconditions: the tiles of that pass, its base pictures, no corrections.
+Result<PassResult> run_pass_as(const EncodePlan& plan, const CodingParameters& parameters,
+                               const Sample& sample, std::span<const TileLevels> trees);
+Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParameters& parameters,
+                                    const Sample& sample, std::span<const TileLevels> trees);
 // What the search takes the sample's tiles to cost without copies, about lagrangian_cost of such a
 // pass, in a third of its time.
 Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& parameters,

@@ -90,9 +90,8 @@ int depths(int a, int b, int smallest) {
 
 } // namespace
 
-float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
+void BlockSearch::set_tile(const TilePlanes& planes) {
     shape_ = planes.shape;
-    displacements_.forget_likely();
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -100,6 +99,12 @@ float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
         std::transform(planes.plane[p].begin(), planes.plane[p].end(), source_[p].begin(),
                        [this](std::int32_t value) { return static_cast<float>(value) * codes_; });
     }
+}
+
+float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
+    set_tile(planes);
+    displacements_.forget_likely();
+    const auto texels = static_cast<std::size_t>(shape_.texels());
     scratch_a_.resize(std::max(scratch_a_.size(), texels));
     for (auto& plane : coefficients_)
         plane.resize(texels);

@@ -35,6 +35,9 @@ public:
     // squared steps.
     float choose_blocks(const TilePlanes& planes, TileLevels& out);
 
+    // Only takes a tile, for transform_block.
+    void set_tile(const TilePlanes& planes);
+
     // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
     // `reconstructed`: what it looks like decoded, roughly. True if a block copies, and
     // a tile may have so many.
@@ -49,7 +52,8 @@ public:
     // Of what follows: steps of 2^(-k / 2) times the file's, as base pictures have them.
     void set_fineness(int k);
 
-    // Coefficients of one block of the tile given to the last choose_blocks; of its difference to
+    // Coefficients of one block of the tile given to the last choose_blocks or
+    // set_tile; of its difference to
     // what it copies from `reconstructed`, if it does.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out);

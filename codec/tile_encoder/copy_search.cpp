@@ -11,9 +11,9 @@ namespace {
 constexpr float copy_bits = 12.0f;
 constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
 // Copies that cost so many times the best tree in one round are not tried in the next.
-constexpr float hopeless_cost = 1.25f;
+constexpr float hopeless_cost = 1.1f;
 // Of the error of one direction's copy, times the other's: not tried beside it.
-constexpr float hopeless_error = 1.5f;
+constexpr float hopeless_error = 1.2f;
 constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
 
 } // namespace

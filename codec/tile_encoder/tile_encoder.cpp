@@ -62,6 +62,22 @@ void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, Ti
     }
 }
 
+void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, TileLevels& out) {
+    planes_from_texels(tile.texels, *colour_, known.shape, planes_);
+    if (!tile.matters.empty()) {
+        dont_care_.set(tile.matters, known.shape);
+        dont_care_.fill(planes_, coding_->planes);
+    }
+    search_.set_tile(planes_);
+    balanced_.resize(known.shape, coding_->planes);
+    if (known.base_blocks > 0) {
+        balanced_.resize_base(*base_shape(known.shape, coding_->parameters.base), coding_->planes);
+        for (std::size_t block = 0; block < known.base_blocks; ++block)
+            reconstruct_block(known, block, *coding_, scratch_, balanced_);
+    }
+    encode_again(known, nullptr, out);
+}
+
 float TileEncoder::estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);
     if (!tile.matters.empty()) {
@@ -393,7 +409,9 @@ void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     for (const double gain : balancing_gains) {
         if (largest_of(error) <= balanced_mean)
             return;
-        encode_again(out, {error, out.shape.texels(), gain, *coding_, *colour_}, copies_);
+        MeanDebt debt{error, out.shape.texels(), gain, *coding_, *colour_};
+        balanced_ = decoded_;
+        encode_again(out, &debt, copies_);
         const Means changed = meter_.error(tile, balanced_);
         if (largest_of(changed) >= largest_of(error))
             continue; // one level of a block is too much, or too little was asked for
@@ -403,9 +421,9 @@ void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     }
 }
 
-// Codes the blocks of a tile, which decoded_ has, as they are but for their levels; those of a base
-// picture stay. balanced_ has what comes out.
-void TileEncoder::encode_again(const TileLevels& tile, MeanDebt debt, TileLevels& out) {
+// Codes the blocks of a tile as they are but for their levels; those of a base picture stay, and balanced_
+// has it. balanced_ has what comes out. debt: of a tile that decoded_ has; or nullptr.
+void TileEncoder::encode_again(const TileLevels& tile, MeanDebt* debt, TileLevels& out) {
     const auto planes = static_cast<std::size_t>(coding_->planes);
     out = tile;
     out.nonzeros.clear();
@@ -418,7 +436,7 @@ void TileEncoder::encode_again(const TileLevels& tile, MeanDebt debt, TileLevels
             out.nonzeros.insert(out.nonzeros.end(), levels.begin(), levels.end());
         }
     };
-    balanced_ = decoded_;
+    out.planes.resize(tile.blocks.size() * planes);
     for (std::size_t k = 0; k < tile.blocks.size(); ++k) {
         const std::size_t i = tile.order.empty() ? k : tile.order[k];
         if (i < tile.base_blocks) {
@@ -428,12 +446,14 @@ void TileEncoder::encode_again(const TileLevels& tile, MeanDebt debt, TileLevels
         const BlockPrediction prediction =
             tile.predictions.empty() ? BlockPrediction{} : tile.predictions[i];
         search_.transform_block(tile.blocks[i], prediction, balanced_, coefficients_);
-        debt.ask_of(coefficients_);
+        if (debt != nullptr)
+            debt->ask_of(coefficients_);
         encode_coloured(tile.colours[i]);
         put(i, trial_, 0);
         out.colours[i] = trial_.colours[0];
         reconstruct_block(out, i, *coding_, scratch_, balanced_);
-        debt.count(tile.blocks[i], decoded_, balanced_);
+        if (debt != nullptr)
+            debt->count(tile.blocks[i], decoded_, balanced_);
     }
     sort_levels(out);
 }

@@ -27,6 +27,9 @@ public:
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
+    // The same tile in the blocks, copies and colours of `known`, of which only a base picture's levels are
+    // asked for: nothing is searched.
+    void encode_as(const TileTexels& tile, const TileLevels& known, TileLevels& out);
     // Roughly what encode() without copies would make the tile cost, in squared steps; a bit is worth
     // lambda of them. Uses `scratch`.
     float estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch);
@@ -66,7 +69,7 @@ private:
                        const BlockPrediction& prediction, TileLevels& out);
     // Codes the tile again with its mean nearer to that of its texels.
     void balance(const TileTexels& tile, TileLevels& out);
-    void encode_again(const TileLevels& tile, MeanDebt debt, TileLevels& out);
+    void encode_again(const TileLevels& tile, MeanDebt* debt, TileLevels& out);
     void encode_coloured(int colour);
 
     const TileCoding* coding_;
