@@ -288,7 +288,7 @@ namespace {
 
 // The cheaper of what positions suggest and what density does: without the latter, white noise is cut
 // into the smallest blocks, whose frequencies are all low.
-float plane_cost(const CostSum& sum, int count, float lambda) {
+float cost_of_plane(const CostSum& sum, int count, float lambda) {
     if (sum.coded < 1)
         return sum.cost;
     const float n = static_cast<float>(count), k = std::min(sum.coded, n - 0.5f);
@@ -299,6 +299,17 @@ float plane_cost(const CostSum& sum, int count, float lambda) {
 }
 
 } // namespace
+
+// Of one plane of coefficients_.
+float BlockSearch::plane_cost(const BlockShape& shape, std::size_t plane) {
+    const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
+    const int count = kept * shape.n[2] * shape.n[3];
+    const float slope = options_.lambda * bits_per_octave_of_energy;
+    return cost_of_plane(search_kernels().coding_cost(coefficients_[plane].data(),
+                                                      base_costs(shape).data(), count,
+                                                      inverse_step_[plane], slope),
+                         count, options_.lambda);
+}
 
 // Cost of coefficients_, those of a block of this energy (squared steps; asked for where frequencies are
 // left out), on the better colour axes.
@@ -313,7 +324,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
         const auto p = static_cast<std::size_t>(plane);
         const CostSum sum =
             k.coding_cost(coefficients_[p].data(), base, count, inverse_step_[p], slope);
-        const float own = plane_cost(sum, count, options_.lambda);
+        const float own = cost_of_plane(sum, count, options_.lambda);
         cost += own;
         seen += sum.energy;
         coded += sum.coded;
@@ -338,7 +349,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
     for (std::size_t axis = 0; axis < 3 && rotated < cost; ++axis) {
         project_colours(colours, rotation, axis, rotated_.data());
         rotated +=
-            plane_cost(k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope),
+            cost_of_plane(k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope),
                        count, options_.lambda);
     }
     return std::min(cost, rotated) + unseen + luck;

@@ -132,8 +132,9 @@ private:
     void try_copies(Grid& grid, const std::array<int, 4>& cell,
                     const std::array<Match, copy_directions>& match,
                     const TilePlanes& reconstructed);
+    // Infinite if the first plane alone costs `limit`.
     float copy_cost(const Block& block, const BlockPrediction& prediction,
-                    const TilePlanes& reconstructed);
+                    const TilePlanes& reconstructed, float limit);
     // A block's source, less what it copies.
     void gather_difference(const Block& block, const BlockPrediction& prediction, int plane,
                            const TilePlanes& reconstructed, float* to);
@@ -142,6 +143,7 @@ private:
               TileLevels& out) const;
     void measure_activity();
     float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
+    float plane_cost(const BlockShape& shape, std::size_t plane);
     float coefficients_cost(const BlockShape& shape, float energy);
     const std::vector<float>& base_costs(const BlockShape& shape);
 

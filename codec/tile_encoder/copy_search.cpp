@@ -2,6 +2,7 @@
 #include "codec/tile_encoder/block_search.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tessera {
 namespace {
@@ -99,8 +100,9 @@ void BlockSearch::try_base(Grid& grid, const std::array<int, 4>& c, const BaseMa
         return;
     const BlockPrediction prediction{
         CopyFrom::base, base_displacement(coding_.parameters.base, match.displacement)};
-    const float cost = options_.lambda * (block_overhead_bits + base_copy_bits) +
-                       copy_cost(block_of(grid, c), prediction, reconstructed);
+    const float bits = options_.lambda * (block_overhead_bits + base_copy_bits);
+    const float cost =
+        bits + copy_cost(block_of(grid, c), prediction, reconstructed, grid.cost[i] - bits);
     if (cost < grid.cost[i]) {
         grid.cost[i] = cost;
         grid.prediction[i] = prediction;
@@ -149,8 +151,9 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
             is_hopeless(grid, i, direction))
             continue;
         const BlockPrediction prediction{from, found.displacement};
-        const float cost = options_.lambda * (block_overhead_bits + copy_bits + found.bits) +
-                           copy_cost(block, prediction, reconstructed);
+        const float bits = options_.lambda * (block_overhead_bits + copy_bits + found.bits);
+        const float cost =
+            bits + copy_cost(block, prediction, reconstructed, grid.cost[i] - bits);
         grid.tried_cost[direction][i] = cost;
         if (cost < grid.cost[i]) {
             grid.cost[i] = cost;
@@ -160,7 +163,7 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
 }
 
 float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
-                             const TilePlanes& reconstructed) {
+                             const TilePlanes& reconstructed, float limit) {
     const BlockShape& shape = block.shape;
     const auto texels = static_cast<std::size_t>(shape.texels());
     const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
@@ -188,6 +191,8 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
         for (int i = 0; i < images; ++i)
             k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
                             coefficients_[p].data() + i * kept);
+        if (plane == 0 && plane_cost(shape, p) >= limit)
+            return std::numeric_limits<float>::infinity();
     }
     return coefficients_cost(shape, energy);
 }

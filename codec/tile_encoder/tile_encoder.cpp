@@ -272,7 +272,7 @@ void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, floa
     const bool is_zero = kept_trial_.nonzeros.empty();
     float least = cost;
     if (!is_zero && std::min(n[0], n[1]) >= smallest_to_split) {
-        least = std::min(cost, split_cost(tile.blocks[block], tile.predictions[block]));
+        least = std::min(cost, split_cost(tile.blocks[block], tile.predictions[block], cost));
         if (least < cost)
             out.edits[block].kind = TreeEdit::Kind::split;
     }
@@ -287,10 +287,11 @@ void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, floa
     std::swap(trial_, kept_trial_);
 }
 
-float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction) {
+float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction,
+                              float enough) {
     const Children quarters = children_of(block, Split::spatial);
     float cost = 0;
-    for (int i = 0; i < quarters.count; ++i) {
+    for (int i = 0; i < quarters.count && cost <= enough; ++i) {
         BlockPrediction own = prediction;
         cost += encode_best(quarters.block[static_cast<std::size_t>(i)], own) +
                 settings_->quantizer.lambda * (usual_split_bits + more_blocks_bits);

@@ -61,7 +61,8 @@ private:
     float encode_copies(TileLevels& out, Refinement* refinement = nullptr);
     bool refine(TileLevels& out, float& cost);
     void consider_edits(const TileLevels& tile, std::size_t block, float cost, Refinement& out);
-    float split_cost(const Block& block, const BlockPrediction& prediction);
+    // If it is more than `enough`, something between.
+    float split_cost(const Block& block, const BlockPrediction& prediction, float enough);
     void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
     float encode_best(const Block& block, BlockPrediction& prediction);
     // Returns the block's cost: squared steps, a bit being worth lambda of them.

@@ -68,6 +68,13 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     return patches;
 }
 
+// The first of the patches, as many as the others.
+Sample half_of(const Sample& patches) {
+    const auto count = static_cast<std::ptrdiff_t>((patches.boxes.size() + 1) / 2);
+    return {{patches.boxes.begin(), patches.boxes.begin() + count},
+            {patches.tiles.begin(), patches.tiles.begin() + count}};
+}
+
 Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const TextureDesc& desc) {
     Sample sample;
     for (std::size_t i = 0; i < patches.boxes.size(); ++i) {
@@ -131,7 +138,10 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     double ratio = 1;
     for (const int most_effort : {quick_effort_of_trial, most_effort_of_trial}) {
         const int effort = std::min(plan.options.effort, most_effort);
-        TESSERA_TRY_ASSIGN(ratio, cost_ratio(plan, patches, effort, other, usual));
+        TESSERA_TRY_ASSIGN(ratio, cost_ratio(plan,
+                                             effort == plan.options.effort ? patches
+                                                                           : half_of(patches),
+                                             effort, other, usual));
         if (std::abs(ratio - 1) > clear_difference || effort == plan.options.effort)
             break;
     }
