@@ -107,7 +107,8 @@ Status Crew::code(Worker& worker, const TileEncoder& encoder, const Box4& box,
     const BlockShape shape = tile_shape(box);
     worker.decoded.resize(source.texels.size());
     worker.corrections.clear();
-    worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
+    if (filter != nullptr || !encoder.take_decoded(worker.decoded))
+        worker.decoder.render(worker.levels, worker.corrections, worker.decoded);
     if (filter != nullptr)
         *filter = filter_statistics(encoder.source(), worker.decoder.planes(), coding);
     const TextureDesc& desc = plan.colour.desc;

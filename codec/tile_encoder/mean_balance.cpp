@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 namespace tessera {
 namespace {
@@ -20,6 +21,43 @@ Means planes_of(const Means& c, ColourTransform transform) {
     return {(c[0] + 2 * c[1] + c[2]) / 4, c[0] - c[2], c[1] - (c[0] + c[2]) / 2, c[3]};
 }
 
+using ChannelSums = std::array<std::int64_t, max_planes>;
+
+// The sums of a - b by channel, in runs that 16 bits hold.
+ChannelSums differences_of_bytes(std::span<const std::byte> a, std::span<const std::byte> b,
+                                 std::size_t channels) {
+    constexpr std::size_t lanes = 48, most_rounds = 128; // lanes: whole texels of 1 to 4 channels
+    ChannelSums sums{};
+    for (std::size_t at = 0; at < a.size();) {
+        std::array<std::int16_t, lanes> sum{};
+        for (std::size_t round = 0; round < most_rounds && at + lanes <= a.size();
+             ++round, at += lanes)
+            for (std::size_t i = 0; i < lanes; ++i)
+                sum[i] = static_cast<std::int16_t>(sum[i] + std::to_integer<int>(a[at + i]) -
+                                                   std::to_integer<int>(b[at + i]));
+        for (std::size_t i = 0; i < lanes; ++i)
+            sums[i % channels] += sum[i];
+        if (at + lanes <= a.size())
+            continue;
+        for (; at < a.size(); ++at)
+            sums[at % channels] += std::to_integer<int>(a[at]) - std::to_integer<int>(b[at]);
+    }
+    return sums;
+}
+
+ChannelSums differences_that_matter(const std::vector<std::byte>& decoded, const TileTexels& tile,
+                                    SampleType type, std::size_t channels) {
+    const std::size_t bytes = sample_bytes(type);
+    const auto code = [&](const std::vector<std::byte>& texels, std::size_t i) {
+        return sample_code(load_sample(&texels[i * bytes], type), type);
+    };
+    ChannelSums sums{};
+    for (std::size_t i = 0; i < decoded.size() / (channels * bytes); ++i)
+        for (std::size_t c = 0; c < channels && !tile.is_free(i); ++c)
+            sums[c] += code(decoded, i * channels + c) - code(tile.texels, i * channels + c);
+    return sums;
+}
+
 } // namespace
 
 double largest_of(const Means& means) {
@@ -29,28 +67,34 @@ double largest_of(const Means& means) {
     return largest;
 }
 
+Means channels_of(const Means& p, ColourTransform transform) {
+    if (transform == ColourTransform::none)
+        return p;
+    const double middle = p[0] - p[2] / 2, blue = middle - p[1] / 2;
+    return {blue + p[1], p[2] + middle, blue, p[3]};
+}
+
 Means MeanMeter::error(const TileTexels& tile, const TilePlanes& decoded) {
-    filtered_ = decoded;
-    filter_tile(*coding_, scratch_, filtered_);
     texels_.resize(tile.texels.size());
-    texels_from_planes(filtered_, *colour_, texels_);
+    if (coding_->parameters.filter.is_on()) {
+        filtered_ = decoded;
+        filter_tile(*coding_, scratch_, filtered_);
+        texels_from_planes(filtered_, *colour_, texels_);
+    } else {
+        texels_from_planes(decoded, *colour_, texels_);
+    }
     const SampleType type = colour_->desc.type;
     const std::size_t bytes = sample_bytes(type), channels = colour_->desc.channels;
-    const auto code = [&](const std::vector<std::byte>& texels, std::size_t i) {
-        return sample_code(load_sample(&texels[i * bytes], type), type);
-    };
-    std::array<std::int64_t, max_planes> sum{};
-    std::int64_t count = 0;
-    for (std::size_t i = 0; i < tile.texels.size() / (channels * bytes); ++i) {
-        if (tile.is_free(i))
-            continue;
-        ++count;
-        for (std::size_t c = 0; c < channels; ++c)
-            sum[c] += code(texels_, i * channels + c) - code(tile.texels, i * channels + c);
-    }
+    const std::size_t count = tile.texels.size() / (channels * bytes);
+    ChannelSums sum{};
+    if (type == SampleType::unorm8 && tile.matters.empty())
+        sum = differences_of_bytes(texels_, tile.texels, channels);
+    else
+        sum = differences_that_matter(texels_, tile, type, channels);
+    const std::size_t matter = count - free_count(tile.matters);
     Means means{};
-    for (std::size_t c = 0; c < channels && count > 0; ++c)
-        means[c] = static_cast<double>(sum[c]) / static_cast<double>(count);
+    for (std::size_t c = 0; c < channels && matter > 0; ++c)
+        means[c] = static_cast<double>(sum[c]) / static_cast<double>(matter);
     return means;
 }
 

@@ -18,6 +18,8 @@ namespace tessera {
 using Means = std::array<double, max_planes>;
 
 double largest_of(const Means& means);
+// What a small change of the planes is in channels.
+Means channels_of(const Means& planes, ColourTransform transform);
 
 // Scratch memory of one thread.
 class MeanMeter {
@@ -29,6 +31,8 @@ public:
     // How much larger the channels of a decoded tile (not filtered yet) are than those of its texels, on
     // the mean over all that matter.
     Means error(const TileTexels& tile, const TilePlanes& decoded);
+    // What the tile decodes to that was measured last; to be taken.
+    std::vector<std::byte>& texels() { return texels_; }
 
 private:
     const TileCoding* coding_;

@@ -41,9 +41,16 @@ void sort_levels(TileLevels& tile) {
 } // namespace
 
 void TileEncoder::encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
+    has_decoded_ = false;
     encode_all(tile, shape, out);
     if (settings_->balance && !colour_->corrections && !out.nonzeros.empty())
         balance(tile, out);
+}
+
+bool TileEncoder::take_decoded(std::vector<std::byte>& texels) {
+    if (has_decoded_)
+        texels.swap(meter_.texels());
+    return std::exchange(has_decoded_, false);
 }
 
 void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
@@ -68,6 +75,7 @@ void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, Til
         dont_care_.set(tile.matters, known.shape);
         dont_care_.fill(planes_, coding_->planes);
     }
+    has_decoded_ = false;
     search_.set_tile(planes_);
     balanced_.resize(known.shape, coding_->planes);
     if (known.base_blocks > 0) {
@@ -225,9 +233,12 @@ bool TileEncoder::refine(TileLevels& out, float& cost) {
 float TileEncoder::encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out) {
     last_rotation_ = 1;
     float cost = 0;
-    for (const Block& block : out.blocks)
+    level_balance_.begin();
+    for (const Block& block : out.blocks) {
         cost += encode_block(search, coded, block, {}, out) +
                 settings_->quantizer.lambda * usual_split_bits;
+        level_balance_.add(out.colours.back() != 0 ? rotated_ : coefficients_);
+    }
     return cost;
 }
 
@@ -407,19 +418,46 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
 void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     reconstruct(out, *coding_, scratch_, decoded_);
     Means error = meter_.error(tile, decoded_);
+    has_decoded_ = true;
     for (const double gain : balancing_gains) {
         if (largest_of(error) <= balanced_mean)
             return;
-        MeanDebt debt{error, out.shape.texels(), gain, *coding_, *colour_};
-        balanced_ = decoded_;
-        encode_again(out, &debt, copies_);
-        const Means changed = meter_.error(tile, balanced_);
-        if (largest_of(changed) >= largest_of(error))
-            continue; // one level of a block is too much, or too little was asked for
-        error = changed;
-        std::swap(out, copies_);
-        std::swap(decoded_, balanced_);
+        if (!has_free_levels())
+            balance_again(tile, error, gain, out);
+        else if (!balance_levels(tile, error, out))
+            return;
     }
+}
+
+// False if nothing came of it.
+bool TileEncoder::balance_levels(const TileTexels& tile, Means& error, TileLevels& out) {
+    copies_ = out;
+    const std::vector<std::size_t>& changed = level_balance_.pay(error, tile, out);
+    if (changed.empty())
+        return false;
+    for (const std::size_t block : changed)
+        reconstruct_block(out, block, *coding_, scratch_, decoded_);
+    const Means now = meter_.error(tile, decoded_);
+    has_decoded_ = largest_of(now) < largest_of(error);
+    if (has_decoded_)
+        error = now;
+    else
+        std::swap(out, copies_);
+    return has_decoded_;
+}
+
+void TileEncoder::balance_again(const TileTexels& tile, Means& error, double gain,
+                                TileLevels& out) {
+    MeanDebt debt{error, out.shape.texels(), gain, *coding_, *colour_};
+    balanced_ = decoded_;
+    encode_again(out, &debt, copies_);
+    const Means now = meter_.error(tile, balanced_);
+    has_decoded_ = largest_of(now) < largest_of(error);
+    if (!has_decoded_)
+        return; // one level of a block is too much, or too little was asked for
+    error = now;
+    std::swap(out, copies_);
+    std::swap(decoded_, balanced_);
 }
 
 // Codes the blocks of a tile as they are but for their levels; those of a base picture stay, and balanced_

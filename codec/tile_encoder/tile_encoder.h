@@ -10,6 +10,7 @@
 #include "codec/tile_encoder/coded_blocks.h"
 #include "codec/tile_encoder/dont_care.h"
 #include "codec/tile_encoder/effort_settings.h"
+#include "codec/tile_encoder/level_balance.h"
 #include "codec/tile_encoder/mean_balance.h"
 #include "codec/tile_encoder/tree_edits.h"
 
@@ -23,13 +24,17 @@ public:
                 const EffortSettings& settings)
         : coding_(&coding), costs_(&costs), colour_(&colour), settings_(&settings),
           search_(coding, costs, settings.search), base_search_(coding, costs, settings.search),
-          quantizer_(coding, costs, settings.quantizer), meter_(coding, colour) {}
+          quantizer_(coding, costs, settings.quantizer), meter_(coding, colour),
+          level_balance_(coding, costs, colour, settings.quantizer.lambda) {}
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
     // The same tile in the blocks, copies and colours of `known`, of which only a base picture's levels are
     // asked for: nothing is searched.
     void encode_as(const TileTexels& tile, const TileLevels& known, TileLevels& out);
+    // What the tile that was encoded last decodes to, if encode() has seen it: then these are swapped in
+    // for `texels`, once. Without corrections.
+    bool take_decoded(std::vector<std::byte>& texels);
     // Roughly what encode() without copies would make the tile cost, in squared steps; a bit is worth
     // lambda of them. Uses `scratch`.
     float estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch);
@@ -68,9 +73,15 @@ private:
     // Returns the block's cost: squared steps, a bit being worth lambda of them.
     float encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
                        const BlockPrediction& prediction, TileLevels& out);
-    // Codes the tile again with its mean nearer to that of its texels.
+    // Brings the tile's mean nearer to that of its texels: by first levels, or coded again.
     void balance(const TileTexels& tile, TileLevels& out);
     void encode_again(const TileLevels& tile, MeanDebt* debt, TileLevels& out);
+    bool balance_levels(const TileTexels& tile, Means& error, TileLevels& out);
+    void balance_again(const TileTexels& tile, Means& error, double gain, TileLevels& out);
+    // Whether a first level changes one block and nothing else.
+    bool has_free_levels() const {
+        return !coding_->parameters.dependent && !coding_->predicts;
+    }
     void encode_coloured(int colour);
 
     const TileCoding* coding_;
@@ -84,6 +95,8 @@ private:
     BlockQuantizer quantizer_;
     TilePlanes planes_, decoded_, picture_, balanced_;
     MeanMeter meter_;
+    LevelBalance level_balance_;
+    bool has_decoded_ = false; // meter_ has the tile as it is
     Base base_; // in hand; in the end that of the cheapest way found, if it has one
     std::vector<std::byte> base_bytes_;
     DontCare dont_care_;
