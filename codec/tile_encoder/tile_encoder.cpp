@@ -22,6 +22,7 @@ constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings
 
 // Rounds of coding a tile again. What costs less comes first.
 constexpr std::array<double, 2> balancing_gains = {2, 8};
+constexpr int level_rounds = 4; // of moving first levels: flat blocks are rounded, dark ones clamped
 constexpr double balanced_mean = 0.015; // codes by which no channel matters
 
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
@@ -419,14 +420,15 @@ void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     reconstruct(out, *coding_, scratch_, decoded_);
     Means error = meter_.error(tile, decoded_);
     has_decoded_ = true;
-    for (const double gain : balancing_gains) {
-        if (largest_of(error) <= balanced_mean)
-            return;
-        if (!has_free_levels())
-            balance_again(tile, error, gain, out);
-        else if (!balance_levels(tile, error, out))
-            return;
+    if (has_free_levels()) {
+        for (int round = 0; round < level_rounds && largest_of(error) > balanced_mean; ++round)
+            if (!balance_levels(tile, error, out))
+                return;
+        return;
     }
+    for (const double gain : balancing_gains)
+        if (largest_of(error) > balanced_mean)
+            balance_again(tile, error, gain, out);
 }
 
 // False if nothing came of it.
