@@ -96,7 +96,7 @@ public:
 
     void walk_block(const TileLevels& tile, std::size_t block) {
         const BlockShape& shape = tile.blocks[block].shape;
-        const ShapeCoding& shape_coding = coding_.shape(shape);
+        const ShapeCoding& shape_coding = shapes_.get(coding_, shape);
         int previous = 0;
         for (int plane = 0; plane < coding_.planes; ++plane) {
             const PlaneLevels* levels =
@@ -244,6 +244,7 @@ private:
     }
 
     const TileCoding& coding_;
+    RecentShapes shapes_;
     Visitor& visitor_;
     ContextGrid grid_;
     ColourMemory last_colour_;

@@ -65,7 +65,7 @@ float BlockQuantizer::energy(const BlockCoefficients& block) const {
 
 float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                                      std::size_t first_plane, TileLevels& out) {
-    const ShapeCoding& shape = coding_.shape(block.shape);
+    const ShapeCoding& shape = shapes_.get(coding_, block.shape);
     const ScanOrder& order = shape.order;
     const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
     const float per_step = inverse_step(block, plane);

@@ -62,6 +62,7 @@ private:
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;
     std::array<std::array<float, 2>, plane_classes> offset_{};
+    RecentShapes shapes_;
     std::vector<float> amplitude_;
     std::vector<std::uint8_t> cross_;
     std::vector<NonZero> levels_;

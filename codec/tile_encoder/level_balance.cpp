@@ -52,6 +52,19 @@ int mattering(const Block& block, const BlockShape& tile, const TileTexels& texe
 
 } // namespace
 
+LevelBalance::LevelBalance(const TileCoding& coding, const BitCosts& costs,
+                           const ColourCoding& colour, float lambda)
+    : coding_(&coding), costs_(&costs), colour_(&colour), lambda_(lambda),
+      rotated_step_(coding.parameters.rotated_step.value()) {
+    for (std::size_t plane = 0; plane < max_planes; ++plane)
+        step_[plane] = coding.parameters.step[plane].value();
+}
+
+// One order whatever the heap looks like.
+bool LevelBalance::is_dearer(const Move& a, const Move& b) {
+    return a.price != b.price ? a.price > b.price : a.plane > b.plane;
+}
+
 void LevelBalance::add(const BlockCoefficients& block) {
     auto& first = firsts_.emplace_back();
     for (int plane = 0; plane < coding_->planes; ++plane)
@@ -68,11 +81,11 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
     find_moves(debt, texels, tile);
     by_.assign(tile.planes.size(), 0);
     changed_.clear();
-    for (const Move& move : moves_) {
-        if (largest_of(debt) <= paid_mean * count)
-            break;
-        if (by_[move.plane] != 0 ||
-            most_overpaid * product(debt, move.change) < square(move.change))
+    while (!moves_.empty() && largest_of(debt) > paid_mean * count) {
+        std::pop_heap(moves_.begin(), moves_.end(), is_dearer); // few of many are wanted
+        const Move move = moves_.back();
+        moves_.pop_back();
+        if (most_overpaid * product(debt, move.change) < square(move.change))
             continue;
         by_[move.plane] = static_cast<std::int8_t>(move.by);
         changed_.push_back(move.plane / static_cast<std::size_t>(coding_->planes));
@@ -86,7 +99,7 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
     return changed_;
 }
 
-// All that would pay, cheapest first.
+// All that would pay.
 void LevelBalance::find_moves(const Means& debt, const TileTexels& texels,
                               const TileLevels& tile) {
     moves_.clear();
@@ -99,8 +112,7 @@ void LevelBalance::find_moves(const Means& debt, const TileTexels& texels,
             const std::size_t at = block * planes + p;
             const int plane = static_cast<int>(p);
             const bool rotated = tile.colours[block] != 0 && p < 3;
-            const double step = rotated ? coding_->parameters.rotated_step.value()
-                                        : coding_->parameters.step[p].value();
+            const double step = step_of(rotated, p);
             Means of_planes{};
             if (rotated) {
                 const RotationMatrix& axes = rotation_matrix(tile.colours[block] - 1);
@@ -134,9 +146,7 @@ void LevelBalance::find_moves(const Means& debt, const TileTexels& texels,
             moves_.push_back(move);
         }
     }
-    std::sort(moves_.begin(), moves_.end(), [](const Move& a, const Move& b) {
-        return a.price != b.price ? a.price < b.price : a.plane < b.plane;
-    });
+    std::make_heap(moves_.begin(), moves_.end(), is_dearer);
 }
 
 // Of a first level, in squared steps. What comes after it is taken to cost the same.
@@ -147,8 +157,6 @@ float LevelBalance::cost_of(const TileLevels& tile, std::size_t block, int plane
     const BlockShape& shape = tile.blocks[block].shape;
     const PlaneLevels* const own = &tile.planes[block * planes];
     const bool rotated = tile.colours[block] != 0 && plane < 3;
-    const double step = rotated ? coding_->parameters.rotated_step.value()
-                                : coding_->parameters.step[p].value();
     const auto p_class = plane_class(plane);
     const std::int32_t magnitude = std::abs(level);
     const auto& offsets = coding_->parameters.offsets[static_cast<std::size_t>(p_class)];
@@ -156,7 +164,7 @@ float LevelBalance::cost_of(const TileLevels& tile, std::size_t block, int plane
     if (level != 0)
         decoded = static_cast<float>(magnitude) -
                   static_cast<float>(offsets[magnitude > 1 ? 1 : 0]) / 64.0f;
-    const float error = firsts_[block][p] / static_cast<float>(step) -
+    const float error = firsts_[block][p] / static_cast<float>(step_of(rotated, p)) -
                         (level < 0 ? -decoded : decoded);
     const auto& lengths =
         plane == 0

@@ -23,8 +23,7 @@ class LevelBalance {
 public:
     // All outlive it.
     LevelBalance(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
-                 float lambda)
-        : coding_(&coding), costs_(&costs), colour_(&colour), lambda_(lambda) {}
+                 float lambda);
 
     // Forgets the blocks of another tile.
     void begin() { firsts_.clear(); }
@@ -45,6 +44,10 @@ private:
         std::array<float, max_planes> change; // of the sums of the channels, in codes
     };
 
+    static bool is_dearer(const Move& a, const Move& b);
+    double step_of(bool rotated, std::size_t plane) const {
+        return rotated ? rotated_step_ : step_[plane];
+    }
     void find_moves(const Means& debt, const TileTexels& texels, const TileLevels& tile);
     float cost_of(const TileLevels& tile, std::size_t block, int plane, std::int32_t level) const;
     void apply(TileLevels& tile);
@@ -53,8 +56,10 @@ private:
     const BitCosts* costs_;
     const ColourCoding* colour_;
     float lambda_;
+    std::array<double, max_planes> step_{};
+    double rotated_step_;
     std::vector<std::array<float, max_planes>> firsts_; // coefficients of each block
-    std::vector<Move> moves_;
+    std::vector<Move> moves_; // a heap, the cheapest first
     std::vector<std::int8_t> by_; // of each plane of the tile
     std::vector<std::size_t> changed_;
 };
