@@ -163,9 +163,7 @@ void BlockSearch::measure_activity() {
             for (int s = spatial_depths_; s >= 0; --s) {
                 Grid& grid = grids_[grid_index(s, a)];
                 moments.add_about_mean(scale, grid.activity);
-                grid.mean_energy[p].resize(moments.size());
-                for (std::size_t i = 0; i < moments.size(); ++i)
-                    grid.mean_energy[p][i] = moments.energy_of_mean(i) * scale;
+                moments.energies_of_means(scale, grid.mean_energy[p]);
                 if (s > 0)
                     moments = moments.merged(0);
             }
@@ -204,7 +202,11 @@ void BlockSearch::estimate_costs() {
             angular_[p].resize(source_[p].size());
             const bool along_t = has_sides(t_segments), along_s = has_sides(s_segments);
             angular_view_[p] = along_t || along_s ? angular_[p].data() : source_[p].data();
-            float* const first = along_s ? scratch_a_.data() : angular_[p].data();
+            // Large arrays start alike within a page. Half a page apart, what is read and what is
+            // written lie in different sets of the first cache.
+            constexpr std::size_t half_page = 512;
+            scratch_a_.resize(std::max(scratch_a_.size(), source_[p].size() + half_page));
+            float* const first = along_s ? scratch_a_.data() + half_page : angular_[p].data();
             if (along_t)
                 forward_axis(source_[p].data(), first, shape_, 3, t_segments);
             if (along_s)

@@ -1,6 +1,7 @@
 #include "codec/tile_encoder/cell_moments.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -11,12 +12,35 @@ bool are_quads(const std::vector<Segment>& segments) {
                        [](const Segment& segment) { return segment.size == 4; });
 }
 
+// A row of cells to a coarser one, to pairs of which or to as many they belong.
+void add_cells(const float* cells, std::size_t count, bool pairs, float* to) {
+    if (pairs)
+        for (std::size_t i = 0; i < count / 2; ++i)
+            to[i] = to[i] + cells[2 * i] + cells[2 * i + 1];
+    else
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] += cells[i];
+}
+
 } // namespace
 
 void CellMoments::add_about_mean(float scale, std::vector<float>& energy) const {
+    const float *const sums = sum.data(), *const all = squares.data(), *const counts = count.data();
+    float* const to = energy.data();
     for (std::size_t i = 0; i < size(); ++i) {
-        const float about = squares[i] - sum[i] * sum[i] / std::max(count[i], 1.0f);
-        energy[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
+        const float texels = counts[i] < 1.0f ? 1.0f : counts[i];
+        const float about = all[i] - sums[i] * sums[i] / texels;
+        to[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
+    }
+}
+
+void CellMoments::energies_of_means(float scale, std::vector<float>& energy) const {
+    energy.resize(size());
+    const float *const sums = sum.data(), *const counts = count.data();
+    float* const to = energy.data();
+    for (std::size_t i = 0; i < size(); ++i) {
+        const float texels = counts[i] < 1.0f ? 1.0f : counts[i]; // else the sum is 0
+        to[i] = sums[i] * sums[i] / texels * scale;
     }
 }
 
@@ -30,7 +54,6 @@ CellMoments CellMoments::merged(int axis) const {
     coarse.sum.assign(all, 0);
     coarse.squares.assign(all, 0);
     coarse.count.assign(all, 0);
-    const int shift = axis == 0 ? 1 : 0; // of u; runs of it merge as they are along s and t
     std::array<int, 4> c;
     std::size_t i = 0;
     for (c[3] = 0; c[3] < cells[3]; ++c[3])
@@ -41,12 +64,12 @@ CellMoments CellMoments::merged(int axis) const {
                 if (axis == 2)
                     to[2] /= 2;
                 const auto row = static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
-                for (int u = 0; u < cells[0]; ++u, ++i) {
-                    const std::size_t at = row + static_cast<std::size_t>(u >> shift);
-                    coarse.sum[at] += sum[i];
-                    coarse.squares[at] += squares[i];
-                    coarse.count[at] += count[i];
-                }
+                const auto n = static_cast<std::size_t>(cells[0]);
+                for (const auto& [to_values, values] : {std::pair{&coarse.sum, &sum},
+                                                        {&coarse.squares, &squares},
+                                                        {&coarse.count, &count}})
+                    add_cells(values->data() + i, n, axis == 0, to_values->data() + row);
+                i += n;
             }
     return coarse;
 }

@@ -14,11 +14,10 @@ struct CellMoments {
     std::vector<float> sum, squares, count;
 
     std::size_t size() const { return count.size(); }
-    float energy_of_mean(std::size_t cell) const {
-        return count[cell] > 0 ? sum[cell] * sum[cell] / count[cell] : 0;
-    }
     // energy[i] += scale * that of cell i about its mean.
     void add_about_mean(float scale, std::vector<float>& energy) const;
+    // energy[i] = scale * that of the mean of cell i.
+    void energies_of_means(float scale, std::vector<float>& energy) const;
     // Of the grid whose cells are pairs of these, along `axis` and the next one.
     CellMoments merged(int axis) const;
 };

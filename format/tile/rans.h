@@ -95,7 +95,8 @@ public:
                 words_.push_back(static_cast<std::uint16_t>(state));
                 state >>= 16;
             }
-            state = ((state / s.frequency) << s.bits) + state % s.frequency + s.start;
+            const auto x = static_cast<std::uint32_t>(state); // now below 2^32: a quicker division
+            state = (std::uint64_t{x / s.frequency} << s.bits) + x % s.frequency + s.start;
         }
         for (; state != 0; state >>= 16)
             words_.push_back(static_cast<std::uint16_t>(state));
