@@ -79,6 +79,8 @@ public:
     ContextGrid() = default;
     ContextGrid(const ContextGrid&) = delete;
     ContextGrid& operator=(const ContextGrid&) = delete;
+    ContextGrid(ContextGrid&&) = default; // the cells stay where they are
+    ContextGrid& operator=(ContextGrid&&) = default;
 
     // Clears the grid for frequencies below `support` on each axis.
     void begin(const std::array<std::uint8_t, 4>& support) {

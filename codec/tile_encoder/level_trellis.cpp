@@ -12,17 +12,6 @@
 namespace tessera {
 namespace {
 
-// What a later coefficient sees of a level: its amplitude by two binary digits.
-constexpr auto seen_amplitudes = [] {
-    std::array<std::uint8_t, amplitude_of(amplitude_codes - 1) + 1> seen{};
-    for (std::uint32_t x = 0; x < seen.size(); ++x)
-        seen[x] = static_cast<std::uint8_t>(amplitude_of(amplitude_code(x)));
-    return seen;
-}();
-std::uint8_t seen_amplitude(std::uint32_t amplitude) {
-    return seen_amplitudes[std::min<std::size_t>(amplitude, seen_amplitudes.size() - 1)];
-}
-
 // Tables of one coefficient without dependent quantisation; the neighbours' class is still open.
 struct CoefficientCosts {
     CoefficientCosts(const PlaneTask& task, std::size_t at)
@@ -90,7 +79,8 @@ NonZero with_sign(const PlaneTask& task, std::size_t at, std::int32_t level) {
 // Plain quantisation: the choice coefficient by coefficient.
 float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vector<NonZero>& out) {
     const std::size_t length = task.amplitude.size();
-    paths.seen.assign(length, 0);
+    paths.grid.begin(task.order.support[length - 1]);
+    const ContextCells cells = paths.grid;
     paths.level.resize(length);
     const bool optimise = task.options.optimise;
     const float lambda = task.options.lambda;
@@ -100,11 +90,9 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
         const float a = std::fabs(task.amplitude[at]);
         const auto nearest = static_cast<std::int32_t>(
             std::min(a + (optimise ? 0.5f : 1.0f - dead_zone), static_cast<float>(max_level - 1)));
-        unsigned sum = 0;
-        for (std::size_t j = 0; j < scan_neighbours; ++j)
-            sum += (j < double_neighbours ? 2u : 1u) * paths.seen[task.order.neighbours[at][j]];
+        const int place = cells.place(task.order.entry[at]);
         const int neighbours = at == 0 ? size_class(task.order.shape)
-                                       : neighbour_class(sum, task.order.context[at].share);
+                                       : cells.neighbours(place, task.order.context[at]);
         const CoefficientCosts costs(task, at);
         const auto& flags = costs.flags(neighbours);
         const auto& tokens = costs.tokens(neighbours);
@@ -124,7 +112,8 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
         }
         cost = best;
         paths.level[at] = level;
-        paths.seen[at] = seen_amplitude(amplitude_of_level(level, false));
+        if (level != 0)
+            cells.mark(place, amplitude_of_level(level, false));
         if (end.possible_behind(at))
             end.offer(at, 0, cost);
     }

@@ -1,6 +1,7 @@
 // The cheapest levels of one plane of a block: a path through the states of dependent quantisation.
 #pragma once
 
+#include "codec/entropy/context_grid.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
 #include "codec/tile_encoder/bit_costs.h"
@@ -44,6 +45,7 @@ struct TrellisPaths {
     std::vector<std::uint8_t> before;
     std::vector<std::int32_t> level;
     std::vector<std::uint8_t> seen;
+    ContextGrid grid; // without dependent quantisation
 };
 
 // Appends the cheapest levels to `out`, last one first. Returns their cost, relative to zeros only.
