@@ -73,8 +73,8 @@ void LevelBalance::add(const BlockCoefficients& block) {
 
 const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const TileTexels& texels,
                                                   TileLevels& tile) {
-    const double count =
-        static_cast<double>(static_cast<std::size_t>(tile.shape.texels()) - free_count(texels.matters));
+    const double count = static_cast<double>(static_cast<std::size_t>(tile.shape.texels()) -
+                                             free_count(texels.matters));
     Means debt{};
     for (std::size_t c = 0; c < max_planes; ++c)
         debt[c] = -error[c] * count;
@@ -100,8 +100,7 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
 }
 
 // All that would pay.
-void LevelBalance::find_moves(const Means& debt, const TileTexels& texels,
-                              const TileLevels& tile) {
+void LevelBalance::find_moves(const Means& debt, const TileTexels& texels, const TileLevels& tile) {
     moves_.clear();
     const auto planes = static_cast<std::size_t>(coding_->planes);
     for (std::size_t block = 0; block < tile.blocks.size(); ++block) {
@@ -175,15 +174,15 @@ float LevelBalance::cost_of(const TileLevels& tile, std::size_t block, int plane
         return error * error + lambda_ * lengths[0];
     int cross = 0;
     for (std::size_t before = 0; before < p; ++before)
-        cross = ContextGrid::add_cross(
-            cross, amplitude_of_level(first_level(tile, own[before]), false));
+        cross = ContextGrid::add_cross(cross,
+                                       amplitude_of_level(first_level(tile, own[before]), false));
     const int neighbours = size_class(shape);
     const auto zero = static_cast<std::size_t>(
         zero_parameter(false, 0, p_class, 0, neighbours, cross_class(cross)));
     float bits = costs_->zero[zero][level != 0 ? 1 : 0] + (others ? 0.0f : lengths[1]);
     if (level != 0)
-        bits += costs_->magnitude[static_cast<std::size_t>(magnitude_table(
-            false, 0, p_class, true, neighbours, cross_class(cross)))]
+        bits += costs_->magnitude[static_cast<std::size_t>(
+            magnitude_table(false, 0, p_class, true, neighbours, cross_class(cross)))]
                                  [static_cast<std::size_t>(magnitude_token(magnitude).token)];
     return error * error + lambda_ * bits;
 }

@@ -59,8 +59,8 @@ private:
     std::array<double, max_planes> step_{};
     double rotated_step_;
     std::vector<std::array<float, max_planes>> firsts_; // coefficients of each block
-    std::vector<Move> moves_; // a heap, the cheapest first
-    std::vector<std::int8_t> by_; // of each plane of the tile
+    std::vector<Move> moves_;                           // a heap, the cheapest first
+    std::vector<std::int8_t> by_;                       // of each plane of the tile
     std::vector<std::size_t> changed_;
 };
 

@@ -22,7 +22,8 @@ constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings
 
 // Rounds of coding a tile again. What costs less comes first.
 constexpr std::array<double, 2> balancing_gains = {2, 8};
-constexpr int level_rounds = 4; // of moving first levels: flat blocks are rounded, dark ones clamped
+constexpr int level_rounds =
+    4; // of moving first levels: flat blocks are rounded, dark ones clamped
 constexpr double balanced_mean = 0.015; // codes by which no channel matters
 
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)

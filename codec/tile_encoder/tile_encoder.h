@@ -79,9 +79,7 @@ private:
     bool balance_levels(const TileTexels& tile, Means& error, TileLevels& out);
     void balance_again(const TileTexels& tile, Means& error, double gain, TileLevels& out);
     // Whether a first level changes one block and nothing else.
-    bool has_free_levels() const {
-        return !coding_->parameters.dependent && !coding_->predicts;
-    }
+    bool has_free_levels() const { return !coding_->parameters.dependent && !coding_->predicts; }
     void encode_coloured(int colour);
 
     const TileCoding* coding_;
@@ -97,7 +95,7 @@ private:
     MeanMeter meter_;
     LevelBalance level_balance_;
     bool has_decoded_ = false; // meter_ has the tile as it is
-    Base base_; // in hand; in the end that of the cheapest way found, if it has one
+    Base base_;                // in hand; in the end that of the cheapest way found, if it has one
     std::vector<std::byte> base_bytes_;
     DontCare dont_care_;
     ReconstructScratch scratch_;
