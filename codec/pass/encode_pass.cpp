@@ -50,7 +50,7 @@ struct Crew {
     Status encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
                   CodedTile& tile, FilterStatistics* filter = nullptr) const;
     // The same once worker.levels are chosen.
-    Status code(Worker& worker, const TileEncoder& encoder, const Box4& box,
+    Status code(Worker& worker, TileEncoder& encoder, const Box4& box,
                 const TileTexels& source, CodedTile& tile,
                 FilterStatistics* filter = nullptr) const;
     // The same of worker.tile, with the payload that a reused file has for it where that still holds.
@@ -102,7 +102,7 @@ Status Crew::encode(Worker& worker, TileEncoder& encoder, const Box4& box, const
     return code(worker, encoder, box, source, tile, filter);
 }
 
-Status Crew::code(Worker& worker, const TileEncoder& encoder, const Box4& box,
+Status Crew::code(Worker& worker, TileEncoder& encoder, const Box4& box,
                   const TileTexels& source, CodedTile& tile, FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
     worker.decoded.resize(source.texels.size());

@@ -4,6 +4,7 @@
 #include "tools/support/slab_buffer.h"
 #include "tools/support/standard_streams.h"
 
+#include <algorithm>
 #include <cstring>
 #include <mutex>
 #include <shared_mutex>
@@ -95,39 +96,60 @@ public:
         }
         const Extent4 e = box.extent();
         const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
-        const std::uint32_t step = angular_whole ? e[axis_u] : 1; // places per read
-        const std::size_t bytes = desc_.texel_bytes() * e[axis_s] * e[axis_t] * step;
+        const std::uint32_t step = angular_whole ? e[axis_u] : places_per_read(e);
+        const std::size_t bytes = desc_.texel_bytes() * e[axis_s] * e[axis_t]; // of a place
         std::byte* to = out.data();
         std::vector<std::byte> scratch;
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v) {
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; u += step) {
+                const std::uint32_t places = std::min(step, box.end[axis_u] - u);
                 if (angular_whole)
-                    TESSERA_TRY(file_->read(file_offset(desc_, u, v, 0, 0), {to, bytes}));
+                    TESSERA_TRY(file_->read(file_offset(desc_, u, v, 0, 0), {to, places * bytes}));
                 else
-                    TESSERA_TRY(read_angular_part(box, u, v, to, scratch));
-                to += bytes;
+                    TESSERA_TRY(read_angular_parts(box, u, v, places, to, scratch));
+                to += places * bytes;
             }
         }
         return {};
     }
 
 private:
-    // The part of one angular image that lies in `box`.
-    Status read_angular_part(const Box4& box, std::uint32_t u, std::uint32_t v, std::byte* to,
-                             std::vector<std::byte>& scratch) {
+    // Bytes of a place from the first wanted row to the end of the last.
+    std::size_t span_of_rows(const Extent4& e) const {
+        return (std::size_t{e[axis_t] - 1} * desc_.size[axis_s] + e[axis_s]) * desc_.texel_bytes();
+    }
+    std::size_t place_bytes() const {
+        return std::size_t{desc_.size[axis_s]} * desc_.size[axis_t] * desc_.texel_bytes();
+    }
+
+    // Places side by side whose parts one call reads: all where what lies between is less than a page, so
+    // that no other pages are read.
+    std::uint32_t places_per_read(const Extent4& e) const {
+        constexpr std::size_t page = 4096, most_bytes = 1u << 20;
+        const std::size_t place = place_bytes();
+        if (place - span_of_rows(e) >= page)
+            return 1;
+        return std::max(1u, std::min(e[axis_u], static_cast<std::uint32_t>(most_bytes / place)));
+    }
+
+    // The parts of the angular images of some places that lie in `box`.
+    Status read_angular_parts(const Box4& box, std::uint32_t u, std::uint32_t v,
+                              std::uint32_t places, std::byte* to,
+                              std::vector<std::byte>& scratch) {
         const Extent4 e = box.extent();
         const std::uint32_t s = box.begin[axis_s], t = box.begin[axis_t];
         const std::size_t run = e[axis_s] * desc_.texel_bytes();
         const std::size_t row = desc_.size[axis_s] * desc_.texel_bytes();
-        if (row / run > max_read_excess) {
+        if (places == 1 && row / run > max_read_excess) {
             for (std::uint32_t i = 0; i < e[axis_t]; ++i)
                 TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t + i), {to + i * run, run}));
             return {};
         }
-        scratch.resize((e[axis_t] - 1) * row + run);
+        scratch.resize((places - 1) * place_bytes() + span_of_rows(e));
         TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t), scratch));
-        for (std::uint32_t i = 0; i < e[axis_t]; ++i)
-            std::memcpy(to + i * run, scratch.data() + i * row, run);
+        for (std::uint32_t place = 0; place < places; ++place)
+            for (std::uint32_t i = 0; i < e[axis_t]; ++i, to += run)
+                std::memcpy(to, scratch.data() + place * place_bytes() + i * row, run);
         return {};
     }
 
