@@ -12,27 +12,21 @@
 namespace tessera {
 namespace {
 
-// Tables of one coefficient without dependent quantisation; the neighbours' class is still open.
-struct CoefficientCosts {
-    CoefficientCosts(const PlaneTask& task, std::size_t at)
-        : zero(task.costs.zero.data() + zero_parameter(task.copies, 0, task.plane_class,
-                                                       task.order.context[at].position, 0,
-                                                       cross_class(task.crosses[at]))),
-          magnitude(task.costs.magnitude.data() + magnitude_table(task.copies, 0, task.plane_class,
-                                                                  at == 0, 0,
-                                                                  cross_class(task.crosses[at]))),
-          dc(at == 0), first_plane(task.plane_class == 0) {}
-
-    const std::array<float, 2>& flags(int neighbours) const { return zero[neighbours]; }
-    const std::array<float, magnitude_tokens>& tokens(int neighbours) const {
-        return magnitude[dc || first_plane ? neighbours : neighbours / 2 * magnitude_crosses];
-    }
-
-private:
-    const std::array<float, 2>* zero;
-    const std::array<float, magnitude_tokens>* magnitude;
-    bool dc, first_plane;
-};
+// Tables of one coefficient without dependent quantisation.
+const std::array<float, 2>& flag_bits(const PlaneTask& task, std::size_t at, int neighbours) {
+    return task.costs.zero[static_cast<std::size_t>(
+        zero_parameter(task.copies, 0, task.plane_class, task.order.context[at].position, 0,
+                       cross_class(task.crosses[at])) +
+        neighbours)];
+}
+const std::array<float, magnitude_tokens>& token_bits(const PlaneTask& task, std::size_t at,
+                                                      int neighbours) {
+    const bool sees_all = at == 0 || task.plane_class == 0;
+    return task.costs.magnitude[static_cast<std::size_t>(
+        magnitude_table(task.copies, 0, task.plane_class, at == 0, 0,
+                        cross_class(task.crosses[at])) +
+        (sees_all ? neighbours : neighbours / 2 * magnitude_crosses))];
+}
 
 float squared_error(const PlaneTask& task, float amplitude, float unit, std::int32_t level) {
     const float error =
@@ -47,12 +41,11 @@ public:
         if (task.options.optimise)
             cost = task.options.lambda * task.length_costs[0];
     }
-    // Whether a coded length ends with coefficient `at`. Without optimisation the last one does.
-    bool possible_behind(std::size_t at) const {
-        const int length = static_cast<int>(at) + 1;
-        return task_.options.optimise
-                   ? round_up_coded_length(length, task_.order.length()) == length
-                   : at + 1 == task_.amplitude.size();
+    // The least coded length that has so many coefficients. Without optimisation only all of them is one.
+    std::size_t next_from(std::size_t length) const {
+        return task_.options.optimise ? static_cast<std::size_t>(round_up_coded_length(
+                                            static_cast<int>(length), task_.order.length()))
+                                      : task_.amplitude.size();
     }
     void offer(std::size_t at, std::size_t in_state, float so_far) {
         const auto token = static_cast<std::size_t>(length_token(static_cast<int>(at) + 1));
@@ -81,41 +74,46 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     const std::size_t length = task.amplitude.size();
     paths.grid.begin(task.order.support[length - 1]);
     const ContextCells cells = paths.grid;
-    paths.level.resize(length);
+    paths.level.assign(length, 0);
     const bool optimise = task.options.optimise;
     const float lambda = task.options.lambda;
     float cost = 0;
     BestEnd end(task);
+    std::size_t next_end = end.next_from(1);
     for (std::size_t at = 0; at < length; ++at) {
         const float a = std::fabs(task.amplitude[at]);
-        const auto nearest = static_cast<std::int32_t>(
-            std::min(a + (optimise ? 0.5f : 1.0f - dead_zone), static_cast<float>(max_level - 1)));
         const int place = cells.place(task.order.entry[at]);
         const int neighbours = at == 0 ? size_class(task.order.shape)
                                        : cells.neighbours(place, task.order.context[at]);
-        const CoefficientCosts costs(task, at);
-        const auto& flags = costs.flags(neighbours);
-        const auto& tokens = costs.tokens(neighbours);
-        const bool may_be_zero = optimise || nearest == 0;
-        float best = may_be_zero ? cost + lambda * flags[0] : unreachable_cost;
-        std::int32_t level = 0;
-        const std::int32_t most = optimise && a < smallest_candidate ? 0 : nearest;
-        for (std::int32_t l = optimise ? std::max(1, nearest - 1) : nearest; l <= most && l > 0;
-             ++l) {
-            const float bits =
-                flags[1] + tokens[static_cast<std::size_t>(magnitude_token(l).token)];
-            const float total = cost + squared_error(task, a, 1.0f, l) - a * a + lambda * bits;
-            if (total < best) {
-                best = total;
-                level = l;
+        const auto& flags = flag_bits(task, at, neighbours);
+        if (optimise && a < smallest_candidate) { // most of them
+            cost += lambda * flags[0];
+        } else {
+            const auto nearest = static_cast<std::int32_t>(std::min(
+                a + (optimise ? 0.5f : 1.0f - dead_zone), static_cast<float>(max_level - 1)));
+            const auto& tokens = token_bits(task, at, neighbours);
+            const bool may_be_zero = optimise || nearest == 0;
+            float best = may_be_zero ? cost + lambda * flags[0] : unreachable_cost;
+            std::int32_t level = 0;
+            for (std::int32_t l = optimise ? std::max(1, nearest - 1) : nearest;
+                 l <= nearest && l > 0; ++l) {
+                const float bits =
+                    flags[1] + tokens[static_cast<std::size_t>(magnitude_token(l).token)];
+                const float total = cost + squared_error(task, a, 1.0f, l) - a * a + lambda * bits;
+                if (total < best) {
+                    best = total;
+                    level = l;
+                }
             }
+            cost = best;
+            paths.level[at] = level;
+            if (level != 0)
+                cells.mark(place, amplitude_of_level(level, false));
         }
-        cost = best;
-        paths.level[at] = level;
-        if (level != 0)
-            cells.mark(place, amplitude_of_level(level, false));
-        if (end.possible_behind(at))
+        if (at + 1 == next_end) {
             end.offer(at, 0, cost);
+            next_end = end.next_from(next_end + 1);
+        }
     }
     for (std::size_t at = end.length; at-- > 0;)
         if (paths.level[at] != 0)
