@@ -3,29 +3,36 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 namespace tessera {
 namespace {
 
-using Tables = std::array<std::vector<float>, max_tile_side + 1>;
-
-Tables make_tables() {
-    Tables tables;
-    for (int n = 1; n <= max_tile_side; ++n)
-        for (int x = 0; x < n; ++x)
-            for (int k = 0; k < n; ++k)
-                tables[static_cast<std::size_t>(n)].push_back(
-                    static_cast<float>(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
-                                       std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
-    return tables;
+std::vector<float> make_table(int n) {
+    std::vector<float> table;
+    table.reserve(static_cast<std::size_t>(n * n));
+    for (int x = 0; x < n; ++x)
+        for (int k = 0; k < n; ++k)
+            table.push_back(
+                static_cast<float>(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
+                                   std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
+    return table;
 }
+
+// Made when its side is asked for: all 64 would take 2 ms.
+struct Table {
+    std::once_flag made;
+    std::vector<float> values;
+};
 
 } // namespace
 
 const float* forward_basis(int n) {
-    static const Tables tables = make_tables();
-    return tables[static_cast<std::size_t>(n)].data();
+    static std::array<Table, max_tile_side + 1> tables;
+    Table& table = tables[static_cast<std::size_t>(n)];
+    std::call_once(table.made, [&table, n] { table.values = make_table(n); });
+    return table.values.data();
 }
 
 std::vector<Segment> axis_segments(int side, int depth) {
@@ -60,8 +67,8 @@ void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
             k.forward_rows(in + s.begin, out + s.begin, outer, s.size, side, forward_basis(s.size));
         } else {
             for (int o = 0; o < outer; ++o)
-                k.forward_planes(in + (o * side + s.begin) * inner,
-                                 out + (o * side + s.begin) * inner, s.size, inner,
+                k.forward_planes(in + (o * side + s.begin) * inner, inner,
+                                 out + (o * side + s.begin) * inner, inner, s.size, inner,
                                  forward_basis(s.size));
         }
     }

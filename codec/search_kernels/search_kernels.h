@@ -67,8 +67,10 @@ struct SearchKernels {
     // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
                          const float* basis_t);
-    // Along an outer axis, over `inner` contiguous floats.
-    void (*forward_planes)(const float* in, float* out, int n, int inner, const float* basis_t);
+    // Along an outer axis, of `width` signals side by side whose values lie in_step, frequencies out_step
+    // apart.
+    void (*forward_planes)(const float* in, int in_step, float* out, int out_step, int n, int width,
+                           const float* basis_t);
 
     // Orthonormal 2D DCT of an image of nu x nv floats whose rows lie `stride` apart. Only the
     // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u

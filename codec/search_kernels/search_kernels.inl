@@ -301,30 +301,32 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
     }
 }
 
-template <int n> int forward_planes_split(const float* in, float* out, int inner) {
+template <int n>
+int forward_planes_split(const float* in, int in_step, float* out, int out_step, int width) {
     int i = 0;
-    for (; i + 8 <= inner; i += 8)
-        column_vector<n, n, Float8>(in + i, inner, inner, out + i);
-    for (; i + 4 <= inner; i += 4)
-        column_vector<n, n, Float4>(in + i, inner, inner, out + i);
+    for (; i + 8 <= width; i += 8)
+        column_vector<n, n, Float8>(in + i, in_step, out_step, out + i);
+    for (; i + 4 <= width; i += 4)
+        column_vector<n, n, Float4>(in + i, in_step, out_step, out + i);
     return i;
 }
 
-void forward_planes(const float* in, float* out, int n, int inner, const float* basis_t) {
-    const int done = n == 4    ? forward_planes_split<4>(in, out, inner)
-                     : n == 8  ? forward_planes_split<8>(in, out, inner)
-                     : n == 16 ? forward_planes_split<16>(in, out, inner)
-                     : n == 32 ? forward_planes_split<32>(in, out, inner)
-                     : n == 64 ? forward_planes_split<64>(in, out, inner)
+void forward_planes(const float* in, int in_step, float* out, int out_step, int n, int width,
+                    const float* basis_t) {
+    const int done = n == 4    ? forward_planes_split<4>(in, in_step, out, out_step, width)
+                     : n == 8  ? forward_planes_split<8>(in, in_step, out, out_step, width)
+                     : n == 16 ? forward_planes_split<16>(in, in_step, out, out_step, width)
+                     : n == 32 ? forward_planes_split<32>(in, in_step, out, out_step, width)
+                     : n == 64 ? forward_planes_split<64>(in, in_step, out, out_step, width)
                                : 0;
     if (done == 0 && n == 2) {
         const float half = basis_t[0];
-        for (int i = 0; i < inner; ++i) {
-            out[i] = (in[i] + in[inner + i]) * half;
-            out[inner + i] = (in[i] - in[inner + i]) * half;
+        for (int i = 0; i < width; ++i) {
+            out[i] = (in[i] + in[in_step + i]) * half;
+            out[out_step + i] = (in[i] - in[in_step + i]) * half;
         }
-    } else if (done < inner) {
-        plain_columns(in, inner, n, n, done, inner, basis_t, out, inner);
+    } else if (done < width) {
+        plain_columns(in, in_step, n, n, done, width, basis_t, out, out_step);
     }
 }
 

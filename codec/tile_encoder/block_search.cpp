@@ -181,52 +181,83 @@ void BlockSearch::measure_activity() {
     }
 }
 
-namespace {
-
-// Whether a transform along these changes anything.
-bool has_sides(const std::vector<Segment>& segments) {
-    return std::ranges::any_of(segments, [](const Segment& segment) { return segment.size > 1; });
-}
-
-} // namespace
-
 void BlockSearch::estimate_costs() {
     for (int a = 0; a <= angular_depths_; ++a) {
-        bool tried = false;
+        int widest = 0; // of the spatial cells that are tried
+        while (widest <= spatial_depths_ && !is_tried(widest, a))
+            ++widest;
+        if (widest <= spatial_depths_)
+            transform_views(grids_[grid_index(widest, a)]);
         for (int s = 0; s <= spatial_depths_; ++s)
-            tried = tried || is_tried(s, a);
-        const auto s_segments = axis_segments(shape_.n[2], a),
-                   t_segments = axis_segments(shape_.n[3], a);
-        for (int plane = 0; tried && plane < coding_.planes; ++plane) {
-            const auto p = static_cast<std::size_t>(plane);
-            angular_[p].resize(source_[p].size());
-            const bool along_t = has_sides(t_segments), along_s = has_sides(s_segments);
-            angular_view_[p] = along_t || along_s ? angular_[p].data() : source_[p].data();
-            // Large arrays start alike within a page. Half a page apart, what is read and what is
-            // written lie in different sets of the first cache.
-            constexpr std::size_t half_page = 512;
-            scratch_a_.resize(std::max(scratch_a_.size(), source_[p].size() + half_page));
-            float* const first = along_s ? scratch_a_.data() + half_page : angular_[p].data();
-            if (along_t)
-                forward_axis(source_[p].data(), first, shape_, 3, t_segments);
-            if (along_s)
-                forward_axis(along_t ? first : source_[p].data(), angular_[p].data(), shape_, 2,
-                             s_segments);
-        }
-        for (int s = 0; s <= spatial_depths_; ++s)
-            estimate_grid(grids_[grid_index(s, a)], s, a);
+            estimate_grid(grids_[grid_index(s, a)], s, a, widest);
     }
 }
 
-void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular) {
+// Along t and s, of the cells that are not flat: angular_ of the others is undefined.
+void BlockSearch::transform_views(const Grid& grid) {
+    const auto largest = [&grid](int axis) {
+        return std::ranges::max(grid.segments[axis], {}, &Segment::size).size;
+    };
+    const bool transforms = largest(2) > 1 || largest(3) > 1;
+    for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p) {
+        angular_[p].resize(source_[p].size());
+        angular_view_[p] = transforms ? angular_[p].data() : source_[p].data();
+    }
+    if (!transforms)
+        return;
+    grid.for_each_cell([&](const std::array<int, 4>& c) {
+        if (is_flat(grid, grid.index(c)))
+            return;
+        const Block block = block_of(grid, c);
+        const auto& at = block.origin;
+        for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p)
+            for (int v = 0; v < block.shape.n[1]; ++v) {
+                const int first = plane_index(shape_, at[0], at[1] + v, at[2], at[3]);
+                transform_views_of_row(source_[p].data() + first, angular_[p].data() + first,
+                                       block.shape);
+            }
+    });
+}
+
+// One row of u of a cell, in all its views.
+void BlockSearch::transform_views_of_row(const float* in, float* out, const BlockShape& cell) {
+    const int width = cell.n[0], ns = cell.n[2], nt = cell.n[3];
+    const int page = shape_.n[0] * shape_.n[1], volume = page * shape_.n[2];
+    const SearchKernels& k = search_kernels();
+    int page_in = page, volume_in = volume;
+    if (nt > 1) {
+        // Side by side, what has yet to go along s does not fight for the same lines of the cache.
+        page_in = ns > 1 ? width : page;
+        volume_in = ns > 1 ? width * ns : volume;
+        float* const to = ns > 1 ? scratch_a_.data() : out;
+        for (int s = 0; s < ns; ++s)
+            k.forward_planes(in + s * page, volume, to + s * page_in, volume_in, nt, width,
+                             forward_basis(nt));
+        in = to;
+    }
+    for (int t = 0; t < nt && ns > 1; ++t)
+        k.forward_planes(in + t * volume_in, page_in, out + t * volume, page, ns, width,
+                         forward_basis(ns));
+    if (ns == 1 && nt == 1)
+        std::copy_n(in, width, out);
+}
+
+// widest: depth of the widest spatial cells that are tried at this angular depth.
+void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular, int widest) {
     grid.own_cost.assign(grid.activity.size(), infinite);
     const bool tried = is_tried(spatial, angular);
+    // What lies in a flat cell is flat, too, but for rounding: then it is left out.
+    const auto is_transformed = [&](const std::array<int, 4>& c) {
+        const Grid& wide = grids_[grid_index(widest, angular)];
+        return !is_flat(
+            wide, wide.index({c[0] >> (spatial - widest), c[1] >> (spatial - widest), c[2], c[3]}));
+    };
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (is_flat(grid, i))
             grid.own_cost[i] =
                 grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
-        else if (tried)
+        else if (tried && is_transformed(c))
             grid.own_cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
     });
 }
@@ -393,6 +424,8 @@ void BlockSearch::combine() {
                 const std::size_t i = grid.index(c);
                 const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
                 grid.cost[i] += options_.lambda * split_bits[0];
+                if (options_.copies.along == 0 && is_flat(grid, i))
+                    return; // no split can pay, unless parts of it copy
                 for (const Split split : {Split::spatial, Split::angular}) {
                     const bool spatial = split == Split::spatial;
                     if (spatial ? s == spatial_depths_ : a == angular_depths_)

@@ -118,7 +118,9 @@ private:
     // Of the whole tile; false: into more leaves than a tile may have.
     bool search_tree(TileLevels& out);
     void estimate_costs();
-    void estimate_grid(Grid& grid, int spatial, int angular);
+    void transform_views(const Grid& grid);
+    void transform_views_of_row(const float* in, float* out, const BlockShape& cell);
+    void estimate_grid(Grid& grid, int spatial, int angular, int widest);
     void reset_choices();
     bool can_copy() const;
     void forget_tries();

@@ -438,8 +438,10 @@ TEST_F(KernelPaths, ForwardPassesAreEqual) {
         for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
             const auto in = random_floats(random, n * inner, 1e4);
             std::vector<float> a(in.size()), b(in.size(), 1);
-            search_kernels_scalar.forward_planes(in.data(), a.data(), n, inner, forward_basis(n));
-            search_kernels_avx2.forward_planes(in.data(), b.data(), n, inner, forward_basis(n));
+            search_kernels_scalar.forward_planes(in.data(), inner, a.data(), inner, n, inner,
+                                                 forward_basis(n));
+            search_kernels_avx2.forward_planes(in.data(), inner, b.data(), inner, n, inner,
+                                               forward_basis(n));
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << n << " " << inner;
             const int rows = inner;
