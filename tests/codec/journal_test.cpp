@@ -89,10 +89,9 @@ TEST_F(Journals, GoOnFromEveryQuestion) {
           std::pair(RateTarget::Kind::bytes, 9000.0),
           std::pair(RateTarget::Kind::max_error, 3.0)}) {
         options_.rate = {kind, value};
-        const bool slow = kind == RateTarget::Kind::psnr;
         const std::string bytes = expected(options_);
         int stops = 0;
-        const int step = kind == RateTarget::Kind::quality ? 5 : slow ? 53 : 31;
+        const int step = kind == RateTarget::Kind::quality ? 5 : 31;
         for (int checks = 1; encode_in_part(options_, checks); checks += step, ++stops)
             resume_and_compare(options_, bytes);
         EXPECT_GT(stops, 5) << static_cast<int>(kind);
