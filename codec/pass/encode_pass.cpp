@@ -50,9 +50,8 @@ struct Crew {
     Status encode(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
                   CodedTile& tile, FilterStatistics* filter = nullptr) const;
     // The same once worker.levels are chosen.
-    Status code(Worker& worker, TileEncoder& encoder, const Box4& box,
-                const TileTexels& source, CodedTile& tile,
-                FilterStatistics* filter = nullptr) const;
+    Status code(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
+                CodedTile& tile, FilterStatistics* filter = nullptr) const;
     // The same of worker.tile, with the payload that a reused file has for it where that still holds.
     Status encode_or_keep(Worker& worker, std::uint64_t number, const Box4& box,
                           CodedTile& tile) const;
@@ -102,8 +101,8 @@ Status Crew::encode(Worker& worker, TileEncoder& encoder, const Box4& box, const
     return code(worker, encoder, box, source, tile, filter);
 }
 
-Status Crew::code(Worker& worker, TileEncoder& encoder, const Box4& box,
-                  const TileTexels& source, CodedTile& tile, FilterStatistics* filter) const {
+Status Crew::code(Worker& worker, TileEncoder& encoder, const Box4& box, const TileTexels& source,
+                  CodedTile& tile, FilterStatistics* filter) const {
     const BlockShape shape = tile_shape(box);
     worker.decoded.resize(source.texels.size());
     worker.corrections.clear();

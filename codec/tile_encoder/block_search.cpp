@@ -383,7 +383,7 @@ float BlockSearch::coefficients_cost(const BlockShape& shape, float energy) {
         project_colours(colours, rotation, axis, rotated_.data());
         rotated +=
             cost_of_plane(k.coding_cost(rotated_.data(), base, count, inverse_rotated_step_, slope),
-                       count, options_.lambda);
+                          count, options_.lambda);
     }
     return std::min(cost, rotated) + unseen + luck;
 }

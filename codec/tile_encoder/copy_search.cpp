@@ -12,10 +12,10 @@ namespace {
 constexpr float copy_bits = 12.0f;
 constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
 // Copies that cost so many times the best tree in one round are not tried in the next.
-constexpr float hopeless_cost = 1.1f;
+constexpr float hopeless_cost = 1.5f;
 // Of the error of one direction's copy, times the other's: not tried beside it.
-constexpr float hopeless_error = 1.2f;
-constexpr int most_base_splits = 3;    // angular ones, above blocks that copy the base picture
+constexpr float hopeless_error = 2.0f;
+constexpr int most_base_splits = 3; // angular ones, above blocks that copy the base picture
 
 } // namespace
 
@@ -152,8 +152,7 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
             continue;
         const BlockPrediction prediction{from, found.displacement};
         const float bits = options_.lambda * (block_overhead_bits + copy_bits + found.bits);
-        const float cost =
-            bits + copy_cost(block, prediction, reconstructed, grid.cost[i] - bits);
+        const float cost = bits + copy_cost(block, prediction, reconstructed, grid.cost[i] - bits);
         grid.tried_cost[direction][i] = cost;
         if (cost < grid.cost[i]) {
             grid.cost[i] = cost;

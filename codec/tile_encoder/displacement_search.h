@@ -76,11 +76,12 @@ private:
     // width past both edges.
     std::array<std::array<std::vector<float>, 2>, 2> phase_;
     int direction_ = 0;
-    int most_u_ = 0, most_v_ = 0; // of whole candidates, even
+    int most_u_ = 0, most_v_ = 0;          // of whole candidates, even
     Segment s_, t_;                        // the angular cell in hand
     std::vector<Displacement> candidates_; // row after row
     std::size_t candidates_u_ = 0;         // of a row; 0: only likely ones, in no rows
-    std::array<std::vector<std::uint32_t>, 2> votes_; // of a direction's candidates: texels, in rows
+    std::array<std::vector<std::uint32_t>, 2>
+        votes_;                 // of a direction's candidates: texels, in rows
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]
     std::vector<float> totals_, sums_;
     std::array<float, displacement_kinds> kind_bits_{};

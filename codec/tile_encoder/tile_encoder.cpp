@@ -300,8 +300,7 @@ void TileEncoder::consider_edits(const TileLevels& tile, std::size_t block, floa
     std::swap(trial_, kept_trial_);
 }
 
-float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction,
-                              float enough) {
+float TileEncoder::split_cost(const Block& block, const BlockPrediction& prediction, float enough) {
     const Children quarters = children_of(block, Split::spatial);
     float cost = 0;
     for (int i = 0; i < quarters.count && cost <= enough; ++i) {

@@ -166,10 +166,9 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     double ratio = 1;
     for (const int most_effort : {quick_effort_of_trial, most_effort_of_trial}) {
         const int effort = std::min(plan.options.effort, most_effort);
-        TESSERA_TRY_ASSIGN(ratio, cost_ratio(plan,
-                                             effort == plan.options.effort ? patches
-                                                                           : half_of(patches),
-                                             effort, other, usual));
+        TESSERA_TRY_ASSIGN(
+            ratio, cost_ratio(plan, effort == plan.options.effort ? patches : half_of(patches),
+                              effort, other, usual));
         if (std::abs(ratio - 1) > clear_difference || effort == plan.options.effort)
             break;
     }
