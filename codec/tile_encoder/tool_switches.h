@@ -55,7 +55,7 @@ inline constexpr std::array<CodingToolInfo, 15> coding_tools = {{
      "base pictures that all views copy, where a trial finds that they pay"},
     {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
     {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
-    {CodingTool::balance, "balance", "tiles coded again so that their mean colours stay"},
+    {CodingTool::balance, "balance", "tiles keep their mean colours"},
 }};
 
 // What was asked for on top of an effort. By itself nothing.
