@@ -450,32 +450,63 @@ public:
     // is steep: then differences have to be bounded before their shares are taken.
     bool bounded() const { return bounded_; }
 
+    // Calls put(own, low, high) with 16 values and their changes, whose halves of each 128 bits are apart.
+    template <bool bounded, class Load, class Put>
+    void filter(const std::int16_t* centre, const std::int16_t* const* from, Load load,
+                Put put) const {
+        const __m256i own = load(centre);
+        __m256i low = _mm256_set1_epi32(128), high = low;
+        for (int i = 0; i < count_; ++i) {
+            const Ring& ring = rings_[i];
+            const std::int16_t* const* const taps = from + ring.first;
+            __m256i ring_low = _mm256_setzero_si256(), ring_high = ring_low;
+            for (int tap = 0; tap < 4; tap += 2) {
+                const __m256i a = _mm256_sub_epi16(load(taps[tap]), own);
+                const __m256i b = _mm256_sub_epi16(load(taps[tap + 1]), own);
+                const __m256i p = share<bounded>(a, ring), q = share<bounded>(b, ring);
+                ring_low =
+                    _mm256_add_epi32(ring_low, _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b),
+                                                                 _mm256_unpacklo_epi16(p, q)));
+                ring_high =
+                    _mm256_add_epi32(ring_high, _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b),
+                                                                  _mm256_unpackhi_epi16(p, q)));
+            }
+            low = _mm256_add_epi32(low, with_sign(ring_low, ring.sign));
+            high = _mm256_add_epi32(high, with_sign(ring_high, ring.sign));
+        }
+        put(own, _mm256_srai_epi32(low, 8), _mm256_srai_epi32(high, 8));
+    }
+
     template <bool bounded>
     void filter_row(const std::int16_t* centre, const std::int16_t* const* from, int n,
                     std::int32_t* out) const {
-        for (int u = 0; u < n; u += 16) {
-            const __m256i own = load(centre + u);
-            __m256i low = _mm256_set1_epi32(128), high = low;
-            for (int i = 0; i < count_; ++i) {
-                const Ring& ring = rings_[i];
-                const std::int16_t* const* const taps = from + ring.first;
-                __m256i ring_low = _mm256_setzero_si256(), ring_high = ring_low;
-                for (int tap = 0; tap < 4; tap += 2) {
-                    const __m256i a = _mm256_sub_epi16(load(taps[tap] + u), own);
-                    const __m256i b = _mm256_sub_epi16(load(taps[tap + 1] + u), own);
-                    const __m256i p = share<bounded>(a, ring), q = share<bounded>(b, ring);
-                    ring_low =
-                        _mm256_add_epi32(ring_low, _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b),
-                                                                     _mm256_unpacklo_epi16(p, q)));
-                    ring_high =
-                        _mm256_add_epi32(ring_high, _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b),
-                                                                      _mm256_unpackhi_epi16(p, q)));
-                }
-                low = _mm256_add_epi32(low, with_sign(ring_low, ring.sign));
-                high = _mm256_add_epi32(high, with_sign(ring_high, ring.sign));
-            }
-            put(own, _mm256_srai_epi32(low, 8), _mm256_srai_epi32(high, 8), n - u, out + u);
-        }
+        for (int u = 0; u < n; u += 16)
+            filter<bounded>(
+                centre, from,
+                [&](const std::int16_t* at) {
+                    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + u));
+                },
+                [&](__m256i own, __m256i low, __m256i high) {
+                    put_half<0>(own, low, high, n - u, out + u);
+                    if (n - u > lanes)
+                        put_half<1>(own, low, high, n - u - lanes, out + u + lanes);
+                });
+    }
+
+    // At most 8 values of each of two rows, which lie so far apart.
+    template <bool bounded>
+    void filter_two_rows(const std::int16_t* centre, const std::int16_t* const* from, int stride,
+                         int n, std::int32_t* out, int out_stride) const {
+        filter<bounded>(
+            centre, from,
+            [&](const std::int16_t* at) {
+                return _mm256_loadu2_m128i(reinterpret_cast<const __m128i*>(at + stride),
+                                           reinterpret_cast<const __m128i*>(at));
+            },
+            [&](__m256i own, __m256i low, __m256i high) {
+                put_half<0>(own, low, high, n, out);
+                put_half<1>(own, low, high, n, out + out_stride);
+            });
     }
 
 private:
@@ -484,9 +515,6 @@ private:
         __m256i most, slope, sign;
     };
 
-    static __m256i load(const std::int16_t* at) {
-        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
-    }
     static __m256i with_sign(__m256i x, __m256i sign) {
         return _mm256_sub_epi32(_mm256_xor_si256(x, sign), sign);
     }
@@ -498,21 +526,16 @@ private:
         return _mm256_subs_epu16(ring.most, _mm256_mulhi_epu16(size, ring.slope));
     }
 
-    // The first n of 16 values and their changes, whose halves of each 128 bits were taken apart.
-    static void put(__m256i own, __m256i low, __m256i high, int n, std::int32_t* out) {
-        const __m256i first = _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_castsi256_si128(own)),
-                                               _mm256_permute2x128_si256(low, high, 0x20));
-        const __m256i second =
-            _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_extracti128_si256(own, 1)),
-                             _mm256_permute2x128_si256(low, high, 0x31));
-        if (n >= 16) {
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), first);
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + lanes), second);
-            return;
-        }
-        _mm256_maskstore_epi32(out, lane_mask(n), first);
-        if (n > lanes)
-            _mm256_maskstore_epi32(out + lanes, lane_mask(n - lanes), second);
+    // The first n of 8.
+    template <int half>
+    static void put_half(__m256i own, __m256i low, __m256i high, int n, std::int32_t* out) {
+        const __m256i changed =
+            _mm256_add_epi32(_mm256_cvtepi16_epi32(_mm256_extracti128_si256(own, half)),
+                             _mm256_permute2x128_si256(low, high, half == 0 ? 0x20 : 0x31));
+        if (n >= lanes)
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), changed);
+        else
+            _mm256_maskstore_epi32(out, lane_mask(n), changed);
     }
 
     Ring rings_[filter_rings];
@@ -520,20 +543,39 @@ private:
     bool bounded_ = false;
 };
 
-void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps,
-                      std::int32_t* out) {
-    const FilterRings rings(taps);
-    const auto filter = [&]<bool bounded>() {
+template <bool bounded>
+void filter_view_by(const FilterRings& rings, const FilterView<std::int16_t>& in,
+                    std::int32_t* out) {
+    // Half vectors at the ends of rows go two together.
+    const int rest = in.n % 16, n = rest <= lanes ? in.n - rest : in.n;
+    if (n > 0)
         for_each_filtered_row(
             in, out,
             [&](const std::int16_t* centre, const std::int16_t* const* from, std::int32_t* row) {
-                rings.filter_row<bounded>(centre, from, in.n, row);
+                rings.filter_row<bounded>(centre, from, n, row);
             });
-    };
+    if (n == in.n)
+        return;
+    for (int v = 0; v < in.rows; v += 2) {
+        const bool two = v + 1 < in.rows;
+        if (in.skip[v] != 0 && (!two || in.skip[v + 1] != 0))
+            continue;
+        const int begin = v * in.stride + n;
+        const std::int16_t* from[filter_taps];
+        for (int i = 0; i < int{filter_taps}; ++i)
+            from[i] = in.from[i] + begin;
+        rings.filter_two_rows<bounded>(in.centre + begin, from, two ? in.stride : 0, rest,
+                                       out + v * in.n + n, two ? in.n : 0);
+    }
+}
+
+void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps,
+                      std::int32_t* out) {
+    const FilterRings rings(taps);
     if (rings.bounded())
-        filter.operator()<true>();
+        filter_view_by<true>(rings, in, out);
     else
-        filter.operator()<false>();
+        filter_view_by<false>(rings, in, out);
 }
 
 // Eight values at once; the last ones are done with some that were done before.
