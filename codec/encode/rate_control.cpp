@@ -123,7 +123,7 @@ private:
         ++passes_;
         if (plan_.journal != nullptr)
             if (auto totals = plan_.journal->finished(passes_, parameters))
-                return PassResult{passes_, parameters, parameters, {}, nullptr, *totals};
+                return PassResult{passes_, parameters, parameters, {}, nullptr, *totals, {}};
         TESSERA_TRY_ASSIGN(PassResult pass, run());
         TESSERA_TRY_ASSIGN(pass.totals.file_bytes, file_bytes_(pass));
         if (plan_.journal != nullptr)

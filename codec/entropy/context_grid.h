@@ -1,7 +1,7 @@
 // Contexts of a block's coefficients (FORMAT.md 3.4), kept by scattering.
 //
 // Most coefficients are zero, so each non-zero one adds itself to its later neighbours, and a zero
-// costs one load. The grid spans the support of the coded coefficients plus a border of one.
+// costs one load. The grid spans the frequencies of a scan plus a border of one.
 #pragma once
 
 #include "format/tile/code_tables.h"
@@ -10,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <vector>
 
 namespace tessera {
@@ -26,34 +25,39 @@ constexpr std::uint32_t amplitude_of_level(std::int32_t level, bool dependent) {
 }
 
 // The cells, as a loop copies them to keep all of it in registers. Valid until the grid's next begin().
+// What is marked is to be forgotten before that: clearing all cells takes longer where few are not 0.
 class ContextCells {
 public:
-    int place(const ScanEntry& e) const {
-        return origin_ + e.k[0] + e.k[1] * stride_[1] + e.k[2] * stride_[2] + e.k[3] * stride_[3];
+    int neighbours(const ScanContext& at) const {
+        return neighbour_class(cell_[at.place] & sum_mask, at.share);
     }
-    int neighbours(int place, const ScanContext& context) const {
-        return neighbour_class(cell_[place] & sum_mask, context.share);
-    }
-    int cross(int place) const { return cross_class(cell_[place] >> sum_bits); }
+    int cross(const ScanContext& at) const { return cross_class(cell_[at.place] >> sum_bits); }
 
-    // A coefficient of this amplitude was coded at `place`. Neighbours along one axis count twice,
+    // A coefficient of this amplitude was coded there. Neighbours along one axis count twice,
     // the diagonals of the planes (u,s), (v,t) and the forward ones of (u,v), (s,t) once.
-    void mark(int place, std::uint32_t amplitude) const {
+    void mark(const ScanContext& at, std::uint32_t amplitude) const {
         const auto once = static_cast<std::uint16_t>(amplitude_of(amplitude_code(amplitude)));
         const auto twice = static_cast<std::uint16_t>(2 * once);
-        std::uint16_t* cell = cell_ + place;
+        std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
-        cell[u] = static_cast<std::uint16_t>(cell[u] + twice);
-        cell[v] = static_cast<std::uint16_t>(cell[v] + twice);
-        cell[s] = static_cast<std::uint16_t>(cell[s] + twice);
-        cell[t] = static_cast<std::uint16_t>(cell[t] + twice);
+        for (const int next : {u, v, s, t})
+            cell[next] = static_cast<std::uint16_t>(cell[next] + twice);
         for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
             cell[diagonal] = static_cast<std::uint16_t>(cell[diagonal] + once);
     }
-    // An earlier plane has a coefficient of this amplitude at `place`.
-    void mark_cross(int place, std::uint32_t amplitude) const {
-        const int sum = add_cross(cell_[place] >> sum_bits, amplitude);
-        cell_[place] = static_cast<std::uint16_t>((cell_[place] & sum_mask) | (sum << sum_bits));
+    // An earlier plane has a coefficient of this amplitude there.
+    void mark_cross(const ScanContext& at, std::uint32_t amplitude) const {
+        std::uint16_t& cell = cell_[at.place];
+        const int sum = add_cross(cell >> sum_bits, amplitude);
+        cell = static_cast<std::uint16_t>((cell & sum_mask) | (sum << sum_bits));
+    }
+    // Undoes what was marked at that place, and by all others what reached the same cells.
+    void forget(const ScanContext& at) const {
+        std::uint16_t* cell = cell_ + at.place;
+        const auto [u, v, s, t] = stride_;
+        for (const int reached :
+             {0, u, v, s, t, u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
+            cell[reached] = 0;
     }
     // Code of the sum of an amplitude with the one of code `cross`.
     static int add_cross(int cross, std::uint32_t amplitude) {
@@ -63,7 +67,6 @@ public:
 protected:
     std::uint16_t* cell_ = nullptr;
     std::array<int, 4> stride_{};
-    int origin_ = 0;
 
 private:
     // A cell: the weighted sum, at most (4 * 2 + 8) * 192, and the code of the earlier planes' sum.
@@ -82,17 +85,11 @@ public:
     ContextGrid(ContextGrid&&) = default; // the cells stay where they are
     ContextGrid& operator=(ContextGrid&&) = default;
 
-    // Clears the grid for frequencies below `support` on each axis.
-    void begin(const std::array<std::uint8_t, 4>& support) {
-        int stride = 1;
-        for (std::size_t axis = 0; axis < 4; ++axis) {
-            stride_[axis] = stride;
-            stride *= support[axis] + 2;
-        }
-        origin_ = stride_[0] + stride_[1] + stride_[2] + stride_[3];
-        memory_.resize(std::max(memory_.size(), static_cast<std::size_t>(stride)));
+    // For blocks of this order. All that was marked before has been forgotten.
+    void begin(const ScanOrder& order) {
+        stride_ = order.grid_stride;
+        memory_.resize(std::max(memory_.size(), order.grid_cells));
         cell_ = memory_.data();
-        std::memset(cell_, 0, static_cast<std::size_t>(stride) * sizeof(std::uint16_t));
     }
 
 private:

@@ -14,6 +14,8 @@
 
 namespace tessera {
 
+class ContextGrid;
+
 // The smallest codable length that is at least `length`; lengths have three significant bits, and
 // `limit` (that of the scan order) cuts the last one.
 int round_up_coded_length(int length, int limit);
@@ -49,8 +51,8 @@ void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte
                    int segment_work = usual_segment_work);
 
 // Decodes all levels of a tile. Errors: invalid_file, with the segment. On any bytes it ends and
-// stays in bounds. Replaces `out`.
+// stays in bounds. Replaces `out`. `grid`: scratch, kept from tile to tile.
 Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
-                     TileLevels& out);
+                     ContextGrid& grid, TileLevels& out);
 
 } // namespace tessera

@@ -3,6 +3,8 @@
 #include "codec/entropy/tile_syntax.h"
 #include "format/tile/split_tree.h"
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,7 +14,8 @@ namespace {
 // Decodes one tile. Every loop is bounded by the format's limits, whatever the bytes say.
 class LevelDecoder {
 public:
-    LevelDecoder(const TileCoding& coding, TileLevels& out) : coding_(coding), out_(out) {}
+    LevelDecoder(const TileCoding& coding, ContextGrid& grid, TileLevels& out)
+        : coding_(coding), grid_(grid), out_(out) {}
 
     Status decode(const PayloadParts& parts, const BlockShape& shape) {
         out_.clear();
@@ -144,28 +147,34 @@ private:
         PlaneLevels& levels = out_.planes[first_plane + static_cast<std::size_t>(plane)];
         const int length = levels.coded_length;
         const bool dependent = coding_.parameters.dependent;
-        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
-        for (int earlier = 0; earlier < plane; ++earlier)
-            for (const NonZero& nz :
-                 out_.levels(out_.planes[first_plane + static_cast<std::size_t>(earlier)]))
-                if (nz.index < length)
-                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
-                                     amplitude_of_level(nz.level, dependent));
-        const int count =
+        grid_.begin(order);
+        const auto for_each_before = [&](auto visit) {
+            for (int earlier = 0; earlier < plane; ++earlier)
+                for (const NonZero& nz :
+                     out_.levels(out_.planes[first_plane + static_cast<std::size_t>(earlier)]))
+                    if (nz.index < length)
+                        visit(nz);
+        };
+        for_each_before([&](const NonZero& nz) {
+            grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
+        });
+        const bool is_well =
             dependent ? decode_coefficients<true>(length, plane_class(plane), copies, order)
                       : decode_coefficients<false>(length, plane_class(plane), copies, order);
-        if (count < 0)
-            return false;
-        out_.nonzeros.insert(out_.nonzeros.end(), found_.begin(), found_.begin() + count);
-        levels.count = static_cast<std::uint16_t>(count);
-        return true;
+        const auto found = std::span(found_).first(count_);
+        const auto forget = [&](const NonZero& nz) { grid_.forget(order.context[nz.index]); };
+        for_each_before(forget);
+        std::ranges::for_each(found, forget);
+        out_.nonzeros.insert(out_.nonzeros.end(), found.begin(), found.end());
+        levels.count = static_cast<std::uint16_t>(count_);
+        return is_well;
     }
 
-    // Decodes `length` coefficients; those that are not zero go to found_. Their number, or -1 for a
-    // level out of range. Nearly all of the time of parsing goes into zeros: what they need is local.
+    // Decodes `length` coefficients; the count_ that are not zero go to found_. False for a level out of
+    // range. Nearly all of the time of parsing goes into zeros: what they need is local.
     template <bool dependent>
-    [[gnu::noinline]] int decode_coefficients(int length, int p_class, bool copies,
-                                              const ScanOrder& order) {
+    [[gnu::noinline]] bool decode_coefficients(int length, int p_class, bool copies,
+                                               const ScanOrder& order) {
         constexpr int by_quantiser = zero_parameter(false, 1, 0, 0, 0, 0);
         constexpr int by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
@@ -173,19 +182,19 @@ private:
         // The first plane has no others before it: its cross is 0.
         const std::uint16_t* const zero =
             coding_.tables.zero.data() + zero_parameter(copies, 0, p_class, 0, 0, 0);
-        const ScanEntry* const entries = order.entry.data();
         const ScanContext* const contexts = order.context.data();
         const ContextCells cells = grid_;
         RansDecoder rans = rans_;
-        int count = 0, state = 0;
+        std::size_t count = 0;
+        bool is_well = true;
+        int state = 0;
         for (int i = 0; i < length; ++i) {
-            const int place = cells.place(entries[i]);
-            const int neighbours =
-                i == 0 ? size_class(order.shape) : cells.neighbours(place, contexts[i]);
-            const int cross = cells.cross(place);
+            const ScanContext& context = contexts[i];
+            const int neighbours = i == 0 ? size_class(order.shape) : cells.neighbours(context);
+            const int cross = cells.cross(context);
             const int quantiser = quantiser_of(state);
             if (!rans.bit(zero[quantiser * by_quantiser + cross * by_cross +
-                               contexts[i].position * by_position + neighbours])) {
+                               context.position * by_position + neighbours])) {
                 state = dependent ? next_state[state][0] : 0;
                 continue;
             }
@@ -194,23 +203,26 @@ private:
             const std::int32_t magnitude =
                 take_magnitude(rans, coding_.tables.magnitude[table].decode(rans));
             const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
-            if (level > max_level)
-                return -1;
+            if (level > max_level) {
+                is_well = false;
+                break;
+            }
             const bool negative = rans.raw(1) != 0;
-            found_[static_cast<std::size_t>(count++)] = {static_cast<std::uint16_t>(i),
-                                                         negative ? -level : level};
-            cells.mark(place, amplitude_of_level(level, dependent));
+            found_[count++] = {static_cast<std::uint16_t>(i), negative ? -level : level};
+            cells.mark(context, amplitude_of_level(level, dependent));
             state = dependent ? next_state[state][magnitude & 1] : 0;
         }
         rans_ = rans;
-        return count;
+        count_ = count;
+        return is_well;
     }
 
     const TileCoding& coding_;
+    ContextGrid& grid_;
     TileLevels& out_;
     RansDecoder rans_;
-    ContextGrid grid_;
-    std::array<NonZero, max_coded_length> found_; // of a plane
+    std::array<NonZero, max_coded_length> found_; // of a plane, the first count_
+    std::size_t count_ = 0;
     RecentShapes shapes_;
     ColourMemory last_colour_;
     int work_ = 0;
@@ -219,8 +231,8 @@ private:
 } // namespace
 
 Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
-                     TileLevels& out) {
-    return LevelDecoder(coding, out).decode(parts, shape);
+                     ContextGrid& grid, TileLevels& out) {
+    return LevelDecoder(coding, grid, out).decode(parts, shape);
 }
 
 } // namespace tessera

@@ -205,21 +205,19 @@ private:
         const int length = planes.back().coded_length;
         const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
         const bool dependent = coding_.parameters.dependent;
-        grid_.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        grid_.begin(order);
         for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
             for (const NonZero& nz : tile.levels(earlier))
                 if (nz.index < length)
-                    grid_.mark_cross(grid_.place(order.entry[nz.index]),
+                    grid_.mark_cross(order.context[nz.index],
                                      amplitude_of_level(nz.level, dependent));
         const std::span<const NonZero> levels = tile.levels(planes.back());
         std::size_t next = 0;
         int state = 0;
         for (int i = 0; i < length; ++i) {
             const ScanContext& context = order.context[static_cast<std::size_t>(i)];
-            const int place = grid_.place(order.entry[static_cast<std::size_t>(i)]);
-            const int neighbours =
-                i == 0 ? size_class(order.shape) : grid_.neighbours(place, context);
-            const int cross = grid_.cross(place);
+            const int neighbours = i == 0 ? size_class(order.shape) : grid_.neighbours(context);
+            const int cross = grid_.cross(context);
             const int quantiser = quantiser_of(state);
             const bool zero = next == levels.size() || levels[next].index != i;
             visitor_.zero(
@@ -235,12 +233,16 @@ private:
                     token.token);
                 put_magnitude_raw(visitor_, token);
                 visitor_.raw(level < 0, 1);
-                grid_.mark(place, amplitude_of_level(level, dependent));
+                grid_.mark(context, amplitude_of_level(level, dependent));
             }
             if (dependent)
                 state = next_state[static_cast<std::size_t>(state)]
                                   [static_cast<std::size_t>(magnitude & 1)];
         }
+        for (const PlaneLevels& marked : planes)
+            for (const NonZero& nz : tile.levels(marked))
+                if (nz.index < length)
+                    grid_.forget(order.context[nz.index]);
     }
 
     const TileCoding& coding_;

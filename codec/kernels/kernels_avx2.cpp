@@ -493,10 +493,10 @@ public:
                 });
     }
 
-    // At most 8 values of each of two rows, which lie so far apart.
+    // At most 8 values of each of two rows, `stride` apart.
     template <bool bounded>
     void filter_two_rows(const std::int16_t* centre, const std::int16_t* const* from, int stride,
-                         int n, std::int32_t* out, int out_stride) const {
+                         const int n[2], std::int32_t* out, int out_stride) const {
         filter<bounded>(
             centre, from,
             [&](const std::int16_t* at) {
@@ -504,8 +504,8 @@ public:
                                            reinterpret_cast<const __m128i*>(at));
             },
             [&](__m256i own, __m256i low, __m256i high) {
-                put_half<0>(own, low, high, n, out);
-                put_half<1>(own, low, high, n, out + out_stride);
+                put_half<0>(own, low, high, n[0], out);
+                put_half<1>(own, low, high, n[1], out + out_stride);
             });
     }
 
@@ -557,15 +557,17 @@ void filter_view_by(const FilterRings& rings, const FilterView<std::int16_t>& in
     if (n == in.n)
         return;
     for (int v = 0; v < in.rows; v += 2) {
-        const bool two = v + 1 < in.rows;
-        if (in.skip[v] != 0 && (!two || in.skip[v + 1] != 0))
+        const bool is_last = v + 1 == in.rows;
+        const int counts[2] = {in.skip[v] != 0 ? 0 : rest,
+                               is_last || in.skip[v + 1] != 0 ? 0 : rest};
+        if (counts[0] + counts[1] == 0)
             continue;
         const int begin = v * in.stride + n;
         const std::int16_t* from[filter_taps];
         for (int i = 0; i < int{filter_taps}; ++i)
             from[i] = in.from[i] + begin;
-        rings.filter_two_rows<bounded>(in.centre + begin, from, two ? in.stride : 0, rest,
-                                       out + v * in.n + n, two ? in.n : 0);
+        rings.filter_two_rows<bounded>(in.centre + begin, from, is_last ? 0 : in.stride, counts,
+                                       out + v * in.n + n, in.n);
     }
 }
 

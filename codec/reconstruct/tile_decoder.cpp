@@ -26,7 +26,7 @@ Status TileDecoder::parse(std::span<const std::byte> payload, const BlockShape& 
     TESSERA_TRY(split_payload(payload, shape.texels(), parts_));
     if (!parts_.corrections.empty() && !colour_->corrections)
         return {ErrorCode::invalid_file, "corrections in a file whose header has none"};
-    TESSERA_TRY(decode_levels(parts_, shape, *coding_, levels_));
+    TESSERA_TRY(decode_levels(parts_, shape, *coding_, grid_, levels_));
     return decode_corrections(parts_, shape, coding_->planes, coding_->tables, corrections_);
 }
 

@@ -1,6 +1,7 @@
 // One tile's payload -> its texels, in stages: streams, levels, planes, samples, corrections.
 #pragma once
 
+#include "codec/entropy/context_grid.h"
 #include "codec/entropy/corrections.h"
 #include "codec/reconstruct/reconstruct.h"
 #include "codec/reconstruct/tile_filter.h"
@@ -39,6 +40,7 @@ private:
     const TileCoding* coding_;
     const ColourCoding* colour_;
     PayloadParts parts_;
+    ContextGrid grid_;
     TileLevels levels_;
     CorrectionMap corrections_;
     bool is_stored_ = false;

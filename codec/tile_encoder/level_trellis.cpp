@@ -72,7 +72,7 @@ NonZero with_sign(const PlaneTask& task, std::size_t at, std::int32_t level) {
 // Plain quantisation: the choice coefficient by coefficient.
 float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vector<NonZero>& out) {
     const std::size_t length = task.amplitude.size();
-    paths.grid.begin(task.order.support[length - 1]);
+    paths.grid.begin(task.order);
     const ContextCells cells = paths.grid;
     paths.level.assign(length, 0);
     const bool optimise = task.options.optimise;
@@ -82,9 +82,8 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     std::size_t next_end = end.next_from(1);
     for (std::size_t at = 0; at < length; ++at) {
         const float a = std::fabs(task.amplitude[at]);
-        const int place = cells.place(task.order.entry[at]);
-        const int neighbours = at == 0 ? size_class(task.order.shape)
-                                       : cells.neighbours(place, task.order.context[at]);
+        const ScanContext& context = task.order.context[at];
+        const int neighbours = at == 0 ? size_class(task.order.shape) : cells.neighbours(context);
         const auto& flags = flag_bits(task, at, neighbours);
         if (optimise && a < smallest_candidate) { // most of them
             cost += lambda * flags[0];
@@ -108,16 +107,19 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
             cost = best;
             paths.level[at] = level;
             if (level != 0)
-                cells.mark(place, amplitude_of_level(level, false));
+                cells.mark(context, amplitude_of_level(level, false));
         }
         if (at + 1 == next_end) {
             end.offer(at, 0, cost);
             next_end = end.next_from(next_end + 1);
         }
     }
-    for (std::size_t at = end.length; at-- > 0;)
-        if (paths.level[at] != 0)
-            out.push_back(with_sign(task, at, paths.level[at]));
+    for (std::size_t at = length; at-- > 0;)
+        if (paths.level[at] != 0) {
+            cells.forget(task.order.context[at]);
+            if (at < end.length)
+                out.push_back(with_sign(task, at, paths.level[at]));
+        }
     return end.cost;
 }
 

@@ -31,13 +31,13 @@ std::uint8_t position_class_of(std::uint32_t cost) {
 void find_neighbours(ScanOrder& order) {
     // Ranks of the entries by frequency, with a border of one all around.
     constexpr std::uint16_t unknown = 0xFFFF;
-    std::array<int, 4> stride;
-    int cells = 1;
+    std::array<int, 4>& stride = order.grid_stride;
+    order.grid_cells = 1;
     for (std::size_t axis = 0; axis < 4; ++axis) {
-        stride[axis] = cells;
-        cells *= order.support.back()[axis] + 2;
+        stride[axis] = static_cast<int>(order.grid_cells);
+        order.grid_cells *= order.support.back()[axis] + 2u;
     }
-    std::vector<std::uint16_t> rank(static_cast<std::size_t>(cells), unknown);
+    std::vector<std::uint16_t> rank(order.grid_cells, unknown);
     const auto place = [&stride](const auto& k) {
         int at = 0;
         for (std::size_t axis = 0; axis < 4; ++axis)
@@ -55,6 +55,7 @@ void find_neighbours(ScanOrder& order) {
     order.context.resize(order.entry.size());
     for (std::size_t i = 0; i < order.entry.size(); ++i) {
         const int at = origin + place(order.entry[i].k);
+        order.context[i].place = static_cast<std::uint32_t>(at);
         unsigned weight = 0;
         for (std::size_t j = 0; j < scan_neighbours; ++j) {
             const std::uint16_t found = rank[static_cast<std::size_t>(at - step[j])];

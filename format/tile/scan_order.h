@@ -28,6 +28,7 @@ struct ScanEntry {
 // What the contexts of a coefficient take from its place in the scan.
 constexpr int zero_positions = 6;
 struct ScanContext {
+    std::uint32_t place = 0;   // in the grid of frequencies
     std::uint16_t share = 0;   // 4096 / (weight of its earlier neighbours); 0 for DC
     std::uint8_t position = 0; // 0 DC, else 1 .. zero_positions - 1
 };
@@ -56,6 +57,9 @@ struct ScanOrder {
     // support[i]: per axis, one more than the largest frequency among entries 0..i.
     std::vector<std::array<std::uint8_t, 4>> support;
     std::vector<ScanContext> context;
+    // A grid of the frequencies below support.back() with a border of one all around.
+    std::array<int, 4> grid_stride;
+    std::size_t grid_cells;
     // The scan indices of each entry's earlier neighbours; its own index where there is none.
     std::vector<std::array<std::uint16_t, scan_neighbours>> neighbours;
 

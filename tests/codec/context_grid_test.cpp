@@ -21,13 +21,13 @@ int rounded(int amplitude) {
 
 TEST(ContextGrid, ScatteringEqualsGathering) {
     Random random(5);
-    ContextGrid grid; // one for all, as in the codec: begin() must clear
+    ContextGrid grid; // one for all, as in the codec: what is forgotten must be clear
     for (int round = 0; round < 60; ++round) {
         const BlockShape shape = shape_of(random.range(1, 12), random.range(1, 9),
                                           random.range(1, 8), random.range(1, 8));
         const ScanOrder order = make_scan_order(shape, default_scan_weights);
         const int length = random.range(1, order.length());
-        grid.begin(order.support[static_cast<std::size_t>(length - 1)]);
+        grid.begin(order);
         using Key = std::array<int, 4>;
         std::map<Key, int> marked, cross; // amplitudes and their sums, as far as contexts see them
         std::set<Key> coded;
@@ -39,7 +39,7 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
             for (int i = 0; i < length; ++i)
                 if (random.chance(0.2)) {
                     const int amplitude = random.range(1, 300);
-                    grid.mark_cross(grid.place(order.entry[static_cast<std::size_t>(i)]),
+                    grid.mark_cross(order.context[static_cast<std::size_t>(i)],
                                     static_cast<std::uint32_t>(amplitude));
                     cross[key(i)] = rounded(cross[key(i)] + rounded(amplitude));
                 }
@@ -59,25 +59,26 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
             near(1, 1, 0, 1, 0), near(1, 1, 0, -1, 0), near(1, -1, 0, 1, 0), near(1, 0, 1, 0, 1);
             near(1, 0, 1, 0, -1), near(1, 0, -1, 0, 1), near(1, 1, 1, 0, 0), near(1, 0, 0, 1, 1);
             coded.insert(at);
-            const auto& entry = order.entry[static_cast<std::size_t>(i)];
             const auto& context = order.context[static_cast<std::size_t>(i)];
-            const int place = grid.place(entry);
             ASSERT_EQ(context.share, weight == 0 ? 0 : 4096 / weight);
             ASSERT_EQ(weight == 0, i == 0);
             // The class of the mean in eighths: the number of values at or below it.
             int want = 0;
             for (const int value : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192})
                 want += sum * context.share / 512 >= value;
-            ASSERT_EQ(grid.neighbours(place, context), want) << name_of(shape) << " entry " << i;
+            ASSERT_EQ(grid.neighbours(context), want) << name_of(shape) << " entry " << i;
             int want_cross = 0;
             for (const int value : {1, 3, 6, 12, 24})
                 want_cross += cross[at] >= value;
-            ASSERT_EQ(grid.cross(place), want_cross) << name_of(shape) << " entry " << i;
+            ASSERT_EQ(grid.cross(context), want_cross) << name_of(shape) << " entry " << i;
             if (random.chance(density)) {
                 marked[at] = random.chance(0.1) ? 2 * max_level : random.range(1, 9);
-                grid.mark(place, static_cast<std::uint32_t>(marked[at]));
+                grid.mark(context, static_cast<std::uint32_t>(marked[at]));
             }
         }
+        for (int i = 0; i < length; ++i)
+            if (cross.contains(key(i)) || marked.contains(key(i)))
+                grid.forget(order.context[static_cast<std::size_t>(i)]);
     }
 }
 

@@ -1,4 +1,5 @@
 // Levels to bytes and back, and bytes that no encoder writes.
+#include "codec/entropy/context_grid.h"
 #include "codec/entropy/corrections.h"
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
@@ -45,6 +46,7 @@ const std::vector<BlockShape> shapes = {
 TEST(TileEntropy, RandomTilesRoundTrip) {
     Random random(21);
     std::size_t segments = 0;
+    ContextGrid grid; // one for all: a tile leaves nothing in it
     for (const BlockShape& shape : shapes)
         for (int planes = 1; planes <= max_planes; ++planes)
             for (int round = 0; round < 6; ++round) {
@@ -62,7 +64,7 @@ TEST(TileEntropy, RandomTilesRoundTrip) {
                 ASSERT_TRUE(split_payload(payload, shape.texels(), parts));
                 segments = std::max(segments, parts.segments.size());
                 TileLevels got;
-                const Status status = decode_levels(parts, shape, coding, got);
+                const Status status = decode_levels(parts, shape, coding, grid, got);
                 ASSERT_TRUE(status) << name_of(shape) << " planes " << planes << " round " << round
                                     << ": " << status.message();
                 ASSERT_NO_FATAL_FAILURE(expect_same(got, want))
@@ -93,10 +95,11 @@ TEST(TileEntropy, EveryCodedLengthRoundTrips) {
             want.planes = {plane};
             Bytes payload;
             encode_levels(want, {}, coding, payload);
+            ContextGrid grid;
             TileLevels got;
             PayloadParts parts;
             ASSERT_TRUE(split_payload(payload, shape.texels(), parts));
-            const Status status = decode_levels(parts, shape, coding, got);
+            const Status status = decode_levels(parts, shape, coding, grid, got);
             ASSERT_TRUE(status) << name_of(shape) << " last " << last << ": " << status.message();
             ASSERT_NO_FATAL_FAILURE(expect_same(got, want)) << name_of(shape) << " last " << last;
         }
@@ -153,8 +156,9 @@ TEST(TileEntropy, TooMuchWorkIsRefused) {
     encode_levels(tile, {}, coding, payload);
     PayloadParts parts;
     ASSERT_TRUE(split_payload(payload, shape.texels(), parts));
+    ContextGrid grid;
     TileLevels got;
-    EXPECT_EQ(decode_levels(parts, shape, coding, got).code(), ErrorCode::invalid_file);
+    EXPECT_EQ(decode_levels(parts, shape, coding, grid, got).code(), ErrorCode::invalid_file);
 }
 
 TEST(TileEntropy, EmptyPayloadIsBackground) {
