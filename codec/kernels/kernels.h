@@ -69,6 +69,13 @@ template <class Value> struct FilterView {
     const std::uint8_t* skip;
 };
 
+// Where `rows` rows of n values go, `stride` apart; filter_margin values on either side repeat their ends.
+template <class Value> struct PaddedRows {
+    Value* out;
+    int stride, rows, n;
+    std::uint8_t* is_zero; // of each row
+};
+
 struct Kernels {
     const char* name;
 
@@ -105,11 +112,12 @@ struct Kernels {
     void (*load_ycocg8)(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3]);
 
-    // out = values within -limit .. limit - 1, which fit; returns whether any is not 0 (not 0).
-    std::int32_t (*clamp_row)(const std::int32_t* values, int n, std::int32_t limit,
-                              std::int16_t* out);
-    std::int32_t (*clamp_wide_row)(const std::int32_t* values, int n, std::int32_t limit,
-                                   std::int32_t* out);
+    // Rows of a view, dense, as the filter reads them: within -limit .. limit - 1 and between margins.
+    // Says of each row whether all of it is 0. Up to 15 past a row's margin may be written.
+    void (*pad_rows)(const std::int32_t* values, std::int32_t limit,
+                     const PaddedRows<std::int16_t>& to);
+    void (*pad_wide_rows)(const std::int32_t* values, std::int32_t limit,
+                          const PaddedRows<std::int32_t>& to);
     // out = the filtered values of a view, dense; of unorm8 and, in the second, half16. Values are within
     // value_limit; up to 15 past a row are read and have no effect.
     void (*filter_view)(const FilterView<std::int16_t>& in, const FilterTaps& taps,

@@ -273,16 +273,27 @@ void base_along_v(const std::int32_t* from, const BaseCopies& to) {
     }
 }
 
-template <class Value>
-std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t most, Value* out) {
-    std::int32_t seen = 0;
-    for (int i = 0; i < n; ++i) {
-        const std::int32_t low = values[i] < -most ? -most : values[i];
-        const std::int32_t value = low > most - 1 ? most - 1 : low;
-        seen |= value;
-        out[i] = static_cast<Value>(value);
+template <class Value> inline void fill_margins(Value* row, int n) {
+    for (int i = 1; i <= filter_margin; ++i) {
+        row[-i] = row[0];
+        row[n - 1 + i] = row[n - 1];
     }
-    return seen;
+}
+
+template <class Value>
+void pad_rows(const std::int32_t* values, std::int32_t limit, const PaddedRows<Value>& to) {
+    for (int r = 0; r < to.rows; ++r, values += to.n) {
+        Value* const out = to.out + r * to.stride;
+        std::int32_t seen = 0;
+        for (int i = 0; i < to.n; ++i) {
+            const std::int32_t low = values[i] < -limit ? -limit : values[i];
+            const std::int32_t value = low > limit - 1 ? limit - 1 : low;
+            seen |= value;
+            out[i] = static_cast<Value>(value);
+        }
+        fill_margins(out, to.n);
+        to.is_zero[r] = seen == 0;
+    }
 }
 
 template <class Value>
@@ -337,8 +348,8 @@ constexpr Kernels make_kernels(const char* name) {
             base_along_v,
             store_ycocg8,
             load_ycocg8,
-            clamp_row<std::int16_t>,
-            clamp_row<std::int32_t>,
+            pad_rows<std::int16_t>,
+            pad_rows<std::int32_t>,
             filter_view<std::int16_t>,
             filter_view<std::int32_t>};
 }

@@ -580,25 +580,32 @@ void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps
         filter_view_by<false>(rings, in, out);
 }
 
-// Eight values at once; the last ones are done with some that were done before.
-std::int32_t clamp_row_avx2(const std::int32_t* values, int n, std::int32_t most,
-                            std::int16_t* out) {
-    if (n < lanes)
-        return clamp_row(values, n, most, out);
-    const __m256i least = _mm256_set1_epi32(-most), largest = _mm256_set1_epi32(most - 1);
-    __m256i seen = _mm256_setzero_si256();
-    for (int begin = 0; begin < n; begin += lanes) {
-        const int i = begin + lanes <= n ? begin : n - lanes;
-        const __m256i x = _mm256_max_epi32(
-            _mm256_min_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)),
-                             largest),
-            least);
-        seen = _mm256_or_si256(seen, x);
-        _mm_storeu_si128(
-            reinterpret_cast<__m128i*>(out + i),
-            _mm_packs_epi32(_mm256_castsi256_si128(x), _mm256_extracti128_si256(x, 1)));
+// Sixteen values at once, in order: what is written past a row is written again by the next one.
+void pad_rows_avx2(const std::int32_t* values, std::int32_t limit,
+                   const PaddedRows<std::int16_t>& to) {
+    const __m256i least = _mm256_set1_epi16(static_cast<std::int16_t>(-limit));
+    const __m256i most = _mm256_set1_epi16(static_cast<std::int16_t>(limit - 1));
+    const int whole = to.n & ~15;
+    const __m256i first_mask = lane_mask(to.n - whole),
+                  second_mask = lane_mask(to.n - whole - lanes);
+    for (int r = 0; r < to.rows; ++r, values += to.n) {
+        std::int16_t* const out = to.out + r * to.stride;
+        __m256i seen = _mm256_setzero_si256();
+        const auto put = [&](int i, __m256i first, __m256i second) {
+            __m256i x = _mm256_permute4x64_epi64(_mm256_packs_epi32(first, second), 0xD8);
+            x = _mm256_max_epi16(_mm256_min_epi16(x, most), least);
+            seen = _mm256_or_si256(seen, x);
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), x);
+        };
+        for (int i = 0; i < whole; i += 16)
+            put(i, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)),
+                _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i + lanes)));
+        if (whole < to.n)
+            put(whole, _mm256_maskload_epi32(values + whole, first_mask),
+                _mm256_maskload_epi32(values + whole + lanes, second_mask));
+        fill_margins(out, to.n);
+        to.is_zero[r] = static_cast<std::uint8_t>(_mm256_testz_si256(seen, seen));
     }
-    return !_mm256_testz_si256(seen, seen);
 }
 
 constexpr Kernels make_avx2_kernels() {
@@ -612,7 +619,7 @@ constexpr Kernels make_avx2_kernels() {
     k.store_ycocg8 = store_ycocg8_avx2;
     k.load_ycocg8 = load_ycocg8_avx2;
     k.filter_view = filter_view_avx2;
-    k.clamp_row = clamp_row_avx2;
+    k.pad_rows = pad_rows_avx2;
     return k;
 }
 

@@ -31,8 +31,8 @@ public:
         stride_ = shape.n[0] + 2 * filter_margin;
         page_ = stride_ * (shape.n[1] + 2 * filter_margin);
         const int views = shape.n[2] * shape.n[3];
-        memory_.resize(std::max(memory_.size(),
-                                static_cast<std::size_t>(views * page_ + most_read_past_a_row)));
+        memory_.resize(
+            std::max(memory_.size(), static_cast<std::size_t>(views * page_ + most_past_a_row)));
         is_zero_.resize(static_cast<std::size_t>(views * (shape.n[1] + 2 * filter_margin)));
         bool any = false;
         for (int view = 0; view < views; ++view)
@@ -85,37 +85,29 @@ public:
     }
 
 private:
-    static constexpr int most_read_past_a_row = 32; // vectors do
+    static constexpr int most_past_a_row = 32; // that vectors read and write
 
     bool fill_view(int view, const std::int32_t* values, std::int32_t limit) {
         const int nu = shape_.n[0], nv = shape_.n[1];
-        bool any = false;
-        for (int v = 0; v < nv; ++v, values += nu) {
-            Value* row = at(view, v);
-            const bool is_zero = clamp_row(values, nu, limit, row) == 0;
-            std::fill_n(row - filter_margin, filter_margin, row[0]);
-            std::fill_n(row + nu, filter_margin, row[nu - 1]);
-            zeros_of(view)[v] = is_zero;
-            any = any || !is_zero;
-        }
+        std::uint8_t* const is_zero = zeros_of(view);
+        pad_rows(values, limit, {at(view, 0), stride_, nv, nu, is_zero});
         for (int v = 1; v <= filter_margin; ++v) {
             std::copy_n(at(view, 0) - filter_margin, stride_, at(view, -v) - filter_margin);
             std::copy_n(at(view, nv - 1) - filter_margin, stride_,
                         at(view, nv - 1 + v) - filter_margin);
-            zeros_of(view)[-v] = zeros_of(view)[0];
-            zeros_of(view)[nv - 1 + v] = zeros_of(view)[nv - 1];
+            is_zero[-v] = is_zero[0];
+            is_zero[nv - 1 + v] = is_zero[nv - 1];
         }
-        return any;
+        return std::find(is_zero, is_zero + nv, 0) != is_zero + nv;
     }
 
-    // Whether any of the clamped values is not 0.
-    static std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit,
-                                  std::int16_t* out) {
-        return kernels().clamp_row(values, n, limit, out);
+    static void pad_rows(const std::int32_t* values, std::int32_t limit,
+                         const PaddedRows<std::int16_t>& to) {
+        kernels().pad_rows(values, limit, to);
     }
-    static std::int32_t clamp_row(const std::int32_t* values, int n, std::int32_t limit,
-                                  std::int32_t* out) {
-        return kernels().clamp_wide_row(values, n, limit, out);
+    static void pad_rows(const std::int32_t* values, std::int32_t limit,
+                         const PaddedRows<std::int32_t>& to) {
+        kernels().pad_wide_rows(values, limit, to);
     }
 
     // First value of a row, one in a margin, too.

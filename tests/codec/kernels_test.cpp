@@ -318,20 +318,29 @@ TEST_F(KernelPaths, CopiesAreEqual) {
 }
 
 // Clamped values of a row, and whether any is not 0.
-TEST_F(KernelPaths, RowsAreClampedAlike) {
+TEST_F(KernelPaths, RowsArePaddedAlike) {
     Random random(23);
-    for (int n = 1; n <= max_tile_side; ++n)
-        for (const bool zero : {false, true}) {
-            std::vector<std::int32_t> in(static_cast<std::size_t>(n));
-            if (!zero)
-                in = random_integers(random, in.size());
-            std::vector<std::int16_t> a(in.size(), 3), b(in.size(), 4);
-            const bool any = kernels_scalar.clamp_row(in.data(), n, 1 << 14, a.data()) != 0;
-            EXPECT_EQ(any, kernels_avx2.clamp_row(in.data(), n, 1 << 14, b.data()) != 0);
-            ASSERT_EQ(a, b) << n;
-            for (std::size_t i = 0; i < in.size(); ++i)
-                ASSERT_EQ(a[i], std::clamp(in[i], -(1 << 14), (1 << 14) - 1));
+    constexpr int rows = 3, limit = 1 << 14;
+    for (int n = 1; n <= max_tile_side; ++n) {
+        const int stride = n + 2 * filter_margin;
+        std::vector<std::int32_t> in = random_integers(random, static_cast<std::size_t>(rows * n));
+        std::fill_n(in.begin() + n, n, 0); // the second row
+        std::vector<std::int16_t> out(static_cast<std::size_t>(rows * stride + 16));
+        for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+            std::ranges::fill(out, std::int16_t{3});
+            std::array<std::uint8_t, rows> is_zero{7, 7, 7};
+            path->pad_rows(in.data(), limit,
+                           {out.data() + filter_margin, stride, rows, n, is_zero.data()});
+            ASSERT_EQ(is_zero, (std::array<std::uint8_t, rows>{0, 1, 0})) << n;
+            for (int r = 0; r < rows; ++r)
+                for (int i = -filter_margin; i < n + filter_margin; ++i)
+                    ASSERT_EQ(
+                        out[static_cast<std::size_t>(r * stride + filter_margin + i)],
+                        std::clamp(in[static_cast<std::size_t>(r * n + std::clamp(i, 0, n - 1))],
+                                   -limit, limit - 1))
+                        << path->name << ", " << n;
         }
+    }
 }
 
 // As large as values of halves are, and their sums along u.
