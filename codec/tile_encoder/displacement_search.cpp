@@ -299,12 +299,11 @@ void DisplacementSearch::choose(const Axes& cells, const float* errors, bool hal
         };
         const Displacement whole = best.displacement;
         vote(whole, u.size * v.size);
-        // One axis, then the other.
-        for (int du = -1; half && du <= 1; du += 2)
-            attempt({static_cast<std::int8_t>(whole.u + du), whole.v});
-        const std::int8_t best_u = best.displacement.u;
-        for (int dv = -1; half && dv <= 1; dv += 2)
-            attempt({best_u, static_cast<std::int8_t>(whole.v + dv)});
+        for (int dv = -1; half && dv <= 1; ++dv)
+            for (int du = -1; du <= 1; ++du)
+                if (du != 0 || dv != 0)
+                    attempt({static_cast<std::int8_t>(whole.u + du),
+                             static_cast<std::int8_t>(whole.v + dv)});
         for (const Displacement& d : known)
             if (!half || d == whole || std::abs(d.u - whole.u) > 1 || std::abs(d.v - whole.v) > 1)
                 attempt(d);
