@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <shared_mutex>
 #include <utility>
 #include <vector>
@@ -14,10 +15,20 @@
 namespace tessera {
 
 // What coding a block of one shape needs.
-struct ShapeCoding {
+class ShapeCoding {
+public:
     ScanOrder order;
+    // Of that order. Thread-safe.
+    const ScanNeighbours& neighbours() const {
+        std::call_once(has_neighbours_, [this] { neighbours_ = find_neighbours(order); });
+        return neighbours_;
+    }
     std::array<ScaleSet, max_planes> scales;
     ScaleSet rotated_scales; // of the first three planes of blocks with rotated colour
+
+private:
+    mutable std::once_flag has_neighbours_;
+    mutable ScanNeighbours neighbours_; // only encoders ask for them
 };
 
 // Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.

@@ -101,7 +101,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     if (last >= 0) {
         const int end = round_up_coded_length(last + 1, order.length());
         find_crosses(out, first_plane, end);
-        const PlaneTask task{order,
+        const PlaneTask task{shape,
                              costs_,
                              options_,
                              block.copies,

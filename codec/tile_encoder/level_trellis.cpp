@@ -15,7 +15,7 @@ namespace {
 // Tables of one coefficient without dependent quantisation.
 const std::array<float, 2>& flag_bits(const PlaneTask& task, std::size_t at, int neighbours) {
     return task.costs.zero[static_cast<std::size_t>(
-        zero_parameter(task.copies, 0, task.plane_class, task.order.context[at].position, 0,
+        zero_parameter(task.copies, 0, task.plane_class, task.shape.order.context[at].position, 0,
                        cross_class(task.crosses[at])) +
         neighbours)];
 }
@@ -44,7 +44,7 @@ public:
     // The least coded length that has so many coefficients. Without optimisation only all of them is one.
     std::size_t next_from(std::size_t length) const {
         return task_.options.optimise ? static_cast<std::size_t>(round_up_coded_length(
-                                            static_cast<int>(length), task_.order.length()))
+                                            static_cast<int>(length), task_.shape.order.length()))
                                       : task_.amplitude.size();
     }
     void offer(std::size_t at, std::size_t in_state, float so_far) {
@@ -72,7 +72,7 @@ NonZero with_sign(const PlaneTask& task, std::size_t at, std::int32_t level) {
 // Plain quantisation: the choice coefficient by coefficient.
 float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vector<NonZero>& out) {
     const std::size_t length = task.amplitude.size();
-    paths.grid.begin(task.order);
+    paths.grid.begin(task.shape.order);
     const ContextCells cells = paths.grid;
     paths.level.assign(length, 0);
     const bool optimise = task.options.optimise;
@@ -82,8 +82,9 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     std::size_t next_end = end.next_from(1);
     for (std::size_t at = 0; at < length; ++at) {
         const float a = std::fabs(task.amplitude[at]);
-        const ScanContext& context = task.order.context[at];
-        const int neighbours = at == 0 ? size_class(task.order.shape) : cells.neighbours(context);
+        const ScanContext& context = task.shape.order.context[at];
+        const int neighbours =
+            at == 0 ? size_class(task.shape.order.shape) : cells.neighbours(context);
         const auto& flags = flag_bits(task, at, neighbours);
         if (optimise && a < smallest_candidate) { // most of them
             cost += lambda * flags[0];
@@ -116,7 +117,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     }
     for (std::size_t at = length; at-- > 0;)
         if (paths.level[at] != 0) {
-            cells.forget(task.order.context[at]);
+            cells.forget(task.shape.order.context[at]);
             if (at < end.length)
                 out.push_back(with_sign(task, at, paths.level[at]));
         }
@@ -128,7 +129,7 @@ void find_end_costs(const PlaneTask& task, std::vector<float>& costs) {
     const auto count = static_cast<int>(task.amplitude.size());
     costs.assign(task.amplitude.size(), unreachable_cost);
     for (int length = 1; length <= count; ++length) {
-        length = round_up_coded_length(length, task.order.length());
+        length = round_up_coded_length(length, task.shape.order.length());
         if (length <= count)
             costs[static_cast<std::size_t>(length) - 1] =
                 task.options.lambda *
@@ -150,7 +151,7 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
     for (std::size_t at = 0; at < count; ++at) {
         const int cross = cross_class(task.crosses[at]);
         paths.flag_row[at] = static_cast<std::uint16_t>(
-            BitCosts::flag_row(task.plane_class, task.order.context[at].position, cross));
+            BitCosts::flag_row(task.plane_class, task.shape.order.context[at].position, cross));
         paths.token_row[at] =
             static_cast<std::uint8_t>(BitCosts::token_row(task.plane_class, at == 0, cross));
     }
@@ -160,9 +161,9 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
     const TrellisEnd end = search_kernels().run_trellis(
         {static_cast<int>(count),
          task.amplitude.data(),
-         task.order.neighbours.data()->data(),
-         task.order.context.data(),
-         size_class(task.order.shape),
+         task.shape.neighbours().data()->data(),
+         task.shape.order.context.data(),
+         size_class(task.shape.order.shape),
          paths.flag_row.data(),
          paths.token_row.data(),
          paths.end_cost.data(),

@@ -26,7 +26,7 @@ constexpr float dead_zone = 2.0f / 3.0f;
 
 // One plane of one block. The spans are as long as the coefficients that may be coded.
 struct PlaneTask {
-    const ScanOrder& order;
+    const ShapeCoding& shape;
     const BitCosts& costs;
     QuantizerOptions options;
     bool copies;

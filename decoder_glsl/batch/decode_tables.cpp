@@ -142,11 +142,12 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
 }
 
 void append_scan(const ScanOrder& order, Words& words) {
+    const ScanNeighbours neighbours = find_neighbours(order);
     for (std::size_t i = 0; i < order.entry.size(); ++i) {
         const auto& k = order.entry[i].k;
         words.push_back(k[0] | (std::uint32_t{k[1]} << 5) | (std::uint32_t{k[2]} << 10) |
                         (std::uint32_t{k[3]} << 15));
-        const auto& list = order.neighbours[i];
+        const auto& list = neighbours[i];
         for (std::size_t j = 0; j < list.size(); j += 2)
             words.push_back(list[j] | (std::uint32_t{list[j + 1]} << 16));
         words.push_back(order.context[i].share | (std::uint32_t{order.context[i].position} << 16));

@@ -60,12 +60,16 @@ struct ScanOrder {
     // A grid of the frequencies below support.back() with a border of one all around.
     std::array<int, 4> grid_stride;
     std::size_t grid_cells;
-    // The scan indices of each entry's earlier neighbours; its own index where there is none.
-    std::vector<std::array<std::uint16_t, scan_neighbours>> neighbours;
 
     int length() const { return static_cast<int>(entry.size()); }
+    int grid_place(const ScanEntry& e) const;
 };
 
 ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights);
+
+// The scan indices of each entry's earlier neighbours; its own index where there is none. Takes longer than
+// the order itself; whoever scatters contexts does without.
+using ScanNeighbours = std::vector<std::array<std::uint16_t, scan_neighbours>>;
+ScanNeighbours find_neighbours(const ScanOrder& order);
 
 } // namespace tessera

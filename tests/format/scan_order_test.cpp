@@ -57,6 +57,7 @@ TEST(ScanOrder, NeighboursAreThoseThatCameBefore) {
     for (const ScanWeights& weights : {default_scan_weights, ScanWeights{1, 255, 7, 90}})
         for (const BlockShape& shape : shapes) {
             const ScanOrder order = make_scan_order(shape, weights);
+            const ScanNeighbours neighbours = find_neighbours(order);
             std::map<std::array<int, 4>, std::size_t> before;
             for (std::size_t i = 0; i < order.entry.size(); ++i) {
                 const auto& k = order.entry[i].k;
@@ -66,7 +67,7 @@ TEST(ScanOrder, NeighboursAreThoseThatCameBefore) {
                     const auto found = before.find(
                         {k[0] - step[0], k[1] - step[1], k[2] - step[2], k[3] - step[3]});
                     const bool is_there = found != before.end();
-                    ASSERT_EQ(order.neighbours[i][j], is_there ? found->second : i)
+                    ASSERT_EQ(neighbours[i][j], is_there ? found->second : i)
                         << name_of(shape) << " entry " << i << " neighbour " << j;
                     weight += is_there ? (j < 4 ? 2u : 1u) : 0u;
                 }
