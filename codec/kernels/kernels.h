@@ -26,14 +26,14 @@ constexpr int copy_shift(bool smooth) {
     return smooth ? 4 : 2;
 }
 
-// Where rows x n values go, rows `stride` apart: each is added to the one of `add`, where there is one, and
-// clamped to -limit .. limit - 1.
+// Where rows x n values go, rows `stride` apart: each is added to the one of `add`, where there is one, after
+// that is rounded as rounded() does by add_shift, and clamped to -limit .. limit - 1.
 struct RowsTarget {
     std::int32_t* out;
     int stride, rows, n;
     std::int32_t limit;
     const std::int32_t* add = nullptr;
-    int add_stride = 0;
+    int add_stride = 0, add_shift = 0;
 };
 // Where a block of sides n goes in a plane: what lies between rows, views along s and views along t.
 // Clamped likewise.
@@ -50,7 +50,8 @@ struct BaseCopies {
     int stride, page, n, count;
     const std::int16_t* row;
     const std::uint8_t* phase;
-    bool add;
+    int add_shift; // what is there is rounded by this and added; nothing_there: it is not
+    static constexpr int nothing_there = -1;
 };
 constexpr std::int32_t no_limit = 1 << 30; // above all that kernels give
 

@@ -106,6 +106,11 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
     inverse_planes_part(in, out, support, n, inner, 0);
 }
 
+// floor((x + half) / 2^shift), half = 2^(shift - 1); or x for shift 0.
+inline std::int32_t rounded_value(std::int32_t x, int shift) {
+    return (x + (1 << shift >> 1)) >> shift;
+}
+
 // Calls value(r, i) for all of a target.
 template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
     const std::int32_t least = -to.limit, most = to.limit - 1;
@@ -113,7 +118,8 @@ template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
         std::int32_t* const out = to.out + r * to.stride;
         const std::int32_t* const add = to.add == nullptr ? nullptr : to.add + r * to.add_stride;
         for (int i = 0; i < to.n; ++i) {
-            const std::int32_t sum = value(r, i) + (add == nullptr ? 0 : add[i]);
+            const std::int32_t sum =
+                value(r, i) + (add == nullptr ? 0 : rounded_value(add[i], to.add_shift));
             out[i] = sum < least ? least : sum > most ? most : sum;
         }
     }
@@ -131,10 +137,10 @@ inline void for_each_block_row(const std::int32_t* in, const BlockTarget& to, Ro
 }
 
 void put_block(const std::int32_t* in, int shift, const BlockTarget& to) {
-    const std::int32_t half = 1 << shift >> 1, least = -to.limit, most = to.limit - 1;
+    const std::int32_t least = -to.limit, most = to.limit - 1;
     for_each_block_row(in, to, [&](const std::int32_t* from, std::int32_t* out) {
         for (int i = 0; i < to.n[0]; ++i) {
-            const std::int32_t x = (from[i] + half) >> shift;
+            const std::int32_t x = rounded_value(from[i], shift);
             out[i] = x < least ? least : x > most ? most : x;
         }
     });
@@ -230,7 +236,7 @@ void copy_rows(const std::int32_t* from, int stride, int filter, const RowsTarge
             sums[i] = 1 << (shift - 1);
         add_copies(rows, filter, to.n, sums);
         put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.limit,
-                  to.add == nullptr ? nullptr : to.add + r * to.add_stride},
+                  to.add == nullptr ? nullptr : to.add + r * to.add_stride, 0, to.add_shift},
                  [&](int, int i) { return sums[i] >> shift; });
     }
 }
@@ -254,7 +260,7 @@ void base_along_u(const std::int32_t* from, int stride, int phase, int rows, int
         std::int32_t sums[max_tile_side] = {};
         add_taps(from - base_taps_before, 1, weights, n, sums);
         for (int i = 0; i < n; ++i)
-            out[i] = (sums[i] + (1 << base_first_shift >> 1)) >> base_first_shift;
+            out[i] = rounded_value(sums[i], base_first_shift);
     }
 }
 
@@ -267,8 +273,10 @@ void base_along_v(const std::int32_t* from, const BaseCopies& to) {
             std::int32_t sums[max_tile_side] = {};
             add_taps(first + begin, to.n, base_weights(to.phase[copy]), n, sums);
             for (int i = 0; i < n; ++i)
-                out[begin + i] = ((sums[i] + (1 << base_second_shift >> 1)) >> base_second_shift) +
-                                 (to.add ? out[begin + i] : 0);
+                out[begin + i] = rounded_value(sums[i], base_second_shift) +
+                                 (to.add_shift != BaseCopies::nothing_there
+                                      ? rounded_value(out[begin + i], to.add_shift)
+                                      : 0);
         }
     }
 }

@@ -92,8 +92,8 @@ public:
             static_cast<std::size_t>(nu_ * (last_ - first_ + nv_ + taps_around)));
     }
 
-    // values, dense in block order: += the copy, or = where not `add`.
-    void run(bool add, std::int32_t* values) {
+    // values, dense in block order: what BaseCopies::add_shift says of them, and the copy.
+    void run(int add_shift, std::int32_t* values) {
         const auto& n = block_.shape.n;
         const int page = nu_ * nv_;
         const bool near = last_ - first_ + nv_ + taps_around <= n[3] * (nv_ + taps_around);
@@ -101,16 +101,17 @@ public:
             const int u = from_middle(2, s) * displacement_.u;
             if (near) { // what is filtered along u serves all
                 filter_along_u(u, first_, last_);
-                filter_along_v({values, n[2] * page, page, nu_, n[3], nullptr, phase_.data(), add},
-                               first_, 0);
+                filter_along_v(
+                    {values, n[2] * page, page, nu_, n[3], nullptr, phase_.data(), add_shift},
+                    first_, 0);
                 continue;
             }
             for (int t = 0; t < n[3]; ++t) {
                 const auto i = static_cast<std::size_t>(t);
                 filter_along_u(u, row_[i], row_[i]);
-                filter_along_v(
-                    {values + t * n[2] * page, 0, page, nu_, 1, nullptr, phase_.data() + t, add},
-                    row_[i], i);
+                filter_along_v({values + t * n[2] * page, 0, page, nu_, 1, nullptr,
+                                phase_.data() + t, add_shift},
+                               row_[i], i);
             }
         }
     }
@@ -191,7 +192,7 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
     const auto& n = block.shape.n;
     out.resize(std::max(out.size(), static_cast<std::size_t>(block.shape.texels())));
     if (prediction.copies_base())
-        BaseCopy(block, prediction, decoded, plane).run(false, out.data());
+        BaseCopy(block, prediction, decoded, plane).run(BaseCopies::nothing_there, out.data());
     else
         copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
                    decoded.plane[plane], [&](int s, int t) {
@@ -201,15 +202,17 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
 }
 
 void copy_block(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                bool has_difference, std::int32_t* values, TilePlanes& decoded, std::size_t plane) {
+                int difference_shift, std::int32_t* values, TilePlanes& decoded,
+                std::size_t plane) {
     const auto& n = block.shape.n;
     const std::int32_t limit = value_limit(coding.type);
     if (prediction.copies_base()) {
-        BaseCopy(block, prediction, decoded, plane).run(has_difference, values);
+        BaseCopy(block, prediction, decoded, plane).run(difference_shift, values);
         kernels().put_block(values, 0,
                             block_target(block, decoded.shape, decoded.plane[plane], limit));
         return;
     }
+    const bool has_difference = difference_shift != BaseCopies::nothing_there;
     copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
                decoded.plane[plane], [&](int s, int t) {
                    const int first = plane_index(decoded.shape, block.origin[0], block.origin[1],
@@ -220,7 +223,8 @@ void copy_block(const Block& block, const BlockPrediction& prediction, const Til
                                      n[0],
                                      limit,
                                      has_difference ? values + page_of(block.shape, s, t) : nullptr,
-                                     n[0]};
+                                     n[0],
+                                     difference_shift};
                });
 }
 

@@ -23,10 +23,10 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
 BlockTarget block_target(const Block& block, const BlockShape& picture,
                          std::vector<std::int32_t>& plane, std::int32_t limit);
 
-// Writes one plane of a block: what it copies, added to the difference in `values` where there is one, and
-// clamped to what a predicted tile may hold. `values` has room for the block, is dense in block order and
-// is used up. Precondition as above.
+// Writes one plane of a block: what it copies, added to the difference in `values`, which is rounded first
+// (BaseCopies::add_shift: there may be none), and clamped to what a predicted tile may hold. `values` has room
+// for the block, is dense in block order and is used up. Precondition as above.
 void copy_block(const Block& block, const BlockPrediction& prediction, const TileCoding& coding,
-                bool has_difference, std::int32_t* values, TilePlanes& decoded, std::size_t plane);
+                int difference_shift, std::int32_t* values, TilePlanes& decoded, std::size_t plane);
 
 } // namespace tessera

@@ -109,10 +109,7 @@ private:
         }
         scratch_.box.transform(block_.shape, scratch_.a, scratch_.b);
         if (prediction_ != nullptr) {
-            const int texels = block_.shape.texels();
-            std::int32_t* const values = scratch_.a.data();
-            kernels().put_block(values, shift, {values, {texels, 1, 1, 1}, 0, 0, 0, no_limit});
-            add_copies(plane, true);
+            add_copies(plane, shift);
             return;
         }
         kernels().put_block(scratch_.a.data(), shift, target(plane));
@@ -123,7 +120,7 @@ private:
             make_room(scratch_.a);
             if (value != 0)
                 std::fill_n(scratch_.a.begin(), block_.shape.texels(), value);
-            add_copies(plane, value != 0);
+            add_copies(plane, value != 0 ? 0 : BaseCopies::nothing_there);
             return;
         }
         fill_block(target(plane), std::clamp(value, -limit_, limit_ - 1));
@@ -133,8 +130,9 @@ private:
         return block_target(block_, picture_, planes_[static_cast<std::size_t>(plane)], limit_);
     }
 
-    void add_copies(int plane, bool has_difference) {
-        copy_block(block_, *prediction_, coding_, has_difference, scratch_.a.data(), tile_planes_,
+    // To scratch_.a, as BaseCopies::add_shift has it.
+    void add_copies(int plane, int shift) {
+        copy_block(block_, *prediction_, coding_, shift, scratch_.a.data(), tile_planes_,
                    static_cast<std::size_t>(plane));
     }
 

@@ -218,7 +218,8 @@ RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out,
             n,
             random.chance(0.5) ? 1 << 14 : no_limit,
             random.chance(0.5) ? add.data() : nullptr,
-            add_stride};
+            add_stride,
+            random.chance(0.5) ? 0 : random.range(1, 10)};
 }
 
 // What a target must hold where value(r, i) was put.
@@ -228,7 +229,9 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
     for (int r = 0; r < to.rows; ++r)
         for (int i = 0; i < to.n; ++i) {
             std::int32_t& x = out[static_cast<std::size_t>(r * to.stride + i)];
-            const std::int32_t add = to.add == nullptr ? 0 : to.add[r * to.add_stride + i];
+            const std::int32_t half = 1 << to.add_shift >> 1;
+            const std::int32_t add =
+                to.add == nullptr ? 0 : (to.add[r * to.add_stride + i] + half) >> to.add_shift;
             x = static_cast<std::int32_t>(
                 std::clamp<std::int64_t>(value(r, i) + add, -to.limit, std::int64_t{to.limit} - 1));
         }
@@ -375,7 +378,7 @@ TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
             const int page = random.range(1, 3) * n, count = 3, step = page + random.range(0, 2);
             const std::int16_t row[] = {2, 0, 5};
             const std::uint8_t phases[] = {static_cast<std::uint8_t>(phase), 3, 0};
-            const bool add = random.chance(0.5);
+            const int add_shift = random.range(-1, 2) * random.range(1, 5); // below 0: none
             std::vector<std::int32_t> along_u(static_cast<std::size_t>(rows * n));
             const auto before = random_values(random, (count - 1) * step + page, 1 << 18);
             std::vector<std::int32_t> along_v = before;
@@ -388,7 +391,7 @@ TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
                     std::int32_t& x = along_v[static_cast<std::size_t>(copy * step + i)];
                     x = static_cast<std::int32_t>(
                             (six_taps(v_from, row[copy] * n + i, n, phases[copy]) + 512) >> 10) +
-                        (add ? x : 0);
+                        (add_shift < 0 ? 0 : (x + (1 << add_shift >> 1)) >> add_shift);
                 }
             for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
                 std::vector<std::int32_t> got(along_u.size());
@@ -397,7 +400,7 @@ TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
                 ASSERT_EQ(got, along_u) << path->name << " " << n << " " << phase;
                 got = before;
                 path->base_along_v(v_from.data(),
-                                   {got.data(), step, page, n, count, row, phases, add});
+                                   {got.data(), step, page, n, count, row, phases, add_shift});
                 ASSERT_EQ(got, along_v) << path->name << " " << n << " " << phase;
             }
         }
