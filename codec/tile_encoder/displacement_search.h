@@ -80,8 +80,8 @@ private:
     Segment s_, t_;                        // the angular cell in hand
     std::vector<Displacement> candidates_; // row after row
     std::size_t candidates_u_ = 0;         // of a row; 0: only likely ones, in no rows
-    std::array<std::vector<std::uint32_t>, 2>
-        votes_;                 // of a direction's candidates: texels, in rows
+    // Of a direction's candidates, in rows: texels of the cells that took them.
+    std::array<std::vector<std::uint32_t>, 2> votes_;
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]
     std::vector<float> totals_, sums_;
     std::array<float, displacement_kinds> kind_bits_{};

@@ -26,8 +26,8 @@ constexpr std::uint64_t all = ~std::uint64_t{0};
 struct Level {
     std::uint64_t grids;
     bool rotation, dependent, recode;
-    int along, across, likely,
-        rounds; // of the search for copies; 0: no copies, and no filter either
+    // Of the search for copies; 0 rounds: no copies, and no filter either.
+    int along, across, likely, rounds;
     bool dense_tables;
     int refinements;
 };
