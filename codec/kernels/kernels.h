@@ -61,20 +61,23 @@ struct FilterTaps {
     std::array<std::uint32_t, filter_rings> slope;
 };
 
+// Rows of a view, bit v for row v.
+using RowSet = std::uint64_t;
+static_assert(max_tile_side <= 64);
+
 // A view of a plane as the filter reads it: rows x n values, rows `stride` apart; from: where the
-// neighbours of its first value stand, ring after ring. Rows that `skip` says (not 0) stay as they are.
+// neighbours of its first value stand, ring after ring. Rows whose bit in `skip` is set stay as they are.
 template <class Value> struct FilterView {
     const Value* centre;
     const Value* from[filter_taps];
     int stride, rows, n;
-    const std::uint8_t* skip;
+    RowSet skip;
 };
 
 // Where `rows` rows of n values go, `stride` apart; filter_margin values on either side repeat their ends.
 template <class Value> struct PaddedRows {
     Value* out;
     int stride, rows, n;
-    std::uint8_t* is_zero; // of each row
 };
 
 struct Kernels {
@@ -114,11 +117,11 @@ struct Kernels {
                         const std::int32_t background[3], std::int32_t* const plane[3]);
 
     // Rows of a view, dense, as the filter reads them: within -limit .. limit - 1 and between margins.
-    // Says of each row whether all of it is 0. Up to 15 past a row's margin may be written.
-    void (*pad_rows)(const std::int32_t* values, std::int32_t limit,
-                     const PaddedRows<std::int16_t>& to);
-    void (*pad_wide_rows)(const std::int32_t* values, std::int32_t limit,
-                          const PaddedRows<std::int32_t>& to);
+    // Returns the rows that are all 0. Up to 15 past a row's margin may be written.
+    RowSet (*pad_rows)(const std::int32_t* values, std::int32_t limit,
+                       const PaddedRows<std::int16_t>& to);
+    RowSet (*pad_wide_rows)(const std::int32_t* values, std::int32_t limit,
+                            const PaddedRows<std::int32_t>& to);
     // out = the filtered values of a view, dense; of unorm8 and, in the second, half16. Values are within
     // value_limit; up to 15 past a row are read and have no effect.
     void (*filter_view)(const FilterView<std::int16_t>& in, const FilterTaps& taps,

@@ -289,7 +289,8 @@ template <class Value> inline void fill_margins(Value* row, int n) {
 }
 
 template <class Value>
-void pad_rows(const std::int32_t* values, std::int32_t limit, const PaddedRows<Value>& to) {
+RowSet pad_rows(const std::int32_t* values, std::int32_t limit, const PaddedRows<Value>& to) {
+    RowSet zero = 0;
     for (int r = 0; r < to.rows; ++r, values += to.n) {
         Value* const out = to.out + r * to.stride;
         std::int32_t seen = 0;
@@ -300,8 +301,9 @@ void pad_rows(const std::int32_t* values, std::int32_t limit, const PaddedRows<V
             out[i] = static_cast<Value>(value);
         }
         fill_margins(out, to.n);
-        to.is_zero[r] = seen == 0;
+        zero |= RowSet{seen == 0} << r;
     }
+    return zero;
 }
 
 template <class Value>
@@ -328,7 +330,7 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
 template <class Value, class Row>
 inline void for_each_filtered_row(const FilterView<Value>& in, std::int32_t* out, Row row) {
     for (int v = 0; v < in.rows; ++v) {
-        if (in.skip[v] != 0)
+        if ((in.skip >> v & 1) != 0)
             continue;
         const Value* from[filter_taps];
         for (std::size_t i = 0; i < filter_taps; ++i)

@@ -599,8 +599,8 @@ void filter_view_by(const FilterRings& rings, const FilterView<std::int16_t>& in
         return;
     for (int v = 0; v < in.rows; v += 2) {
         const bool is_last = v + 1 == in.rows;
-        const int counts[2] = {in.skip[v] != 0 ? 0 : rest,
-                               is_last || in.skip[v + 1] != 0 ? 0 : rest};
+        const auto skips = [&](int row) { return (in.skip >> row & 1) != 0; };
+        const int counts[2] = {skips(v) ? 0 : rest, is_last || skips(v + 1) ? 0 : rest};
         if (counts[0] + counts[1] == 0)
             continue;
         const int begin = v * in.stride + n;
@@ -622,8 +622,9 @@ void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps
 }
 
 // Sixteen values at once, in order: what is written past a row is written again by the next one.
-void pad_rows_avx2(const std::int32_t* values, std::int32_t limit,
-                   const PaddedRows<std::int16_t>& to) {
+RowSet pad_rows_avx2(const std::int32_t* values, std::int32_t limit,
+                     const PaddedRows<std::int16_t>& to) {
+    RowSet zero = 0;
     const __m256i least = _mm256_set1_epi16(static_cast<std::int16_t>(-limit));
     const __m256i most = _mm256_set1_epi16(static_cast<std::int16_t>(limit - 1));
     const int whole = to.n & ~15;
@@ -645,8 +646,9 @@ void pad_rows_avx2(const std::int32_t* values, std::int32_t limit,
             put(whole, _mm256_maskload_epi32(values + whole, first_mask),
                 _mm256_maskload_epi32(values + whole + lanes, second_mask));
         fill_margins(out, to.n);
-        to.is_zero[r] = static_cast<std::uint8_t>(_mm256_testz_si256(seen, seen));
+        zero |= static_cast<RowSet>(_mm256_testz_si256(seen, seen)) << r;
     }
+    return zero;
 }
 
 constexpr Kernels make_avx2_kernels() {

@@ -33,36 +33,32 @@ public:
         const int views = shape.n[2] * shape.n[3];
         memory_.resize(
             std::max(memory_.size(), static_cast<std::size_t>(views * page_ + most_past_a_row)));
-        is_zero_.resize(static_cast<std::size_t>(views * (shape.n[1] + 2 * filter_margin)));
-        bool any = false;
+        zero_.resize(static_cast<std::size_t>(views));
+        RowSet all_zero = all_rows();
         for (int view = 0; view < views; ++view)
-            any = fill_view(view, values + view * shape.n[0] * shape.n[1], limit) || any;
-        return any;
+            all_zero &= fill_view(view, values + view * shape.n[0] * shape.n[1], limit);
+        return all_zero != all_rows();
     }
 
     // Calls visit(view, FilterView) for all views; it skips rows that are zero like all that they are
     // filtered with.
     template <class Visit> void for_each_view(Visit visit) const {
         const int nv = shape_.n[1], ns = shape_.n[2], nt = shape_.n[3];
-        std::array<std::uint8_t, max_tile_side> all_zero;
         FilterView<Value> in{};
         in.stride = stride_;
         in.rows = nv;
         in.n = shape_.n[0];
-        in.skip = all_zero.data();
         for (int t = 0; t < nt; ++t)
             for (int s = 0; s < ns; ++s) {
                 const int own = t * ns + s;
                 in.centre = at(own, 0);
-                std::copy_n(zeros_of(own), nv, all_zero.begin());
+                in.skip = zeros_of(own);
                 for (std::size_t i = 0; i < filter_taps; ++i) {
                     const FilterOffset& o = filter_offsets[i / 4][i % 4];
                     const int view =
                         std::clamp(t + o.t, 0, nt - 1) * ns + std::clamp(s + o.s, 0, ns - 1);
                     in.from[i] = at(view, o.v) + o.u;
-                    const std::uint8_t* zero = zeros_of(view) + o.v;
-                    for (int v = 0; v < nv; ++v)
-                        all_zero[static_cast<std::size_t>(v)] &= zero[v];
+                    in.skip &= shifted(zeros_of(view), o.v);
                 }
                 visit(own, in);
             }
@@ -73,7 +69,7 @@ public:
         for_each_view([&](int view, const FilterView<Value>& in) {
             FilterRow<Value> row{view, 0, nullptr, {}};
             for (int v = 0; v < in.rows; ++v) {
-                if (in.skip[v] != 0)
+                if ((in.skip >> v & 1) != 0)
                     continue;
                 row.v = v;
                 row.centre = in.centre + v * in.stride;
@@ -87,45 +83,50 @@ public:
 private:
     static constexpr int most_past_a_row = 32; // that vectors read and write
 
-    bool fill_view(int view, const std::int32_t* values, std::int32_t limit) {
+    // Returns its rows that are 0.
+    RowSet fill_view(int view, const std::int32_t* values, std::int32_t limit) {
         const int nu = shape_.n[0], nv = shape_.n[1];
-        std::uint8_t* const is_zero = zeros_of(view);
-        pad_rows(values, limit, {at(view, 0), stride_, nv, nu, is_zero});
+        const RowSet zero = pad_rows(values, limit, {at(view, 0), stride_, nv, nu});
+        zero_[static_cast<std::size_t>(view)] = zero;
         for (int v = 1; v <= filter_margin; ++v) {
             std::copy_n(at(view, 0) - filter_margin, stride_, at(view, -v) - filter_margin);
             std::copy_n(at(view, nv - 1) - filter_margin, stride_,
                         at(view, nv - 1 + v) - filter_margin);
-            is_zero[-v] = is_zero[0];
-            is_zero[nv - 1 + v] = is_zero[nv - 1];
         }
-        return std::find(is_zero, is_zero + nv, 0) != is_zero + nv;
+        return zero;
     }
 
-    static void pad_rows(const std::int32_t* values, std::int32_t limit,
-                         const PaddedRows<std::int16_t>& to) {
-        kernels().pad_rows(values, limit, to);
+    static RowSet pad_rows(const std::int32_t* values, std::int32_t limit,
+                           const PaddedRows<std::int16_t>& to) {
+        return kernels().pad_rows(values, limit, to);
     }
-    static void pad_rows(const std::int32_t* values, std::int32_t limit,
-                         const PaddedRows<std::int32_t>& to) {
-        kernels().pad_wide_rows(values, limit, to);
+    static RowSet pad_rows(const std::int32_t* values, std::int32_t limit,
+                           const PaddedRows<std::int32_t>& to) {
+        return kernels().pad_wide_rows(values, limit, to);
     }
+
+    RowSet all_rows() const { return ~RowSet{0} >> (64 - shape_.n[1]); }
+    // Bit v is that of row v + by of a view, whose first and last rows go on for ever.
+    RowSet shifted(RowSet rows, int by) const {
+        const int last = shape_.n[1] - 1;
+        const RowSet above = rows >> last << last; // the last row's bit
+        for (; by > 0; --by)
+            rows = rows >> 1 | above;
+        for (; by < 0; ++by)
+            rows = (rows << 1 | (rows & 1)) & all_rows();
+        return rows;
+    }
+    RowSet zeros_of(int view) const { return zero_[static_cast<std::size_t>(view)]; }
 
     // First value of a row, one in a margin, too.
     Value* at(int view, int v) const {
         return memory_.data() + view * page_ + (v + filter_margin) * stride_ + filter_margin;
     }
-    // Whether all of a row is 0, from the first one on; margins stand around them.
-    const std::uint8_t* zeros_of(int view) const {
-        return is_zero_.data() + view * (shape_.n[1] + 2 * filter_margin) + filter_margin;
-    }
-    std::uint8_t* zeros_of(int view) {
-        return is_zero_.data() + view * (shape_.n[1] + 2 * filter_margin) + filter_margin;
-    }
 
     BlockShape shape_;
     int stride_ = 0, page_ = 0;
     std::vector<Value>& memory_;
-    std::vector<std::uint8_t> is_zero_;
+    std::vector<RowSet> zero_; // of each view, rows that are 0
 };
 
 } // namespace tessera

@@ -59,7 +59,7 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
                 flattest, !usual && random.chance(0.5) ? 65535 : random.range(300, 4000)));
         }
         const int stride = n + random.range(0, 5);
-        const std::uint8_t skip[] = {0, 1, 0};
+        constexpr RowSet skip = 0b010;
         FilterView<std::int16_t> view{narrow.data() + 7, {}, stride, 3, n, skip};
         FilterView<std::int32_t> wide_view{wide.data() + 7, {}, stride, 3, n, skip};
         for (std::size_t i = 0; i < filter_taps; ++i) {
