@@ -158,9 +158,11 @@ private:
         for_each_before([&](const NonZero& nz) {
             grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
         });
-        const bool is_well =
-            dependent ? decode_coefficients<true>(length, plane_class(plane), copies, order)
-                      : decode_coefficients<false>(length, plane_class(plane), copies, order);
+        const auto decode = plane == 0  ? dependent ? &LevelDecoder::decode_coefficients<true, 0>
+                                                    : &LevelDecoder::decode_coefficients<false, 0>
+                             : dependent ? &LevelDecoder::decode_coefficients<true, 1>
+                                        : &LevelDecoder::decode_coefficients<false, 1>;
+        const bool is_well = (this->*decode)(length, copies, order);
         const auto found = std::span(found_).first(count_);
         const auto forget = [&](const NonZero& nz) { grid_.forget(order.context[nz.index]); };
         for_each_before(forget);
@@ -172,9 +174,8 @@ private:
 
     // Decodes `length` coefficients; the count_ that are not zero go to found_. False for a level out of
     // range. Nearly all of the time of parsing goes into zeros: what they need is local.
-    template <bool dependent>
-    [[gnu::noinline]] bool decode_coefficients(int length, int p_class, bool copies,
-                                               const ScanOrder& order) {
+    template <bool dependent, int p_class>
+    [[gnu::noinline]] bool decode_coefficients(int length, bool copies, const ScanOrder& order) {
         constexpr int by_quantiser = zero_parameter(false, 1, 0, 0, 0, 0);
         constexpr int by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
@@ -191,7 +192,7 @@ private:
         for (int i = 0; i < length; ++i) {
             const ScanContext& context = contexts[i];
             const int neighbours = i == 0 ? size_class(order.shape) : cells.neighbours(context);
-            const int cross = cells.cross(context);
+            const int cross = p_class == 0 ? 0 : cells.cross(context);
             const int quantiser = quantiser_of(state);
             if (!rans.bit(zero[quantiser * by_quantiser + cross * by_cross +
                                context.position * by_position + neighbours])) {
