@@ -38,7 +38,7 @@ constexpr std::array<Level, most_effort + 1> levels = {{
     {four, off, off, off, 0, 0, 0, 0, off, 0},
     {seven, on, off, on, 0, 0, 0, 0, off, 0},
     {seven, on, on, on, 8, 4, 24, 1, off, 0},
-    {all, on, on, on, 16, 6, 60, 2, on, 1},
+    {all, on, on, on, 24, 10, 60, 2, on, 1},
     {all, on, on, on, 24, 10, 0, 4, on, 2},
 }};
 // Where a tool switch brings copies to an effort that has none.
