@@ -129,7 +129,8 @@ TEST(InverseTransform, ZeroInGivesZeroOut) {
     }
 }
 
-class KernelPaths : public testing::Test {
+// The search has no kernels of 128-bit vectors.
+class SearchPaths : public testing::Test {
 protected:
     void SetUp() override {
         if (!avx2_available())
@@ -142,6 +143,12 @@ std::vector<const Kernels*> vector_paths() {
     std::vector<const Kernels*> paths{&kernels_vector};
     if (avx2_available())
         paths.push_back(&kernels_avx2);
+    return paths;
+}
+
+std::vector<const Kernels*> all_paths() {
+    std::vector<const Kernels*> paths = vector_paths();
+    paths.push_back(&kernels_scalar);
     return paths;
 }
 
@@ -162,7 +169,7 @@ std::vector<std::int32_t> random_integers(Random& random, std::size_t count) {
     return x;
 }
 
-TEST_F(KernelPaths, InverseRowsAreEqual) {
+TEST(KernelPaths, InverseRowsAreEqual) {
     Random random(5);
     for (int n = 1; n <= max_tile_side; ++n)
         for (int support = 1; support <= std::min(n, max_frequencies); ++support)
@@ -170,12 +177,15 @@ TEST_F(KernelPaths, InverseRowsAreEqual) {
                 const auto in = random_integers(random, static_cast<std::size_t>(rows * support));
                 std::vector<std::int32_t> a(static_cast<std::size_t>(rows * n)), b(a.size(), 1);
                 kernels_scalar.inverse_rows(in.data(), a.data(), rows, support, n);
-                kernels_avx2.inverse_rows(in.data(), b.data(), rows, support, n);
-                ASSERT_EQ(a, b) << n << " " << support << " " << rows;
+                for (const Kernels* path : vector_paths()) {
+                    std::ranges::fill(b, 1);
+                    path->inverse_rows(in.data(), b.data(), rows, support, n);
+                    ASSERT_EQ(a, b) << path->name << " " << n << " " << support << " " << rows;
+                }
             }
 }
 
-TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
+TEST(KernelPaths, InversePlanesAreEqualAndLikeRows) {
     Random random(6);
     for (int n = 1; n <= max_tile_side; ++n)
         for (int support = 1; support <= std::min(n, max_frequencies); ++support)
@@ -184,6 +194,7 @@ TEST_F(KernelPaths, InversePlanesAreEqualAndLikeRows) {
                 std::vector<std::int32_t> a(static_cast<std::size_t>(n * inner)), b(a.size(), 1);
                 kernels_scalar.inverse_planes(in.data(), a.data(), support, n, inner);
                 for (const Kernels* path : vector_paths()) {
+                    std::ranges::fill(b, 1);
                     path->inverse_planes(in.data(), b.data(), support, n, inner);
                     ASSERT_EQ(a, b) << path->name << " " << n << " " << support << " " << inner;
                 }
@@ -238,7 +249,7 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
     return out;
 }
 
-TEST_F(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
+TEST(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
     Random random(12);
     for (int n = 1; n <= max_tile_side; ++n)
         for (const int shift : {0, 8, 14}) {
@@ -262,7 +273,7 @@ TEST_F(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
                                      (1 << shift >> 1)) >>
                                         shift,
                                     -limit, limit - 1);
-            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+            for (const Kernels* path : all_paths()) {
                 std::vector<std::int32_t> got = out;
                 path->put_block(in.data(), shift,
                                 {got.data(), {n, nv, ns, nt}, row, s_step, t_step, limit});
@@ -272,7 +283,7 @@ TEST_F(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
 }
 
 // The kernel for pictures against that for sums of rows.
-TEST_F(KernelPaths, CopiedPicturesAreEqual) {
+TEST(KernelPaths, CopiedPicturesAreEqual) {
     Random random(14);
     for (int filter = 0; filter < 8; ++filter)
         for (int n = 1; n <= max_tile_side; ++n) {
@@ -294,7 +305,7 @@ TEST_F(KernelPaths, CopiedPicturesAreEqual) {
                                                 return sums[static_cast<std::size_t>(r * n + i)] >>
                                                        shift;
                                             });
-            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+            for (const Kernels* path : all_paths()) {
                 std::ranges::copy(before, out.begin());
                 path->copy_rows(from, stride, filter, to);
                 ASSERT_EQ(out, expected) << path->name << " " << n;
@@ -302,7 +313,7 @@ TEST_F(KernelPaths, CopiedPicturesAreEqual) {
         }
 }
 
-TEST_F(KernelPaths, CopiesAreEqual) {
+TEST(KernelPaths, CopiesAreEqual) {
     Random random(12);
     constexpr std::size_t most = max_tile_side;
     for (int filter = 0; filter < 8; ++filter)
@@ -313,15 +324,17 @@ TEST_F(KernelPaths, CopiesAreEqual) {
                     row.push_back(random.range(-(1 << 18), (1 << 18) - 1));
             const std::int32_t* const rows[3] = {texels[0].data() + 1, texels[1].data() + 1,
                                                  texels[2].data() + 1};
-            std::vector<std::int32_t> a(most, 5), b(most, 5);
+            std::vector<std::int32_t> a(most, 5);
             kernels_scalar.add_copies(rows, filter, n, a.data());
-            kernels_avx2.add_copies(rows, filter, n, b.data());
-            ASSERT_EQ(a, b) << filter << " " << n;
+            for (const Kernels* path : vector_paths()) {
+                std::vector<std::int32_t> b(most, 5);
+                path->add_copies(rows, filter, n, b.data());
+                ASSERT_EQ(a, b) << path->name << " " << filter << " " << n;
+            }
         }
 }
 
-// Clamped values of a row, and whether any is not 0.
-TEST_F(KernelPaths, RowsArePaddedAlike) {
+TEST(KernelPaths, RowsArePaddedAlike) {
     Random random(23);
     constexpr int rows = 3, limit = 1 << 14;
     for (int n = 1; n <= max_tile_side; ++n) {
@@ -329,7 +342,7 @@ TEST_F(KernelPaths, RowsArePaddedAlike) {
         std::vector<std::int32_t> in = random_integers(random, static_cast<std::size_t>(rows * n));
         std::fill_n(in.begin() + n, n, 0); // the second row
         std::vector<std::int16_t> out(static_cast<std::size_t>(rows * stride + 16));
-        for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+        for (const Kernels* path : all_paths()) {
             std::ranges::fill(out, std::int16_t{3});
             ASSERT_EQ(
                 path->pad_rows(in.data(), limit, {out.data() + filter_margin, stride, rows, n}),
@@ -365,7 +378,7 @@ std::int64_t six_taps(const std::vector<std::int32_t>& from, int at, int step, i
     return sum;
 }
 
-TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
+TEST(KernelPaths, BasePicturesAreFilteredAlike) {
     Random random(21);
     for (int phase = 0; phase < base_unit; ++phase)
         for (int n = 1; n <= max_tile_side; ++n) {
@@ -393,7 +406,7 @@ TEST_F(KernelPaths, BasePicturesAreFilteredAlike) {
                             (six_taps(v_from, row[copy] * n + i, n, phases[copy]) + 512) >> 10) +
                         (add_shift < 0 ? 0 : (x + (1 << add_shift >> 1)) >> add_shift);
                 }
-            for (const Kernels* path : {&kernels_scalar, &kernels_avx2}) {
+            for (const Kernels* path : all_paths()) {
                 std::vector<std::int32_t> got(along_u.size());
                 path->base_along_u(u_from.data() + base_taps_before, stride, phase, rows, n,
                                    got.data());
@@ -444,7 +457,7 @@ TEST(Kernels, StoreColoursAlike) {
         }
 }
 
-TEST_F(KernelPaths, ForwardPassesAreEqual) {
+TEST_F(SearchPaths, ForwardPassesAreEqual) {
     Random random(7);
     for (int n = 1; n <= max_tile_side; ++n)
         for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
@@ -493,7 +506,7 @@ TEST(Kernels, LoadColoursAlike) {
 }
 
 // The search's own transform: the kept frequencies, in the order that forward_order says.
-TEST_F(KernelPaths, ForwardImagesAreEqualAndRight) {
+TEST_F(SearchPaths, ForwardImagesAreEqualAndRight) {
     Random random(14);
     for (int nu = 1; nu <= max_tile_side; ++nu)
         for (int nv = 1; nv <= max_tile_side; ++nv) {
@@ -520,7 +533,7 @@ TEST_F(KernelPaths, ForwardImagesAreEqualAndRight) {
         }
 }
 
-TEST_F(KernelPaths, CodingCostsAreEqual) {
+TEST_F(SearchPaths, CodingCostsAreEqual) {
     Random random(8);
     for (int count = 1; count <= 600; ++count) {
         const auto x = random_floats(random, count, count % 3 == 0 ? 1e-3 : 300);
@@ -541,7 +554,7 @@ TEST_F(KernelPaths, CodingCostsAreEqual) {
     }
 }
 
-TEST_F(KernelPaths, MomentsAreEqual) {
+TEST_F(SearchPaths, MomentsAreEqual) {
     Random random(21);
     for (int count = 1; count <= 40; ++count) {
         const auto x = random_floats(random, 4 * count, 300);

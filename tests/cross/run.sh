@@ -28,7 +28,8 @@ clang) other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_CO
     ;;
 esac
 slow=Sampler*:Shader*:Journals*:DamagedJournals*:Rate*:Mask*:Prediction*:PredictedFiles*:EncodeCopies*:Layers*
-slow+=:DenseTables*:Tools*:Encoder*:SameBytes*:DamagedLevels*:Partial*:Threads*
+slow+=:DenseTables*:Tools*:Encoder*:SameBytes*:DamagedLevels*:Partial*:Threads*:RefinedTrees*
+slow+=:InverseTransform.Meets*:Codec*:DecodedLevel*:TileChoice*:TileReuse*:Access*:EncodeFilter*:Allocation*
 filter=${TESTS--$slow}
 targets=(same_bytes)
 [ -z "$filter" ] || targets+=(format_tests codec_tests)
