@@ -35,7 +35,7 @@ for target in "${targets[@]}"; do
     edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)
     echo "$target: ${runs:-0} runs, ${edges:-?} edges$(grep -m1 -o 'SUMMARY: .*' "$log" | sed 's/^/, /' || true)"
     if [ "${SAVE:-0}" = 1 ]; then
-        # The fewest small inputs that reach other code; counts of how often would ask for ten times as many.
+        # The fewest small inputs that reach other code; with counts of how often there would be many more.
         nice -n 19 "$build/bin/$target" -set_cover_merge=1 -use_counters=0 -max_len=600 "$saved" "$work" \
             > /dev/null 2>&1 || true
     fi
