@@ -38,6 +38,17 @@ void* operator new(std::size_t size) {
 void* operator new[](std::size_t size) {
     return allocate(size);
 }
+// These would come here anyway, but for the address sanitizer, whose own would meet our delete.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    try {
+        return allocate(size);
+    } catch (const std::bad_alloc&) {
+        return nullptr;
+    }
+}
+void* operator new[](std::size_t size, const std::nothrow_t& without_throwing) noexcept {
+    return operator new(size, without_throwing);
+}
 void operator delete(void* memory) noexcept {
     release(memory);
 }
