@@ -13,10 +13,9 @@ Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
                                const PassResult& plain) {
     const HeavyTiles heavy(plan, sample, plain, most_copy_tiles);
     CodingParameters parameters = plain.walked;
-    TESSERA_TRY_ASSIGN(const double plain_cost, heavy.cost_as(parameters));
     parameters.smooth_copies = true;
-    TESSERA_TRY_ASSIGN(const double smooth_cost, heavy.cost_as(parameters));
-    return smooth_cost < plain_cost;
+    TESSERA_TRY_ASSIGN(const double cost, heavy.cost(parameters));
+    return cost < heavy.plain_cost();
 }
 
 } // namespace tessera

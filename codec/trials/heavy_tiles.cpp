@@ -16,7 +16,6 @@ HeavyTiles::HeavyTiles(const EncodePlan& plan, const Sample& sample, const PassR
     for (const std::size_t i : largest_values(bytes, most)) {
         tiles_.boxes.push_back(sample.boxes[i]);
         tiles_.tiles.push_back(sample.tiles[i]);
-        trees_.push_back(plain.trees[i]);
         plain_cost_ += lagrangian_cost(plan, plain.walked, plain.tiles[i]);
     }
 }
@@ -29,11 +28,6 @@ bool HeavyTiles::can_have(const BasePictures& pictures) const {
 
 Result<double> HeavyTiles::cost(const CodingParameters& parameters) const {
     TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(plan_, parameters, tiles_));
-    return lagrangian_cost(plan_, pass);
-}
-
-Result<double> HeavyTiles::cost_as(const CodingParameters& parameters) const {
-    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass_as(plan_, parameters, tiles_, trees_));
     return lagrangian_cost(plan_, pass);
 }
 

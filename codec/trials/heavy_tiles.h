@@ -4,7 +4,6 @@
 #include "codec/pass/encode_pass.h"
 
 #include <cstddef>
-#include <vector>
 
 namespace tessera {
 
@@ -18,15 +17,12 @@ public:
     double plain_cost() const { return plain_cost_; }
     // What they cost with other parameters.
     Result<double> cost(const CodingParameters& parameters) const;
-    // The same in the trees of that pass.
-    Result<double> cost_as(const CodingParameters& parameters) const;
     // Whether any of them can have a base picture.
     bool can_have(const BasePictures& pictures) const;
 
 private:
     const EncodePlan& plan_;
     Sample tiles_;
-    std::vector<TileLevels> trees_;
     double plain_cost_ = 0;
 };
 
