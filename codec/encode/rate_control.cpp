@@ -24,9 +24,7 @@ public:
           texels_(texel_count(plan.grid.size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
-        // A surface's directions are no views that are alike but for parallax.
-        if (!plan.effort.try_base || plan.colour.corrections ||
-            plan.options.description.proxy == Proxy::mesh)
+        if (!may_have_base_pictures(plan))
             base_ = BasePictures{};
         if (!plan.effort.filter || plan.colour.corrections)
             filter_ = TileFilter{};

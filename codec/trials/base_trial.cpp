@@ -56,6 +56,12 @@ Result<BasePictures> choose_direction(const EncodePlan& plan, const Sample& samp
 
 } // namespace
 
+// A surface's directions are no views that are alike but for parallax.
+bool may_have_base_pictures(const EncodePlan& plan) {
+    return plan.effort.try_base && !plan.colour.corrections &&
+           plan.options.description.proxy != Proxy::mesh;
+}
+
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain) {
     TESSERA_TRY_ASSIGN(const BasePictures direction, choose_direction(plan, sample, plain));

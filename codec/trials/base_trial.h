@@ -6,6 +6,9 @@
 
 namespace tessera {
 
+// Whether the encoder tries them: not at low efforts, with corrections or on meshes.
+bool may_have_base_pictures(const EncodePlan& plan);
+
 // Encodes the tiles of the sample that took most bytes again: with base pictures in both directions, and
 // with margins where these pay. What costs least, error and bits together, is chosen. `plain` is a pass
 // over the sample without any.
