@@ -224,7 +224,7 @@ void copy_block(const Block& block, const BlockPrediction& prediction, const Til
                                      limit,
                                      has_difference ? values + page_of(block.shape, s, t) : nullptr,
                                      n[0],
-                                     difference_shift};
+                                     has_difference ? difference_shift : 0};
                });
 }
 

@@ -37,7 +37,10 @@ Extent4 tile_of_file(MemoryTexture& texture, EncodeOptions options = {}) {
 Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = quick_effort) {
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = effort;
-    EncodePlan plan{texture, options, {}, {texture.desc()}, EffortSettings::of(effort)};
+    const auto tools = parse_tool_switches(options.tools);
+    EXPECT_TRUE(tools) << tools.status().message();
+    EncodePlan plan{texture, options, {}, {texture.desc()}, EffortSettings::of(effort, *tools)};
+    plan.tools = *tools;
     const auto tile = choose_tile_extent(plan);
     EXPECT_TRUE(tile) << tile.status().message();
     return tile ? *tile : Extent4{};
@@ -129,6 +132,32 @@ TEST(TileChoice, TheEncoderFollowsIt) {
 TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
     MemoryTexture odd = painted_surface({64, 48, 9, 9});
     EXPECT_EQ(chosen_tile(odd), (Extent4{32, 24, 9, 9}));
+}
+
+// A picture full of detail that moves by 0.7 texels from view to view, as cameras see it.
+MemoryTexture camera_grid(const Extent4& extent) {
+    std::vector<double> picture(128 * 128);
+    Random random(4);
+    for (double& x : picture)
+        x = random.unit();
+    return MemoryTexture({extent, SampleType::unorm8, 1}, [&](int u, int v, int s, int t, int) {
+        const double x = u + 0.7 * s, y = v + 0.7 * t;
+        const auto at = [&](int i, int j) {
+            return picture[static_cast<std::size_t>((static_cast<int>(y) + j) % 128 * 128 +
+                                                    (static_cast<int>(x) + i) % 128)];
+        };
+        const double a = x - std::floor(x), b = y - std::floor(y);
+        return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) +
+               b * ((1 - a) * at(0, 1) + a * at(1, 1));
+    });
+}
+
+TEST(TileChoice, CameraGridsGetFewerViewsWhereTheseCopyBasePictures) {
+    MemoryTexture texture = camera_grid({36, 36, 17, 17});
+    EncodeOptions options;
+    EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{18, 18, 9, 9}));
+    options.tools = "-base";
+    EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{18, 12, 17, 17}));
 }
 
 TEST(TileChoice, LayersKeepPlacesSmall) {
