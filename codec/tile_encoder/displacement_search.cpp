@@ -357,7 +357,7 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
     };
     if (range.likely == 0)
         return match_cells(1, true);
-    constexpr std::size_t searched_in_full = 8; // one in so many
+    constexpr std::size_t searched_in_full = 4; // one in so many
     if (!knows_likely)
         match_cells(searched_in_full, true);
     set_likely_candidates(range);

@@ -18,7 +18,7 @@ namespace tessera {
 struct DisplacementRange {
     int along = 0, across = 0; // along 0: copying is not tried at all
     bool half = true;          // half texels, too; else only whole ones
-    // Of whole ones, those that are tried everywhere: the ones that an eighth of a tile's views, searched
+    // Of whole ones, those that are tried everywhere: the ones that a quarter of a tile's views, searched
     // in full, take most. 0: all.
     int likely = 0;
 };
