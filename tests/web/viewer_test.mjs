@@ -118,9 +118,10 @@ const tests = {
         await browser.picture();
         await browser.drag([200, 150], [260, 170]);
         await browser.mouse('mouseWheel', 200, 150, {deltaX: 0, deltaY: -150});
+        const picture = await browser.picture(); // first: on a busy machine events are still on their way
         const {eye, look} = await browser.evaluate('tessera.pose');
         assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
-        agrees(await browser.picture(), rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'), 'mesh after drag and wheel');
+        agrees(picture, rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'), 'mesh after drag and wheel');
         await browser.key('i');
         await browser.until(`document.getElementById('figures').textContent.includes('tiles')`, 'figures');
         await browser.key('ArrowLeft');
