@@ -407,6 +407,20 @@ template <class Work> Status for_each_tile(Crew& crew, const Sample& sample, con
         [](std::size_t) {});
 }
 
+// What the levels count that choose(worker, i) leaves in worker.levels, of every tile of a sample.
+template <class Choose>
+Result<Statistics> count_all(Crew& crew, const Sample& sample, const Choose& choose) {
+    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+        choose(worker, i);
+        count_symbols(worker.levels, crew.coding, worker.statistics);
+        return {};
+    }));
+    Statistics all;
+    for (const Worker& worker : crew.workers)
+        all.add(worker.statistics);
+    return all;
+}
+
 } // namespace
 
 std::uint64_t Sample::texel_count() const {
@@ -536,29 +550,17 @@ Result<PassResult> run_pass_as(const EncodePlan& plan, const CodingParameters& p
 Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters& parameters,
                                  const Sample& sample) {
     Crew crew(plan, parameters, true);
-    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+    return count_all(crew, sample, [&](Worker& worker, std::size_t i) {
         worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
-        count_symbols(worker.levels, crew.coding, worker.statistics);
-        return {};
-    }));
-    Statistics all;
-    for (const Worker& worker : crew.workers)
-        all.add(worker.statistics);
-    return all;
+    });
 }
 
 Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParameters& parameters,
                                     const Sample& sample, std::span<const TileLevels> trees) {
     Crew crew(plan, parameters, true);
-    TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
+    return count_all(crew, sample, [&](Worker& worker, std::size_t i) {
         worker.encoder.encode_as(sample.tiles[i], trees[i], worker.levels);
-        count_symbols(worker.levels, crew.coding, worker.statistics);
-        return {};
-    }));
-    Statistics all;
-    for (const Worker& worker : crew.workers)
-        all.add(worker.statistics);
-    return all;
+    });
 }
 
 Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& parameters,
