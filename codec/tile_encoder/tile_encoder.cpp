@@ -22,8 +22,8 @@ constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings
 
 // Rounds of coding a tile again. What costs less comes first.
 constexpr std::array<double, 2> balancing_gains = {2, 8};
-constexpr int level_rounds =
-    4; // of moving first levels: flat blocks are rounded, dark ones clamped
+// Rounds of moving first levels: flat blocks are rounded, dark ones clamped.
+constexpr int level_rounds = 4;
 constexpr double balanced_mean = 0.015; // codes by which no channel matters
 
 constexpr int projections = 1; // of texels that do not matter (codec/DECISIONS.md)
@@ -71,13 +71,18 @@ void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, Ti
     }
 }
 
+// What does not matter goes on from what is beside it.
+void TileEncoder::fill_planes(const TileTexels& tile, const BlockShape& shape) {
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    if (tile.matters.empty())
+        return;
+    dont_care_.set(tile.matters, shape);
+    dont_care_.fill(planes_, coding_->planes);
+}
+
 void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, TileLevels& out) {
-    planes_from_texels(tile.texels, *colour_, known.shape, planes_);
-    if (!tile.matters.empty()) {
-        dont_care_.set(tile.matters, known.shape);
-        dont_care_.fill(planes_, coding_->planes);
-    }
     has_decoded_ = false;
+    fill_planes(tile, known.shape);
     search_.set_tile(planes_);
     balanced_.resize(known.shape, coding_->planes);
     if (known.base_blocks > 0) {
@@ -89,11 +94,7 @@ void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, Til
 }
 
 float TileEncoder::estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch) {
-    planes_from_texels(tile.texels, *colour_, shape, planes_);
-    if (!tile.matters.empty()) {
-        dont_care_.set(tile.matters, shape);
-        dont_care_.fill(planes_, coding_->planes);
-    }
+    fill_planes(tile, shape);
     return search_.choose_blocks(planes_, scratch);
 }
 

@@ -45,6 +45,7 @@ public:
 private:
     void encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
     void encode_filled(TileLevels& out);
+    void fill_planes(const TileTexels& tile, const BlockShape& shape);
     float encode_planes(TileLevels& out);
     float encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out);
     // A base picture, coded as a tile of its own, and what its bits cost.
