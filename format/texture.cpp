@@ -80,19 +80,25 @@ void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
 
 void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
               const Box4& to_box, std::span<std::byte> to, std::size_t texel_bytes) {
-    const Extent4 f = from_box.extent(), d = to_box.extent();
-    const std::size_t run = (part.end[axis_s] - part.begin[axis_s]) * texel_bytes;
-    const auto offset = [&](const Box4& box, const Extent4& n, std::uint64_t v, std::uint64_t u,
+    const Extent4 f = from_box.extent(), d = to_box.extent(), n = part.extent();
+    // Axes that both boxes have whole make one run with the next one.
+    const auto is_whole = [&](std::size_t axis) {
+        return n[axis] == f[axis] && n[axis] == d[axis];
+    };
+    const bool whole_views = is_whole(axis_s), whole_texels = whole_views && is_whole(axis_t);
+    const std::uint64_t t_step = whole_views ? n[axis_t] : 1, u_step = whole_texels ? n[axis_u] : 1;
+    const std::size_t run = n[axis_s] * t_step * u_step * texel_bytes;
+    const auto offset = [&](const Box4& box, const Extent4& size, std::uint64_t v, std::uint64_t u,
                             std::uint64_t t) {
-        return ((((v - box.begin[axis_v]) * n[axis_u] + (u - box.begin[axis_u])) * n[axis_t] +
+        return ((((v - box.begin[axis_v]) * size[axis_u] + (u - box.begin[axis_u])) * size[axis_t] +
                  (t - box.begin[axis_t])) *
-                    n[axis_s] +
+                    size[axis_s] +
                 (part.begin[axis_s] - box.begin[axis_s])) *
                texel_bytes;
     };
     for (std::uint64_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
-        for (std::uint64_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
-            for (std::uint64_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t)
+        for (std::uint64_t u = part.begin[axis_u]; u < part.end[axis_u]; u += u_step)
+            for (std::uint64_t t = part.begin[axis_t]; t < part.end[axis_t]; t += t_step)
                 copy_run(to.data() + offset(to_box, d, v, u, t),
                          from.data() + offset(from_box, f, v, u, t), run);
 }

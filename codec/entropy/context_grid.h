@@ -25,13 +25,15 @@ constexpr std::uint32_t amplitude_of_level(std::int32_t level, bool dependent) {
 }
 
 // The cells, as a loop copies them to keep all of it in registers. Valid until the grid's next begin().
-// What is marked is to be forgotten before that: clearing all cells takes longer where few are not 0.
+// What is marked is to be undone before that: forgotten one by one, or all cells cleared.
 class ContextCells {
 public:
     int neighbours(const ScanContext& at) const {
         return neighbour_class(cell_[at.place] & sum_mask, at.share);
     }
-    int cross(const ScanContext& at) const { return cross_class(cell_[at.place] >> sum_bits); }
+    int cross(const ScanContext& at) const {
+        return cross_classes_of_codes[cell_[at.place] >> sum_bits];
+    }
 
     // A coefficient of this amplitude was coded there. Neighbours along one axis count twice,
     // the diagonals of the planes (u,s), (v,t) and the forward ones of (u,v), (s,t) once.
@@ -51,7 +53,7 @@ public:
         const int sum = add_cross(cell >> sum_bits, amplitude);
         cell = static_cast<std::uint16_t>((cell & sum_mask) | (sum << sum_bits));
     }
-    // Undoes what was marked at that place, and by all others what reached the same cells.
+    // Undoes mark() at that place, and what reached the same cells from others.
     void forget(const ScanContext& at) const {
         std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
@@ -59,6 +61,8 @@ public:
              {0, u, v, s, t, u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
             cell[reached] = 0;
     }
+    // Undoes mark_cross() at that place, and what mark() of others added there.
+    void forget_cross(const ScanContext& at) const { cell_[at.place] = 0; }
     // Code of the sum of an amplitude with the one of code `cross`.
     static int add_cross(int cross, std::uint32_t amplitude) {
         return amplitude_code(amplitude_of(cross) + amplitude_of(amplitude_code(amplitude)));
@@ -90,6 +94,18 @@ public:
         stride_ = order.grid_stride;
         memory_.resize(std::max(memory_.size(), order.grid_cells));
         cell_ = memory_.data();
+    }
+
+    // Undoes all that was marked among the first `length` coefficients, `marks` of them by mark(), if that is
+    // quicker than to forget these one by one.
+    bool clear(const ScanOrder& order, int length, std::size_t marks) {
+        constexpr std::size_t mark_cells = 1 + scan_neighbours, cells_at_once = 16;
+        const auto& support = order.support[static_cast<std::size_t>(length) - 1];
+        const std::size_t reached = (support[3] + 2u) * static_cast<std::size_t>(stride_[3]);
+        if (marks * mark_cells < reached / cells_at_once)
+            return false;
+        std::fill_n(cell_, reached, std::uint16_t{0});
+        return true;
     }
 
 private:

@@ -164,9 +164,12 @@ private:
                                         : &LevelDecoder::decode_coefficients<false, 1>;
         const bool is_well = (this->*decode)(length, copies, order);
         const auto found = std::span(found_).first(count_);
-        const auto forget = [&](const NonZero& nz) { grid_.forget(order.context[nz.index]); };
-        for_each_before(forget);
-        std::ranges::for_each(found, forget);
+        if (!grid_.clear(order, length, count_)) {
+            for_each_before(
+                [&](const NonZero& nz) { grid_.forget_cross(order.context[nz.index]); });
+            for (const NonZero& nz : found)
+                grid_.forget(order.context[nz.index]);
+        }
         out_.nonzeros.insert(out_.nonzeros.end(), found.begin(), found.end());
         levels.count = static_cast<std::uint16_t>(count_);
         return is_well;
@@ -176,13 +179,14 @@ private:
     // range. Nearly all of the time of parsing goes into zeros: what they need is local.
     template <bool dependent, int p_class>
     [[gnu::noinline]] bool decode_coefficients(int length, bool copies, const ScanOrder& order) {
-        constexpr int by_quantiser = zero_parameter(false, 1, 0, 0, 0, 0);
-        constexpr int by_cross =
+        constexpr unsigned by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
-        constexpr int by_position = zero_parameter(false, 0, 0, 1, 0, 0);
+        constexpr unsigned by_position = zero_parameter(false, 0, 0, 1, 0, 0);
+        const auto zeros_of = [&](int quantiser) {
+            return coding_.tables.zero.data() + zero_parameter(copies, quantiser, p_class, 0, 0, 0);
+        };
+        const std::uint16_t* const zeros[quantisers] = {zeros_of(0), zeros_of(1)};
         // The first plane has no others before it: its cross is 0.
-        const std::uint16_t* const zero =
-            coding_.tables.zero.data() + zero_parameter(copies, 0, p_class, 0, 0, 0);
         const ScanContext* const contexts = order.context.data();
         const ContextCells cells = grid_;
         RansDecoder rans = rans_;
@@ -194,8 +198,9 @@ private:
             const int neighbours = i == 0 ? size_class(order.shape) : cells.neighbours(context);
             const int cross = p_class == 0 ? 0 : cells.cross(context);
             const int quantiser = quantiser_of(state);
-            if (!rans.bit(zero[quantiser * by_quantiser + cross * by_cross +
-                               context.position * by_position + neighbours])) {
+            if (!rans.bit(
+                    zeros[quantiser][unsigned(cross) * by_cross + context.position * by_position +
+                                     unsigned(neighbours)])) {
                 state = dependent ? next_state[state][0] : 0;
                 continue;
             }

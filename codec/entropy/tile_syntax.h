@@ -239,10 +239,14 @@ private:
                 state = next_state[static_cast<std::size_t>(state)]
                                   [static_cast<std::size_t>(magnitude & 1)];
         }
-        for (const PlaneLevels& marked : planes)
-            for (const NonZero& nz : tile.levels(marked))
+        if (grid_.clear(order, length, levels.size()))
+            return;
+        for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
+            for (const NonZero& nz : tile.levels(earlier))
                 if (nz.index < length)
-                    grid_.forget(order.context[nz.index]);
+                    grid_.forget_cross(order.context[nz.index]);
+        for (const NonZero& nz : levels)
+            grid_.forget(order.context[nz.index]);
     }
 
     const TileCoding& coding_;

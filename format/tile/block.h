@@ -4,6 +4,7 @@
 #include "format/tile/limits.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 namespace tessera {
@@ -13,7 +14,10 @@ struct BlockShape {
     std::array<std::uint8_t, 4> n{1, 1, 1, 1};
 
     constexpr int texels() const { return n[0] * n[1] * n[2] * n[3]; }
-    bool operator==(const BlockShape&) const = default;
+    // In one comparison: each block's shape is looked up.
+    bool operator==(const BlockShape& other) const {
+        return std::bit_cast<std::uint32_t>(n) == std::bit_cast<std::uint32_t>(other.n);
+    }
     auto operator<=>(const BlockShape&) const = default;
 };
 

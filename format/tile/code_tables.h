@@ -41,31 +41,36 @@ constexpr int quantiser_of(int state) {
 // Contexts look at amplitudes: distances from 0 in half steps, to two binary digits. Code c stands
 // for 0, 1, 2, 3, 4, 6, 8, 12, ... 192.
 constexpr int amplitude_codes = 16;
-constexpr int amplitude_code(std::uint32_t amplitude) {
-    if (amplitude < 2)
-        return static_cast<int>(amplitude);
-    const int digits = static_cast<int>(std::bit_width(amplitude));
-    return std::min(2 * (digits - 1) + static_cast<int>(amplitude >> (digits - 2) & 1),
-                    amplitude_codes - 1);
-}
+constexpr std::array<std::uint8_t, amplitude_codes> amplitudes{0,  1,  2,  3,  4,  6,  8,   12,
+                                                               16, 24, 32, 48, 64, 96, 128, 192};
 constexpr std::uint32_t amplitude_of(int code) {
-    return code < 2 ? static_cast<std::uint32_t>(code) : (2u + (code & 1)) << (code / 2 - 1);
+    return amplitudes[static_cast<std::size_t>(code)];
 }
-constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
-// Codes of small numbers; the last one stands for all above.
-inline constexpr auto small_codes = [] {
-    std::array<std::uint8_t, 193> codes{};
-    for (std::uint32_t x = 0; x < codes.size(); ++x)
-        codes[x] = static_cast<std::uint8_t>(amplitude_code(x));
+// Codes of numbers; the last one stands for all above.
+inline constexpr auto codes_of_amplitudes = [] {
+    std::array<std::uint8_t, amplitudes.back() + 1> codes{};
+    for (std::size_t x = 1; x < codes.size(); ++x)
+        codes[x] = static_cast<std::uint8_t>(codes[x - 1] +
+                                             (x == amplitudes[codes[x - 1] + std::size_t{1}]));
     return codes;
 }();
+constexpr int amplitude_code(std::uint32_t amplitude) {
+    return codes_of_amplitudes[std::min<std::size_t>(amplitude, codes_of_amplitudes.size() - 1)];
+}
+constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
 constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
-    return small_codes[std::min<std::size_t>((sum * share) >> 9, small_codes.size() - 1)];
+    return amplitude_code((sum * share) >> 9);
 }
 constexpr int cross_classes = 6; // the amplitude at the same place in earlier planes
 constexpr int cross_class(int code) {
     return std::min((code + 1) / 2, cross_classes - 1);
 }
+inline constexpr auto cross_classes_of_codes = [] {
+    std::array<std::uint8_t, amplitude_codes> classes{};
+    for (int code = 0; code < amplitude_codes; ++code)
+        classes[static_cast<std::size_t>(code)] = static_cast<std::uint8_t>(cross_class(code));
+    return classes;
+}();
 constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
 constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
 constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
@@ -184,7 +189,7 @@ template <int symbols> struct SymbolTable {
     int decode(RansDecoder& decoder) const {
         const std::uint32_t slot = decoder.slot();
         int symbol = 0;
-        while (symbol + 1 < symbols && slot >= start[symbol + 1])
+        while (slot >= start[symbol + 1]) // the last one is above all slots
             ++symbol;
         decoder.consume(start[symbol], start[symbol + 1] - start[symbol]);
         return symbol;
