@@ -1,0 +1,128 @@
+// Included by kernels_avx2.cpp: the passes of the inverse transform, eight columns or values at once, two
+// frequencies a multiply-add (see pair_table.inl).
+
+namespace tessera {
+namespace {
+
+__m256i clamp_lanes(__m256i x) {
+    return _mm256_max_epi32(_mm256_min_epi32(x, _mm256_set1_epi32(limit - 1)),
+                            _mm256_set1_epi32(-limit));
+}
+
+// Two lanes of high (low) parts, the first in the lower halves.
+__m256i pack_high(__m256i a, __m256i b) {
+    const __m256i first = _mm256_srai_epi32(a, low_bits), second = _mm256_srai_epi32(b, low_bits);
+    return _mm256_blend_epi16(first, _mm256_slli_epi32(second, 16), 0xAA);
+}
+__m256i pack_low(__m256i a, __m256i b) {
+    const __m256i mask = _mm256_set1_epi32(low_mask);
+    return _mm256_or_si256(_mm256_and_si256(a, mask),
+                           _mm256_slli_epi32(_mm256_and_si256(b, mask), 16));
+}
+
+__m256i combine_lanes(__m256i high, __m256i low, __m256i dc) {
+    const __m256i half = _mm256_set1_epi32(1 << (basis_bits - 1));
+    const __m256i carry = _mm256_srai_epi32(_mm256_add_epi32(low, half), low_bits);
+    return _mm256_srai_epi32(
+        _mm256_add_epi32(_mm256_add_epi32(high, carry), _mm256_slli_epi32(dc, 4)), 4);
+}
+
+// Columns i .. i + 7, or those of the first mask.
+template <class Load, class Store>
+void inverse_columns(const PairTable& table, int support, int n, Load load_any, Store store) {
+    const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
+    const __m256i zero = _mm256_setzero_si256();
+    const auto load = [&](int k) { return k < support ? clamp_lanes(load_any(k)) : zero; };
+    __m256i even_high[max_pairs], even_low[max_pairs], odd_high[max_pairs], odd_low[max_pairs];
+    for (int p = 0; p < even_pairs; ++p) {
+        const __m256i a = load(4 * p + 2), b = load(4 * p + 4);
+        even_high[p] = pack_high(a, b);
+        even_low[p] = pack_low(a, b);
+    }
+    for (int p = 0; p < odd_pairs; ++p) {
+        const __m256i a = load(4 * p + 1), b = load(4 * p + 3);
+        odd_high[p] = pack_high(a, b);
+        odd_low[p] = pack_low(a, b);
+    }
+    const __m256i dc = load(0);
+    for (int x = 0; x <= n - 1 - x; ++x) {
+        __m256i eh = zero, el = zero, oh = zero, ol = zero;
+        for (int p = 0; p < even_pairs; ++p) {
+            const __m256i c = _mm256_set1_epi32(table.even[x][p]);
+            eh = _mm256_add_epi32(eh, _mm256_madd_epi16(even_high[p], c));
+            el = _mm256_add_epi32(el, _mm256_madd_epi16(even_low[p], c));
+        }
+        for (int p = 0; p < odd_pairs; ++p) {
+            const __m256i c = _mm256_set1_epi32(table.odd[x][p]);
+            oh = _mm256_add_epi32(oh, _mm256_madd_epi16(odd_high[p], c));
+            ol = _mm256_add_epi32(ol, _mm256_madd_epi16(odd_low[p], c));
+        }
+        __m256i whole = dc;
+        for (unsigned left = table.whole[x]; left != 0; left &= left - 1)
+            whole = _mm256_add_epi32(whole, load(4 * __builtin_ctz(left) + 4));
+        store(x, combine_lanes(_mm256_add_epi32(eh, oh), _mm256_add_epi32(el, ol), whole));
+        store(n - 1 - x, combine_lanes(_mm256_sub_epi32(eh, oh), _mm256_sub_epi32(el, ol), whole));
+    }
+}
+
+void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const PairTable& table = pair_table(n);
+    if (inner < lanes) {
+        const __m256i mask = lane_mask(inner);
+        inverse_columns(
+            table, support, n, [&](int k) { return _mm256_maskload_epi32(in + k * inner, mask); },
+            [&](int x, __m256i value) { _mm256_maskstore_epi32(out + x * inner, mask, value); });
+        return;
+    }
+    for (int begin = 0; begin < inner; begin += lanes) {
+        // The last columns are done with some that were done before.
+        const int i = begin + lanes <= inner ? begin : inner - lanes;
+        inverse_columns(
+            table, support, n,
+            [&](int k) {
+                return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(in + k * inner + i));
+            },
+            [&](int x, __m256i value) {
+                _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + x * inner + i), value);
+            });
+    }
+}
+
+void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    const PairTable& table = pair_table(n);
+    const int pairs = support / 2;
+    for (int r = 0; r < rows; ++r, in += support, out += n) {
+        std::int32_t high[max_frequencies / 2], low[max_frequencies / 2];
+        for (int p = 0; p < pairs; ++p) {
+            const std::int32_t a = clamped(in[2 * p + 1]);
+            const std::int32_t b = 2 * p + 2 < support ? clamped(in[2 * p + 2]) : 0;
+            high[p] = packed(a >> low_bits, b >> low_bits);
+            low[p] = packed(a & low_mask, b & low_mask);
+        }
+        for (int x = 0; x < n; x += lanes) {
+            __m256i h = _mm256_setzero_si256(), l = _mm256_setzero_si256();
+            for (int p = 0; p < pairs; ++p) {
+                const __m256i c =
+                    _mm256_load_si256(reinterpret_cast<const __m256i*>(table.next[p] + x));
+                h = _mm256_add_epi32(h, _mm256_madd_epi16(_mm256_set1_epi32(high[p]), c));
+                l = _mm256_add_epi32(l, _mm256_madd_epi16(_mm256_set1_epi32(low[p]), c));
+            }
+            __m256i whole = _mm256_set1_epi32(clamped(in[0]));
+            for (unsigned left = table.whole_anywhere; left != 0; left &= left - 1) {
+                const int k = 4 * __builtin_ctz(left) + 4;
+                if (k >= support)
+                    break;
+                const __m256i bit = _mm256_set1_epi32(static_cast<int>(left & -left));
+                const __m256i bits = _mm256_cvtepu8_epi32(
+                    _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.whole + x)));
+                const __m256i mask = _mm256_cmpeq_epi32(_mm256_and_si256(bits, bit), bit);
+                whole = _mm256_add_epi32(whole,
+                                         _mm256_and_si256(mask, _mm256_set1_epi32(clamped(in[k]))));
+            }
+            _mm256_maskstore_epi32(out + x, lane_mask(n - x), combine_lanes(h, l, whole));
+        }
+    }
+}
+
+} // namespace
+} // namespace tessera
