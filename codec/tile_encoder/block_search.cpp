@@ -30,6 +30,11 @@ constexpr float coefficients_for_luck = 16.0f;
 constexpr float rotation_symbol_bits = 3.0f; // of a colour symbol, often the one before
 // Below this energy about the mean, per lambda, no split can pay for its bits.
 constexpr float flat_activity = 12.0f;
+// Of a cell that is the background, squared steps.
+constexpr float blank_energy = 0.3f;
+// Energy about the mean for each part that is not blank, per lambda, below which a cell may be one block
+// though half of it is blank.
+constexpr float quiet_bits = 60.0f;
 
 } // namespace
 
@@ -114,7 +119,11 @@ float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
     // without blocks of single views costs 5 % more. One that does is searched again without them.
     while (too_many_cells(shape_, spatial_depths_, angular_depths_))
         --angular_depths_; // spatial cells alone are at most 256
-    for (; !search_tree(out); --angular_depths_) {
+    skips_hollow_ = options_.skip_hollow;
+    if (!search_tree(out)) {
+        skips_hollow_ = false; // small blocks came of that
+        for (; !search_tree(out); --angular_depths_) {
+        }
     }
     out.predictions.clear(); // all copy nothing
     forget_tries();
@@ -183,40 +192,94 @@ void BlockSearch::measure_activity() {
 
 void BlockSearch::estimate_costs() {
     for (int a = 0; a <= angular_depths_; ++a) {
-        int widest = 0; // of the spatial cells that are tried
-        while (widest <= spatial_depths_ && !is_tried(widest, a))
-            ++widest;
-        if (widest <= spatial_depths_)
-            transform_views(grids_[grid_index(widest, a)]);
+        transform_views(a);
         for (int s = 0; s <= spatial_depths_; ++s)
-            estimate_grid(grids_[grid_index(s, a)], s, a, widest);
+            estimate_grid(grids_[grid_index(s, a)]);
     }
 }
 
-// Along t and s, of the cells that are not flat: angular_ of the others is undefined.
-void BlockSearch::transform_views(const Grid& grid) {
-    const auto largest = [&grid](int axis) {
-        return std::ranges::max(grid.segments[axis], {}, &Segment::size).size;
+// Whether a cell is worth what trying it as one block takes: one that is half blank hardly ever is, unless
+// there is little in the rest either.
+bool BlockSearch::is_worth_trying(const Grid& grid, const std::array<int, 4>& c, int spatial,
+                                  int angular) const {
+    if (!skips_hollow_ || spatial == spatial_depths_ || angular == angular_depths_ ||
+        !is_tried(spatial + 1, angular + 1))
+        return true;
+    const auto side = [&](int axis) {
+        return grid.segments[axis][static_cast<std::size_t>(c[axis])].size;
+    };
+    if (side(2) == 1 && side(3) == 1)
+        return true; // what is finer in both ways is no part of it
+    const Grid& finer = grids_[grid_index(spatial + 1, angular + 1)];
+    int parts = 0, blank = 0;
+    for (int child = 0; child < 16; ++child) {
+        std::array<int, 4> at;
+        for (int axis = 0; axis < 4; ++axis)
+            at[axis] = 2 * c[axis] + (child >> axis & 1);
+        if (!finer.exists(at))
+            continue;
+        ++parts;
+        blank += finer.energy(finer.index(at)) < blank_energy;
+    }
+    return 2 * blank <= parts || grid.activity[grid.index(c)] <
+                                     options_.lambda * quiet_bits * static_cast<float>(parts - blank);
+}
+
+// Finds the cells of an angular depth that are tried, and transforms them along t and s: angular_ of others
+// is undefined.
+void BlockSearch::transform_views(int angular) {
+    const Grid& whole = grids_[grid_index(0, angular)];
+    const auto largest = [&whole](int axis) {
+        return std::ranges::max(whole.segments[axis], {}, &Segment::size).size;
     };
     const bool transforms = largest(2) > 1 || largest(3) > 1;
     for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p) {
         angular_[p].resize(source_[p].size());
         angular_view_[p] = transforms ? angular_[p].data() : source_[p].data();
     }
-    if (!transforms)
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        Grid& grid = grids_[grid_index(s, angular)];
+        grid.trying = is_tried(s, angular);
+        grid.is_tried.assign(grid.activity.size(), false);
+    }
+    whole.for_each_cell(
+        [&](const std::array<int, 4>& c) { try_cells(c, 0, angular, transforms, false); });
+}
+
+// A cell and those that it is cut into along u and v. transforms: there is something to transform.
+// is_ready: what lies around the cell is tried, and transformed.
+void BlockSearch::try_cells(const std::array<int, 4>& c, int spatial, int angular, bool transforms,
+                            bool is_ready) {
+    Grid& grid = grids_[grid_index(spatial, angular)];
+    const std::size_t i = grid.index(c);
+    if (grid.trying) {
+        if (!is_ready && is_flat(grid, i))
+            return; // what lies in a flat cell is flat, too, but for rounding
+        if (is_worth_trying(grid, c, spatial, angular)) {
+            if (!is_ready && transforms)
+                transform_views(block_of(grid, c));
+            is_ready = true;
+            grid.is_tried[i] = true;
+        }
+    }
+    if (spatial == spatial_depths_)
         return;
-    grid.for_each_cell([&](const std::array<int, 4>& c) {
-        if (is_flat(grid, grid.index(c)))
-            return;
-        const Block block = block_of(grid, c);
-        const auto& at = block.origin;
-        for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p)
-            for (int v = 0; v < block.shape.n[1]; ++v) {
-                const int first = plane_index(shape_, at[0], at[1] + v, at[2], at[3]);
-                transform_views_of_row(source_[p].data() + first, angular_[p].data() + first,
-                                       block.shape);
-            }
-    });
+    const Grid& finer = grids_[grid_index(spatial + 1, angular)];
+    for (int child = 0; child < 4; ++child) {
+        const std::array<int, 4> at{2 * c[0] + (child & 1), 2 * c[1] + (child >> 1), c[2], c[3]};
+        if (finer.exists(at))
+            try_cells(at, spatial + 1, angular, transforms, is_ready);
+    }
+}
+
+void BlockSearch::transform_views(const Block& block) {
+    const auto& at = block.origin;
+    for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p)
+        for (int v = 0; v < block.shape.n[1]; ++v) {
+            const int first = plane_index(shape_, at[0], at[1] + v, at[2], at[3]);
+            transform_views_of_row(source_[p].data() + first, angular_[p].data() + first,
+                                   block.shape);
+        }
 }
 
 // One row of u of a cell, in all its views.
@@ -242,22 +305,14 @@ void BlockSearch::transform_views_of_row(const float* in, float* out, const Bloc
         std::copy_n(in, width, out);
 }
 
-// widest: depth of the widest spatial cells that are tried at this angular depth.
-void BlockSearch::estimate_grid(Grid& grid, int spatial, int angular, int widest) {
+void BlockSearch::estimate_grid(Grid& grid) {
     grid.own_cost.assign(grid.activity.size(), infinite);
-    const bool tried = is_tried(spatial, angular);
-    // What lies in a flat cell is flat, too, but for rounding: then it is left out.
-    const auto is_transformed = [&](const std::array<int, 4>& c) {
-        const Grid& wide = grids_[grid_index(widest, angular)];
-        return !is_flat(
-            wide, wide.index({c[0] >> (spatial - widest), c[1] >> (spatial - widest), c[2], c[3]}));
-    };
     grid.for_each_cell([&](const std::array<int, 4>& c) {
         const std::size_t i = grid.index(c);
         if (is_flat(grid, i))
             grid.own_cost[i] =
                 grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
-        else if (tried && is_transformed(c))
+        else if (grid.is_tried[i])
             grid.own_cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
     });
 }

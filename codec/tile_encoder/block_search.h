@@ -23,6 +23,7 @@ struct SearchOptions {
     std::uint64_t grids = ~std::uint64_t{0};
     int smallest_spatial = 4;     // a side is not cut below this by the search
     float lambda = 0.11f;         // squared steps per bit
+    bool skip_hollow = false;     // cells that are half blank are not tried as one block
     bool rotated_colours = false; // costs take rotations of the colour axes into account
     DisplacementRange copies;     // that choose_copies tries
 };
@@ -69,6 +70,8 @@ private:
         std::array<std::vector<float>, max_planes> mean_energy; // likewise, of that mean
         // Of zeroing or coding the DC of each plane; without copies only where a cell is flat.
         std::vector<float> mean_cost;
+        bool trying = false;                     // cells of these depths, as blocks
+        std::vector<std::uint8_t> is_tried;      // of each cell
         std::vector<std::uint8_t> choice;        // Split
         std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
@@ -82,6 +85,13 @@ private:
         std::size_t index(const std::array<int, 4>& c) const {
             return static_cast<std::size_t>(
                 ((c[3] * cells[2] + c[2]) * cells[1] + c[1]) * cells[0] + c[0]);
+        }
+        // Of a cell, its mean included.
+        float energy(std::size_t cell) const {
+            float all = activity[cell];
+            for (const std::vector<float>& plane : mean_energy)
+                all += plane.empty() ? 0.0f : plane[cell];
+            return all;
         }
         bool exists(const std::array<int, 4>& c) const {
             for (int axis = 0; axis < 4; ++axis)
@@ -117,9 +127,14 @@ private:
     // Of the whole tile; false: into more leaves than a tile may have.
     bool search_tree(TileLevels& out);
     void estimate_costs();
-    void transform_views(const Grid& grid);
+    bool is_worth_trying(const Grid& grid, const std::array<int, 4>& c, int spatial,
+                         int angular) const;
+    void transform_views(int angular);
+    void try_cells(const std::array<int, 4>& c, int spatial, int angular, bool transforms,
+                   bool is_ready);
+    void transform_views(const Block& block);
     void transform_views_of_row(const float* in, float* out, const BlockShape& cell);
-    void estimate_grid(Grid& grid, int spatial, int angular, int widest);
+    void estimate_grid(Grid& grid);
     void reset_choices();
     bool can_copy() const;
     void forget_tries();
@@ -154,6 +169,7 @@ private:
     const float codes_; // of one in a TilePlanes; floats here are in codes
     BlockShape shape_;
     int spatial_depths_ = 0, angular_depths_ = 0;
+    bool skips_hollow_ = false;
     int fineness_ = 0;
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;

@@ -69,7 +69,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
             level_copies ? DisplacementRange{level.along, level.across, true, level.likely}
                          : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
-    settings.quick = !level_copies;
+    settings.quick = settings.search.skip_hollow = !level_copies;
     settings.copy_rounds = std::max(level.rounds, 1);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
