@@ -1,7 +1,9 @@
 #include "codec/trials/background.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -55,26 +57,57 @@ private:
     std::size_t used_ = 0;
 };
 
+// A tile's texels as numbers, the first byte lowest.
+class TexelNumbers {
+public:
+    TexelNumbers(std::span<const std::byte> texels, std::size_t size)
+        : texels_(texels), size_(size), mask_(~std::uint64_t{0} >> (64 - 8 * size)) {}
+
+    std::uint64_t at(std::size_t texel) const {
+        const std::byte* const from = texels_.data() + texel * size_;
+        std::uint64_t number = 0;
+        if (texel * size_ + sizeof number <= texels_.size()) {
+            std::memcpy(&number, from, sizeof number);
+            if constexpr (std::endian::native == std::endian::little)
+                return number & mask_;
+            number = 0;
+        }
+        for (std::size_t i = 0; i < size_; ++i)
+            number |= std::to_integer<std::uint64_t>(from[i]) << (8 * i);
+        return number;
+    }
+    // Whether `stride` texels from there on are all like the one before.
+    bool goes_on(std::size_t texel) const {
+        return std::memcmp(texels_.data() + (texel - 1) * size_, texels_.data() + texel * size_,
+                           stride * size_) == 0;
+    }
+
+private:
+    std::span<const std::byte> texels_;
+    std::size_t size_;
+    std::uint64_t mask_;
+};
+
 // Adds how often each texel that matters is there.
 void count_runs(const TileTexels& tile, std::size_t size, TexelCounts& counts) {
-    const std::byte* const texels = tile.texels.data();
+    const TexelNumbers texels(tile.texels, size);
     const std::size_t count = tile.texels.size() / size;
     const bool all_matter = tile.matters.empty();
     for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
         end = begin + 1;
         if (!all_matter && tile.is_free(begin))
             continue;
-        const std::byte* const first = texels + begin * size;
-        // Long runs in strides.
-        while (all_matter && end + stride <= count &&
-               std::memcmp(texels + (end - 1) * size, texels + end * size, stride * size) == 0)
-            end += stride;
-        while (end < count && (all_matter || !tile.is_free(end)) &&
-               std::memcmp(first, texels + end * size, size) == 0)
-            ++end;
-        std::uint64_t texel = 0;
-        for (std::size_t i = 0; i < size; ++i)
-            texel |= std::to_integer<std::uint64_t>(first[i]) << (8 * i);
+        const std::uint64_t texel = texels.at(begin);
+        const auto goes_on = [&] {
+            return end < count && (all_matter || !tile.is_free(end)) && texels.at(end) == texel;
+        };
+        if (goes_on()) {
+            // Long runs in strides.
+            while (all_matter && end + stride <= count && texels.goes_on(end))
+                end += stride;
+            while (goes_on())
+                ++end;
+        }
         counts.add(texel, end - begin);
     }
 }

@@ -122,12 +122,12 @@ private:
         return std::size_t{desc_.size[axis_s]} * desc_.size[axis_t] * desc_.texel_bytes();
     }
 
-    // Places side by side whose parts one call reads: all where what lies between is less than a page, so
-    // that no other pages are read.
+    // Places side by side whose parts one call reads: all where what lies between is less than what is
+    // wanted, as copying that costs more than a further call.
     std::uint32_t places_per_read(const Extent4& e) const {
-        constexpr std::size_t page = 4096, most_bytes = 1u << 20;
+        constexpr std::size_t most_bytes = 1u << 20;
         const std::size_t place = place_bytes();
-        if (place - span_of_rows(e) >= page)
+        if (place > 2 * span_of_rows(e))
             return 1;
         return std::max(1u, std::min(e[axis_u], static_cast<std::uint32_t>(most_bytes / place)));
     }
