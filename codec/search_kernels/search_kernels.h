@@ -63,6 +63,13 @@ struct TrellisEnd {
     int length, state;
 };
 
+// Planes of `images` (s, t) pairs times `texels` (u, v) places, less the background, in codes.
+struct Ycocg8Planes {
+    float* plane[3];
+    std::int32_t background[3]; // Y, Co, Cg of an 8-bit RGB texel
+    int texels, images;
+};
+
 struct SearchKernels {
     // One orthonormal forward DCT pass; basis_t[x * n + k] (forward_basis). Rows lie `stride` apart.
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
@@ -91,6 +98,8 @@ struct SearchKernels {
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same of each of `count` runs of four floats, one behind the other, into sums[i], squares[i].
     void (*add_quads)(const float* x, int count, float* sums, float* squares);
+    // From 8-bit RGB with the pairs fastest: colour transform and transposition in one (FORMAT.md 4.5).
+    void (*load_ycocg8)(const Ycocg8Planes& to, const unsigned char* in);
     // The cheapest path through the states of dependent quantisation.
     TrellisEnd (*run_trellis)(const TrellisTask& task);
 };

@@ -433,6 +433,108 @@ void add_quads(const float* x, int count, float* sums, float* squares) {
         add_row(x, 4, sums + i, squares + i);
 }
 
+// Texels and images [begin, end) of load_ycocg8.
+void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel_begin,
+                      int texel_end, int image_begin, int image_end) {
+    for (int i = image_begin; i < image_end; ++i)
+        for (int x = texel_begin; x < texel_end; ++x) {
+            const unsigned char* from = in + 3 * (x * to.images + i);
+            const std::int32_t red = from[0], green = from[1], blue = from[2];
+            const std::int32_t co = red - blue, t = blue + (co >> 1), cg = green - t;
+            const int at = i * to.texels + x;
+            to.plane[0][at] = static_cast<float>(t + (cg >> 1) - to.background[0]);
+            to.plane[1][at] = static_cast<float>(co - to.background[1]);
+            to.plane[2][at] = static_cast<float>(cg - to.background[2]);
+        }
+}
+
+#ifdef __AVX2__
+// Eight texels of 24 bytes as 0x00BBGGRR.
+inline __m256i load_24_bytes(const unsigned char* from) {
+    const auto half = [](const unsigned char* at) {
+        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
+    };
+    const __m256i both = _mm256_inserti128_si256(_mm256_castsi128_si256(half(from)), half(from + 8),
+                                                 1); // the last four from byte 4 on
+    return _mm256_shuffle_epi8(both, _mm256_setr_epi8(0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10,
+                                                      11, -1, 4, 5, 6, -1, 7, 8, 9, -1, 10, 11, 12,
+                                                      -1, 13, 14, 15, -1));
+}
+
+inline void transpose(__m256 r[8]) {
+    __m256 a[8], b[8];
+    for (int i = 0; i < 8; i += 2) {
+        a[i] = _mm256_unpacklo_ps(r[i], r[i + 1]);
+        a[i + 1] = _mm256_unpackhi_ps(r[i], r[i + 1]);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int j = 0; j < 2; ++j) {
+            b[i + 2 * j] = _mm256_shuffle_ps(a[i + j], a[i + j + 2], 0x44);
+            b[i + 2 * j + 1] = _mm256_shuffle_ps(a[i + j], a[i + j + 2], 0xEE);
+        }
+    for (int i = 0; i < 4; ++i) {
+        r[i] = _mm256_permute2f128_ps(b[i], b[i + 4], 0x20);
+        r[i + 4] = _mm256_permute2f128_ps(b[i], b[i + 4], 0x31);
+    }
+}
+
+// Eight texels of eight images, to where the first stands.
+inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, int at,
+                               __m256i blank) {
+    __m256i rgb[8], differs = _mm256_setzero_si256();
+    for (int j = 0; j < 8; ++j) {
+        rgb[j] = load_24_bytes(in + 3 * j * to.images);
+        differs = _mm256_or_si256(differs, _mm256_xor_si256(rgb[j], blank));
+    }
+    if (_mm256_testz_si256(differs, differs)) { // the background; much is, in some textures
+        for (float* const plane : to.plane)
+            for (int j = 0; j < 8; ++j)
+                _mm256_storeu_ps(plane + at + j * to.texels, _mm256_setzero_ps());
+        return;
+    }
+    const __m256i byte = _mm256_set1_epi32(255);
+    const auto finish = [&](__m256i code, int p) {
+        return _mm256_cvtepi32_ps(_mm256_sub_epi32(code, _mm256_set1_epi32(to.background[p])));
+    };
+    __m256 rows[3][8];
+    for (int j = 0; j < 8; ++j) {
+        const __m256i red = _mm256_and_si256(rgb[j], byte), blue = _mm256_srli_epi32(rgb[j], 16);
+        const __m256i green = _mm256_and_si256(_mm256_srli_epi32(rgb[j], 8), byte);
+        const __m256i co = _mm256_sub_epi32(red, blue);
+        const __m256i t = _mm256_add_epi32(blue, _mm256_srai_epi32(co, 1));
+        const __m256i cg = _mm256_sub_epi32(green, t);
+        rows[0][j] = finish(_mm256_add_epi32(t, _mm256_srai_epi32(cg, 1)), 0);
+        rows[1][j] = finish(co, 1);
+        rows[2][j] = finish(cg, 2);
+    }
+    for (int p = 0; p < 3; ++p) {
+        transpose(rows[p]);
+        for (int j = 0; j < 8; ++j)
+            _mm256_storeu_ps(to.plane[p] + at + j * to.texels, rows[p][j]);
+    }
+}
+#endif
+
+void load_ycocg8(const Ycocg8Planes& to, const unsigned char* in) {
+    int whole_texels = 0, whole_images = 0;
+#ifdef __AVX2__
+    whole_texels = to.texels & ~7;
+    whole_images = to.images & ~7;
+    const auto& [y, co, cg] = to.background;
+    const std::int32_t t = y - (cg >> 1), b = t - (co >> 1);
+    const __m256i blank = _mm256_set1_epi32((b + co) | (cg + t) << 8 | b << 16);
+    // Two squares side by side fill lines of the cache: images often lie 4096 bytes apart, which leaves
+    // room for few lines.
+    for (int x = 0; x < whole_texels; x += 16)
+        for (int i = 0; i < whole_images; i += 8)
+            for (int side = x; side < x + 16 && side < whole_texels; side += 8)
+                load_ycocg8_square(to, in + 3 * (side * to.images + i), i * to.texels + side,
+                                   blank);
+#endif
+    load_ycocg8_part(to, in, 0, whole_texels, whole_images, to.images);
+    load_ycocg8_part(to, in, whole_texels, to.texels, 0, to.images);
+}
+
 // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row. Up to 3
 // rows behind the last are changed alike.
 inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
@@ -465,7 +567,7 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_image, add_squared_differences,
             coding_cost,  long_colours,   add_row,       add_quads,
-            run_trellis};
+            load_ycocg8,  run_trellis};
 }
 
 } // namespace

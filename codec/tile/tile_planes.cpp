@@ -11,10 +11,6 @@ namespace {
 
 using Texel = TexelCodes;
 
-Texel background_planes(const ColourCoding& colour) {
-    return texel_planes(colour.background, colour.desc, colour.transform);
-}
-
 // Calls visit(index in planes, texel address) for every texel of the box order; u runs innermost, so
 // that the planes are walked in rows.
 template <class Byte, class Visit>
@@ -84,12 +80,6 @@ void dispatch(const ColourCoding& colour, Args&&... args) {
         with.template operator()<SampleType::half16>();
 }
 
-// What kernels are for.
-bool is_ycocg8(const ColourCoding& colour) {
-    return colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
-           colour.transform == ColourTransform::ycocg_r;
-}
-
 template <SampleType type, int channels, bool ycocg> struct ToPlanes {
     static void run(std::span<const std::byte> texels, const Texel& background,
                     const BlockShape& shape, TilePlanes& planes) {
@@ -105,6 +95,15 @@ template <SampleType type, int channels, bool ycocg> struct ToTexels {
 };
 
 } // namespace
+
+TexelCodes background_planes(const ColourCoding& colour) {
+    return texel_planes(colour.background, colour.desc, colour.transform);
+}
+
+bool is_ycocg8(const ColourCoding& colour) {
+    return colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
+           colour.transform == ColourTransform::ycocg_r;
+}
 
 void TilePlanes::resize(const BlockShape& new_shape, int planes) {
     shape = new_shape;

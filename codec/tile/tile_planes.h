@@ -23,6 +23,11 @@ struct ColourCoding {
     bool stored = false;      // tiles may be stored (required feature 5)
 };
 
+// The background's share of the planes, in codes.
+TexelCodes background_planes(const ColourCoding& colour);
+// 8-bit RGB as YCoCg, which kernels are for.
+bool is_ycocg8(const ColourCoding& colour);
+
 // Where a texel of a picture or tile stands in its planes.
 inline int plane_index(const BlockShape& shape, int u, int v, int s, int t) {
     return ((t * shape.n[2] + s) * shape.n[1] + v) * shape.n[0] + u;

@@ -106,8 +106,23 @@ void BlockSearch::set_tile(const TilePlanes& planes) {
     }
 }
 
-float BlockSearch::choose_blocks(const TilePlanes& planes, TileLevels& out) {
-    set_tile(planes);
+bool BlockSearch::set_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                             const BlockShape& shape) {
+    if (!is_ycocg8(colour))
+        return false;
+    shape_ = shape;
+    const auto& [nu, nv, ns, nt] = shape.n;
+    const TexelCodes background = background_planes(colour);
+    Ycocg8Planes to{{}, {background[0], background[1], background[2]}, nu * nv, ns * nt};
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+        source_[plane].resize(static_cast<std::size_t>(shape.texels()));
+        to.plane[plane] = source_[plane].data();
+    }
+    search_kernels().load_ycocg8(to, reinterpret_cast<const unsigned char*>(texels.data()));
+    return true;
+}
+
+float BlockSearch::choose_blocks(TileLevels& out) {
     displacements_.forget_likely();
     const auto texels = static_cast<std::size_t>(shape_.texels());
     scratch_a_.resize(std::max(scratch_a_.size(), texels));

@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <map>
+#include <span>
 #include <vector>
 
 namespace tessera {
@@ -32,14 +34,17 @@ class BlockSearch {
 public:
     BlockSearch(const TileCoding& coding, const BitCosts& costs, const SearchOptions& options);
 
-    // Fills shape, splits and blocks of `out`; nothing copies. Returns what the tile is taken to cost, in
-    // squared steps.
-    float choose_blocks(const TilePlanes& planes, TileLevels& out);
-
-    // Only takes a tile, for transform_block.
+    // Takes a tile.
     void set_tile(const TilePlanes& planes);
+    // The same of texels that all matter, without planes in between; false: there is no such way for them.
+    bool set_texels(std::span<const std::byte> texels, const ColourCoding& colour,
+                    const BlockShape& shape);
 
-    // The same with blocks that copy from other views, for the tile given to the last choose_blocks.
+    // Fills shape, splits and blocks of `out`, of the tile that was taken last; nothing copies. Returns what
+    // it is taken to cost, in squared steps.
+    float choose_blocks(TileLevels& out);
+
+    // The same with blocks that copy from other views, for the tile of the last choose_blocks.
     // `reconstructed`: what it looks like decoded, roughly. True if a block copies, and
     // a tile may have so many.
     bool choose_copies(const TilePlanes& reconstructed, TileLevels& out);
@@ -53,8 +58,7 @@ public:
     // Of what follows: steps of 2^(-k / 2) times the file's, as base pictures have them.
     void set_fineness(int k);
 
-    // Coefficients of one block of the tile given to the last choose_blocks or set_tile; of its difference to
-    // what it copies from `reconstructed`, if it does.
+    // Coefficients of one block of the tile that was taken last; of its difference to what it copies from `reconstructed`, if it does.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out);
 

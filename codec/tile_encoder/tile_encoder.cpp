@@ -56,12 +56,13 @@ bool TileEncoder::take_decoded(std::vector<std::byte>& texels) {
 }
 
 void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
-    planes_from_texels(tile.texels, *colour_, shape, planes_);
     is_whole_ = tile.matters.empty();
     if (is_whole_) {
-        encode_planes(out);
+        take_whole(tile, shape);
+        encode_taken(out);
         return;
     }
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
     dont_care_.set(tile.matters, shape);
     encode_filled(out);
     for (int round = 0; round < projections; ++round) {
@@ -69,6 +70,14 @@ void TileEncoder::encode_all(const TileTexels& tile, const BlockShape& shape, Ti
         dont_care_.project(decoded_, planes_, coding_->planes);
         encode_planes(out);
     }
+}
+
+void TileEncoder::take_whole(const TileTexels& tile, const BlockShape& shape) {
+    const bool needs_planes = settings_->filter || settings_->search.copies.along != 0;
+    if (!needs_planes && search_.set_texels(tile.texels, *colour_, shape))
+        return;
+    planes_from_texels(tile.texels, *colour_, shape, planes_);
+    search_.set_tile(planes_);
 }
 
 // What does not matter goes on from what is beside it.
@@ -94,8 +103,13 @@ void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, Til
 }
 
 float TileEncoder::estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch) {
-    fill_planes(tile, shape);
-    return search_.choose_blocks(planes_, scratch);
+    if (tile.matters.empty()) {
+        take_whole(tile, shape);
+    } else {
+        fill_planes(tile, shape);
+        search_.set_tile(planes_);
+    }
+    return search_.choose_blocks(scratch);
 }
 
 // Where something is behind a mask it may go on from what is beside it, as no fill can guess: then both
@@ -116,12 +130,17 @@ void TileEncoder::encode_filled(TileLevels& out) {
     std::swap(out, own_levels);
 }
 
-// Returns what the tile costs: squared steps, a bit being worth lambda of them.
 float TileEncoder::encode_planes(TileLevels& out) {
+    search_.set_tile(planes_);
+    return encode_taken(out);
+}
+
+// The tile that search_ has taken. Returns what it costs: squared steps, a bit being worth lambda of them.
+float TileEncoder::encode_taken(TileLevels& out) {
     const bool copies = coding_->predicts && settings_->search.copies.along != 0;
     compares_ = copies || !is_whole_;
     coded_.begin(copies);
-    search_.choose_blocks(planes_, out);
+    search_.choose_blocks(out);
     float cost = encode_blocks(search_, coded_, out);
     if (!copies)
         return cost;
@@ -152,7 +171,8 @@ float TileEncoder::encode_planes(TileLevels& out) {
 
 // Codes a base picture, which decoded_ has then.
 void TileEncoder::encode_base(const TilePlanes& picture) {
-    base_search_.choose_blocks(picture, base_.levels);
+    base_search_.set_tile(picture);
+    base_search_.choose_blocks(base_.levels);
     base_coded_.begin(false);
     encode_blocks(base_search_, base_coded_, base_.levels);
     base_bytes_.clear();

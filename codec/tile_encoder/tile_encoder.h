@@ -38,15 +38,17 @@ public:
     // Roughly what encode() without copies would make the tile cost, in squared steps; a bit is worth
     // lambda of them. Uses `scratch`.
     float estimate(const TileTexels& tile, const BlockShape& shape, TileLevels& scratch);
-    // The planes of the tile that was encoded last; of texels that do not matter, what they were
-    // taken for.
+    // The planes of the tile that was encoded last, with a filter or copies in the settings; of texels that
+    // do not matter, what they were taken for.
     const TilePlanes& source() const { return planes_; }
 
 private:
     void encode_all(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
     void encode_filled(TileLevels& out);
     void fill_planes(const TileTexels& tile, const BlockShape& shape);
+    void take_whole(const TileTexels& tile, const BlockShape& shape);
     float encode_planes(TileLevels& out);
+    float encode_taken(TileLevels& out);
     float encode_blocks(BlockSearch& search, CodedBlocks& coded, TileLevels& out);
     // A base picture, coded as a tile of its own, and what its bits cost.
     struct Base {
