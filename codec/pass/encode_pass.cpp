@@ -563,8 +563,9 @@ Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParamete
     });
 }
 
-Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& parameters,
-                              const Sample& sample) {
+Result<std::vector<float>> estimated_costs(const EncodePlan& plan,
+                                           const CodingParameters& parameters,
+                                           const Sample& sample) {
     Crew crew(plan, parameters, true);
     std::vector<float> costs(sample.boxes.size());
     TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {
@@ -572,7 +573,7 @@ Result<double> estimated_cost(const EncodePlan& plan, const CodingParameters& pa
             worker.encoder.estimate(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
         return {};
     }));
-    return std::accumulate(costs.begin(), costs.end(), 0.0); // in their order, on any thread count
+    return costs;
 }
 
 } // namespace tessera

@@ -63,6 +63,13 @@ struct TrellisEnd {
     int length, state;
 };
 
+// Where the texels of a cell lie in a plane of its tile: rows of `width` texels `row` apart, views `s` and `t`
+// apart.
+struct CellViews {
+    int width, rows, ns, nt;
+    int row, s, t;
+};
+
 // Planes of `images` (s, t) pairs times `texels` (u, v) places, less the background, in codes.
 struct Ycocg8Planes {
     float* plane[3];
@@ -78,6 +85,9 @@ struct SearchKernels {
     // apart.
     void (*forward_planes)(const float* in, int in_step, float* out, int out_step, int n, int width,
                            const float* basis_t);
+
+    // Along t and then s of a cell, from one plane into another of the same tile.
+    void (*forward_views)(const float* in, float* out, const CellViews& cell);
 
     // Orthonormal 2D DCT of an image of nu x nv floats whose rows lie `stride` apart. Only the
     // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u

@@ -62,6 +62,8 @@ void add_squared_differences(const float* a, int a_stride, const float* b, int b
         add_differences<float, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
 }
 
+constexpr int views_at_once = 8; // texels of a row
+
 constexpr int cost_lanes = 8;
 
 // Partial sums of coding_cost.
@@ -330,6 +332,57 @@ void forward_planes(const float* in, int in_step, float* out, int out_step, int 
     }
 }
 
+// Pairs of views along s and t at once.
+template <class Vector> inline void forward_four_views(const float* in, float* out, int s, int t) {
+    const float half = forward_basis(2)[0];
+    const auto a = load<Vector>(in), b = load<Vector>(in + s), c = load<Vector>(in + t),
+               d = load<Vector>(in + t + s);
+    const Vector low = (a + c) * half, low_next = (b + d) * half;
+    const Vector high = (a - c) * half, high_next = (b - d) * half;
+    store(out, (low + low_next) * half);
+    store(out + s, (low - low_next) * half);
+    store(out + t, (high + high_next) * half);
+    store(out + t + s, (high - high_next) * half);
+}
+
+// A few texels of a row, in all views.
+void forward_views_of_run(const float* in, float* out, const CellViews& cell, int width) {
+    float between[views_at_once * max_angular_side * max_angular_side];
+    int s_step = cell.s, t_step = cell.t;
+    if (cell.nt > 1) {
+        // Side by side, what has yet to go along s does not fight for the same lines of the cache.
+        s_step = cell.ns > 1 ? width : cell.s;
+        t_step = cell.ns > 1 ? width * cell.ns : cell.t;
+        float* const to = cell.ns > 1 ? between : out;
+        for (int s = 0; s < cell.ns; ++s)
+            forward_planes(in + s * cell.s, cell.t, to + s * s_step, t_step, cell.nt, width,
+                           forward_basis(cell.nt));
+        in = to;
+    }
+    if (cell.ns > 1)
+        for (int t = 0; t < cell.nt; ++t)
+            forward_planes(in + t * t_step, s_step, out + t * cell.t, cell.s, cell.ns, width,
+                           forward_basis(cell.ns));
+    else if (cell.nt == 1)
+        __builtin_memcpy(out, in, static_cast<unsigned>(width) * sizeof(float));
+}
+
+void forward_views(const float* in, float* out, const CellViews& cell) {
+    const bool four = cell.ns == 2 && cell.nt == 2;
+    for (int row = 0; row < cell.rows; ++row, in += cell.row, out += cell.row) {
+        int u = 0;
+        for (; four && u + 8 <= cell.width; u += 8)
+            forward_four_views<Float8>(in + u, out + u, cell.s, cell.t);
+        for (; four && u + 4 <= cell.width; u += 4)
+            forward_four_views<Float4>(in + u, out + u, cell.s, cell.t);
+        for (; u < cell.width; u += views_at_once) {
+            const int left = cell.width - u;
+            forward_views_of_run(in + u, out + u, cell,
+                                 left < views_at_once ? left : views_at_once);
+        }
+    }
+}
+
 void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     float tmp[max_tile_side * max_tile_side];
     const bool columns_split = nu % 4 == 0;
@@ -565,7 +618,7 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 #include "codec/search_kernels/trellis.inl"
 
 constexpr SearchKernels make_search_kernels() {
-    return {forward_rows, forward_planes, forward_image, add_squared_differences,
+    return {forward_rows, forward_planes, forward_views, forward_image, add_squared_differences,
             coding_cost,  long_colours,   add_row,       add_quads,
             load_ycocg8,  run_trellis};
 }

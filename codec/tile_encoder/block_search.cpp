@@ -288,36 +288,13 @@ void BlockSearch::try_cells(const std::array<int, 4>& c, int spatial, int angula
 }
 
 void BlockSearch::transform_views(const Block& block) {
+    const auto& [nu, nv, ns, nt] = block.shape.n;
     const auto& at = block.origin;
+    const int row = shape_.n[0], page = row * shape_.n[1], volume = page * shape_.n[2];
+    const int first = plane_index(shape_, at[0], at[1], at[2], at[3]);
     for (std::size_t p = 0; p < static_cast<std::size_t>(coding_.planes); ++p)
-        for (int v = 0; v < block.shape.n[1]; ++v) {
-            const int first = plane_index(shape_, at[0], at[1] + v, at[2], at[3]);
-            transform_views_of_row(source_[p].data() + first, angular_[p].data() + first,
-                                   block.shape);
-        }
-}
-
-// One row of u of a cell, in all its views.
-void BlockSearch::transform_views_of_row(const float* in, float* out, const BlockShape& cell) {
-    const int width = cell.n[0], ns = cell.n[2], nt = cell.n[3];
-    const int page = shape_.n[0] * shape_.n[1], volume = page * shape_.n[2];
-    const SearchKernels& k = search_kernels();
-    int page_in = page, volume_in = volume;
-    if (nt > 1) {
-        // Side by side, what has yet to go along s does not fight for the same lines of the cache.
-        page_in = ns > 1 ? width : page;
-        volume_in = ns > 1 ? width * ns : volume;
-        float* const to = ns > 1 ? scratch_a_.data() : out;
-        for (int s = 0; s < ns; ++s)
-            k.forward_planes(in + s * page, volume, to + s * page_in, volume_in, nt, width,
-                             forward_basis(nt));
-        in = to;
-    }
-    for (int t = 0; t < nt && ns > 1; ++t)
-        k.forward_planes(in + t * volume_in, page_in, out + t * volume, page, ns, width,
-                         forward_basis(ns));
-    if (ns == 1 && nt == 1)
-        std::copy_n(in, width, out);
+        search_kernels().forward_views(source_[p].data() + first, angular_[p].data() + first,
+                                       {nu, nv, ns, nt, row, page, volume});
 }
 
 void BlockSearch::estimate_grid(Grid& grid) {

@@ -137,7 +137,6 @@ private:
     void try_cells(const std::array<int, 4>& c, int spatial, int angular, bool transforms,
                    bool is_ready);
     void transform_views(const Block& block);
-    void transform_views_of_row(const float* in, float* out, const BlockShape& cell);
     void estimate_grid(Grid& grid);
     void reset_choices();
     bool can_copy() const;

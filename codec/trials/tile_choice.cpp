@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -100,8 +102,9 @@ EncodePlan keep_green(const EncodePlan& plan, Sample& patches) {
     return green;
 }
 
-Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const TextureDesc& desc) {
-    Sample sample;
+// Adds tiles of an extent.
+void cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const TextureDesc& desc,
+                    Sample& sample) {
     for (std::size_t i = 0; i < patches.boxes.size(); ++i) {
         const Box4& patch = patches.boxes[i];
         const TileGrid grid(patch.extent(), tile_extent);
@@ -122,7 +125,6 @@ Sample cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const T
             sample.boxes.push_back(box);
         }
     }
-    return sample;
 }
 
 CodingParameters parameters_of_trial(const EncodePlan& trial) {
@@ -133,20 +135,39 @@ CodingParameters parameters_of_trial(const EncodePlan& trial) {
         trial);
 }
 
+// How a trial codes patches at an effort.
+EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& patches, int effort) {
+    EncodePlan trial = plan;
+    trial.colour.background = find_background(patches, plan.colour.desc);
+    trial.effort = EffortSettings::of(effort, plan.tools).for_samples();
+    return trial;
+}
+
 // What `patches` cost in tiles of `extent` at an effort.
 Result<double> cost_in_tiles(const EncodePlan& plan, const Sample& patches, int effort,
                              const Extent4& extent, const BasePictures& base = {}) {
-    const TextureDesc& desc = plan.colour.desc;
-    EncodePlan trial = plan;
-    trial.colour.background = find_background(patches, desc);
-    trial.effort = EffortSettings::of(effort, plan.tools).for_samples();
+    const EncodePlan trial = plan_of_trial(plan, patches, effort);
     CodingParameters parameters = parameters_of_trial(trial);
     parameters.base = base;
-    const Sample tiles = cut_into_tiles(patches, extent, desc);
-    if (trial.effort.quick)
-        return estimated_cost(trial, parameters, tiles);
+    Sample tiles;
+    cut_into_tiles(patches, extent, plan.colour.desc, tiles);
     TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters, tiles));
     return lagrangian_cost(trial, pass);
+}
+
+// What cost_ratio says, by the search's estimates, in one go.
+Result<double> estimated_ratio(const EncodePlan& plan, const Sample& patches, const Extent4& other,
+                               const Extent4& usual) {
+    const EncodePlan trial = plan_of_trial(plan, patches, plan.options.effort);
+    Sample tiles;
+    cut_into_tiles(patches, other, plan.colour.desc, tiles);
+    const auto others = static_cast<std::ptrdiff_t>(tiles.tiles.size());
+    cut_into_tiles(patches, usual, plan.colour.desc, tiles);
+    TESSERA_TRY_ASSIGN(const std::vector<float> costs,
+                       estimated_costs(trial, parameters_of_trial(trial), tiles));
+    const double cost = std::accumulate(costs.begin(), costs.begin() + others, 0.0);
+    const double usual_cost = std::accumulate(costs.begin() + others, costs.end(), 0.0);
+    return usual_cost > 0 ? cost / usual_cost : 1;
 }
 
 // What `patches` cost in tiles of `other`, over what they cost in tiles of `usual`, at an effort.
@@ -166,7 +187,7 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     if (plan.effort.quick) {
         const EncodePlan green = keep_green(plan, patches);
         TESSERA_TRY_ASSIGN(const double ratio,
-                           cost_ratio(green, patches, plan.options.effort, other, usual));
+                           estimated_ratio(green, patches, other, usual));
         return ratio < 1;
     }
     double ratio = 1;
