@@ -20,19 +20,18 @@ std::vector<float> make_table(int n) {
     return table;
 }
 
-// Made when its side is asked for: all 64 would take 2 ms.
-struct Table {
-    std::once_flag made;
-    std::vector<float> values;
-};
-
 } // namespace
 
-const float* forward_basis(int n) {
-    static std::array<Table, max_tile_side + 1> tables;
-    Table& table = tables[static_cast<std::size_t>(n)];
-    std::call_once(table.made, [&table, n] { table.values = make_table(n); });
-    return table.values.data();
+// Made when its side is asked for: all 64 would take 2 ms.
+const float* make_forward_basis(int n) {
+    static std::array<std::vector<float>, max_tile_side + 1> tables;
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    std::vector<float>& table = tables[static_cast<std::size_t>(n)];
+    if (table.empty())
+        table = make_table(n);
+    forward_bases[static_cast<std::size_t>(n)].store(table.data(), std::memory_order_release);
+    return table.data();
 }
 
 std::vector<Segment> axis_segments(int side, int depth) {

@@ -4,12 +4,22 @@
 #include "codec/search_kernels/search_kernels.h"
 #include "format/tile/block.h"
 
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <vector>
 
 namespace tessera {
 
-// Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 32; thread-safe.
-const float* forward_basis(int n);
+const float* make_forward_basis(int n);
+// Those that were asked for.
+inline std::array<std::atomic<const float*>, max_tile_side + 1> forward_bases{};
+// Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 64; thread-safe.
+inline const float* forward_basis(int n) {
+    const float* const made =
+        forward_bases[static_cast<std::size_t>(n)].load(std::memory_order_acquire);
+    return made != nullptr ? made : make_forward_basis(n);
+}
 
 // A run of coordinates along one axis; size 0 where no block stands.
 struct Segment {

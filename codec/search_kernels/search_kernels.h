@@ -101,6 +101,8 @@ struct SearchKernels {
     // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
+    // Of n floats.
+    float (*largest_magnitude)(const float* x, int n);
     // Bit i: whether the colour (y[i], co[i], cg[i]) has at least that squared length in RGB. n <= 64.
     std::uint64_t (*long_colours)(const float* y, const float* co, const float* cg, int n,
                                   float least);

@@ -424,6 +424,28 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     }
 }
 
+// By their bits without the sign, which are in the same order.
+float largest_magnitude(const float* x, int n) {
+    constexpr std::int32_t magnitude = 0x7FFFFFFF;
+    Int8 most{}, also{};
+    const auto at = [&](int i) { return __builtin_bit_cast(Int8, load<Float8>(x + i)) & magnitude; };
+    int i = 0;
+    for (; i + 16 <= n; i += 16) {
+        const Int8 a = at(i), b = at(i + 8);
+        most = a > most ? a : most;
+        also = b > also ? b : also;
+    }
+    for (; i < n; ++i) {
+        const std::int32_t one = __builtin_bit_cast(std::int32_t, x[i]) & magnitude;
+        most[0] = one > most[0] ? one : most[0];
+    }
+    most = also > most ? also : most;
+    std::int32_t largest = 0;
+    for (int lane = 0; lane < 8; ++lane)
+        largest = most[lane] > largest ? most[lane] : largest;
+    return __builtin_bit_cast(float, largest);
+}
+
 template <class Value>
 inline Value squared_length(const Value& y, const Value& co, const Value& cg) {
     return 3.0f * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg;
@@ -619,7 +641,7 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_views, forward_image, add_squared_differences,
-            coding_cost,  long_colours,   add_row,       add_quads,
+            coding_cost,  largest_magnitude, long_colours, add_row,       add_quads,
             load_ycocg8,  run_trellis};
 }
 

@@ -4,6 +4,18 @@
 
 namespace tessera {
 
+std::vector<std::uint16_t> ShapeCoding::find_places(const ScanOrder& order) {
+    const auto& n = order.shape.n;
+    std::vector<std::uint16_t> places;
+    places.reserve(order.entry.size());
+    for (const ScanEntry& entry : order.entry) {
+        const auto& k = entry.k;
+        places.push_back(
+            static_cast<std::uint16_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0]));
+    }
+    return places;
+}
+
 TileCoding::TileCoding(const CodingParameters& coding_parameters, SampleType sample_type,
                        int plane_count)
     : parameters(coding_parameters), tables(coding_parameters.parameters), type(sample_type),

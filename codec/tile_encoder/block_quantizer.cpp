@@ -3,6 +3,7 @@
 #include "codec/entropy/context_grid.h"
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
+#include "codec/search_kernels/search_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +70,6 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const ScanOrder& order = shape.order;
     const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
     const float per_step = inverse_step(block, plane);
-    const auto& n = block.shape.n;
     const int p_class = plane_class(plane);
     const auto& length_costs =
         plane == 0
@@ -82,17 +82,16 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const float smallest = !options_.optimise ? dead_zone
                            : dependent        ? smallest_last
                                               : smallest_candidate;
-    amplitude_.resize(static_cast<std::size_t>(limit));
+    const std::vector<std::uint16_t>& places = shape.places();
+    const auto amplitude_at = [&](int i) {
+        return x[places[static_cast<std::size_t>(i)]] * per_step;
+    };
     int last = -1;
-    const bool is_blank = block.is_blank[static_cast<std::size_t>(plane)];
-    for (int i = 0; i < limit && !is_blank; ++i) {
-        const auto& k = order.entry[static_cast<std::size_t>(i)].k;
-        const float a =
-            x[static_cast<std::size_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] *
-            per_step;
-        amplitude_[static_cast<std::size_t>(i)] = a;
-        if (std::fabs(a) >= smallest)
-            last = i;
+    if (!block.is_blank[static_cast<std::size_t>(plane)] &&
+        search_kernels().largest_magnitude(x.data(), block.shape.texels()) * per_step >= smallest) {
+        last = limit - 1;
+        while (last >= 0 && !(std::fabs(amplitude_at(last)) >= smallest))
+            --last;
     }
     PlaneLevels levels;
     levels.first = static_cast<std::uint32_t>(out.nonzeros.size());
@@ -101,6 +100,9 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     if (last >= 0) {
         const int end = round_up_coded_length(last + 1, order.length());
         find_crosses(out, first_plane, end);
+        amplitude_.resize(std::max(amplitude_.size(), static_cast<std::size_t>(end)));
+        for (int i = 0; i < end; ++i)
+            amplitude_[static_cast<std::size_t>(i)] = amplitude_at(i);
         const PlaneTask task{shape,
                              costs_,
                              options_,
