@@ -146,7 +146,7 @@ float BlockSearch::choose_blocks(TileLevels& out) {
 }
 
 bool BlockSearch::search_tree(TileLevels& out) {
-    grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
+    cut_grids();
     out.clear();
     out.shape = shape_;
     const Block root{{0, 0, 0, 0}, shape_, 0, 0};
@@ -165,31 +165,50 @@ bool BlockSearch::search_tree(TileLevels& out) {
     return out.blocks.size() <= max_leaves;
 }
 
-// Sums and energies of the finest cells give those of all others.
-void BlockSearch::measure_activity() {
+// The cells of all depths; most tiles of a file are cut alike.
+void BlockSearch::cut_grids() {
+    const std::array<int, 2> depths{spatial_depths_, angular_depths_};
+    if (cut_shape_ == shape_ && cut_depths_ == depths && !grids_.empty())
+        return;
+    cut_shape_ = shape_;
+    cut_depths_ = depths;
+    grids_.resize(static_cast<std::size_t>((spatial_depths_ + 1) * (angular_depths_ + 1)));
     for (int a = 0; a <= angular_depths_; ++a)
         for (int s = 0; s <= spatial_depths_; ++s) {
             Grid& grid = grids_[grid_index(s, a)];
-            std::size_t count = 1;
+            grid.trying = is_tried(s, a);
+            grid.is_full = true;
             for (int axis = 0; axis < 4; ++axis) {
                 grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? s : a);
                 grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
-                count *= grid.segments[axis].size();
+                for (const Segment& segment : grid.segments[axis])
+                    grid.is_full = grid.is_full && segment.size > 0;
             }
-            grid.activity.assign(count, 0.0f);
+            const auto& [nu, nv, ns, nt] = grid.cells;
+            grid.texels.assign(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv * ns * nt),
+                               1.0f);
+            grid.for_each_cell([&grid, this](const std::array<int, 4>& c, std::size_t i) {
+                grid.texels[i] = static_cast<float>(block_of(grid, c).shape.texels());
+            });
         }
+}
+
+// Sums and energies of the finest cells give those of all others.
+void BlockSearch::measure_activity() {
+    for (Grid& grid : grids_)
+        grid.activity.assign(grid.texels.size(), 0.0f);
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
         const float scale = inverse_step_[p] * inverse_step_[p];
         CellMoments finest = cell_moments(source_[p], shape_, grids_.back().segments);
         for (int a = angular_depths_; a >= 0; --a) {
-            CellMoments moments = finest;
+            CellMoments moments;
             for (int s = spatial_depths_; s >= 0; --s) {
+                const CellMoments& own = s == spatial_depths_ ? finest : moments;
                 Grid& grid = grids_[grid_index(s, a)];
-                moments.add_about_mean(scale, grid.activity);
-                moments.energies_of_means(scale, grid.mean_energy[p]);
+                own.measure(grid.texels, scale, grid.activity, grid.mean_energy[p]);
                 if (s > 0)
-                    moments = moments.merged(0);
+                    moments = own.merged(0);
             }
             if (a > 0)
                 finest = finest.merged(2);
@@ -252,13 +271,11 @@ void BlockSearch::transform_views(int angular) {
         angular_[p].resize(source_[p].size());
         angular_view_[p] = transforms ? angular_[p].data() : source_[p].data();
     }
-    for (int s = 0; s <= spatial_depths_; ++s) {
-        Grid& grid = grids_[grid_index(s, angular)];
-        grid.trying = is_tried(s, angular);
-        grid.is_tried.assign(grid.activity.size(), false);
-    }
-    whole.for_each_cell(
-        [&](const std::array<int, 4>& c) { try_cells(c, 0, angular, transforms, false); });
+    for (int s = 0; s <= spatial_depths_; ++s)
+        grids_[grid_index(s, angular)].tried.clear();
+    whole.for_each_cell([&](const std::array<int, 4>& c, std::size_t) {
+        try_cells(c, 0, angular, transforms, false);
+    });
 }
 
 // A cell and those that it is cut into along u and v. transforms: there is something to transform.
@@ -266,15 +283,15 @@ void BlockSearch::transform_views(int angular) {
 void BlockSearch::try_cells(const std::array<int, 4>& c, int spatial, int angular, bool transforms,
                             bool is_ready) {
     Grid& grid = grids_[grid_index(spatial, angular)];
-    const std::size_t i = grid.index(c);
+    const bool splits_pay = grid.trying ? is_ready : options_.copies.along != 0;
+    if (!splits_pay && is_flat(grid, grid.index(c)))
+        return; // what lies in a flat cell is flat, too, but for rounding
     if (grid.trying) {
-        if (!is_ready && is_flat(grid, i))
-            return; // what lies in a flat cell is flat, too, but for rounding
         if (is_worth_trying(grid, c, spatial, angular)) {
             if (!is_ready && transforms)
                 transform_views(block_of(grid, c));
             is_ready = true;
-            grid.is_tried[i] = true;
+            grid.tried.push_back(c);
         }
     }
     if (spatial == spatial_depths_)
@@ -298,15 +315,14 @@ void BlockSearch::transform_views(const Block& block) {
 }
 
 void BlockSearch::estimate_grid(Grid& grid) {
-    grid.own_cost.assign(grid.activity.size(), infinite);
-    grid.for_each_cell([&](const std::array<int, 4>& c) {
-        const std::size_t i = grid.index(c);
-        if (is_flat(grid, i))
-            grid.own_cost[i] =
-                grid.activity[i] + grid.mean_cost[i] + options_.lambda * block_overhead_bits;
-        else if (grid.is_tried[i])
-            grid.own_cost[i] = options_.lambda * block_overhead_bits + cell_cost(grid, c);
-    });
+    grid.own_cost.resize(grid.activity.size());
+    const float overhead = options_.lambda * block_overhead_bits;
+    for (std::size_t i = 0; i < grid.activity.size(); ++i)
+        grid.own_cost[i] =
+            is_flat(grid, i) ? grid.activity[i] + grid.mean_cost[i] + overhead : infinite;
+    for (const std::array<int, 4>& c : grid.tried)
+        if (const std::size_t i = grid.index(c); !is_flat(grid, i))
+            grid.own_cost[i] = overhead + cell_cost(grid, c);
 }
 
 // Every cell as one block that copies nothing: where a search starts from.
@@ -314,7 +330,8 @@ void BlockSearch::reset_choices() {
     for (Grid& grid : grids_) {
         grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
         grid.cost = grid.own_cost;
-        grid.prediction.assign(grid.activity.size(), BlockPrediction{});
+        if (options_.copies.along != 0 || grid.prediction.size() != grid.activity.size())
+            grid.prediction.assign(grid.activity.size(), BlockPrediction{});
     }
 }
 
@@ -467,9 +484,8 @@ void BlockSearch::combine() {
     for (int a = angular_depths_; a >= 0; --a)
         for (int s = spatial_depths_; s >= 0; --s) {
             Grid& grid = grids_[grid_index(s, a)];
-            grid.for_each_cell([&](const std::array<int, 4>& c) {
-                const std::size_t i = grid.index(c);
-                const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
+            const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
+            grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
                 grid.cost[i] += options_.lambda * split_bits[0];
                 if (options_.copies.along == 0 && is_flat(grid, i))
                     return; // no split can pay, unless parts of it copy
@@ -484,8 +500,8 @@ void BlockSearch::combine() {
                         grid.segments[axis + 1][static_cast<std::size_t>(c[axis + 1])].size == 1)
                         continue;
                     float cost = options_.lambda * split_bits[static_cast<std::size_t>(split)];
+                    std::array<int, 4> at = c;
                     for (int child = 0; child < 4; ++child) {
-                        std::array<int, 4> at = c;
                         at[axis] = 2 * c[axis] + (child & 1);
                         at[axis + 1] = 2 * c[axis + 1] + (child >> 1);
                         if (finer.exists(at))

@@ -69,13 +69,15 @@ private:
     struct Grid {
         std::array<std::vector<Segment>, 4> segments;
         std::array<int, 4> cells{};  // entries of each axis
+        bool is_full = true;         // no segment is empty: all cells exist
+        std::vector<float> texels;   // of each cell, 1 where there is none
         std::vector<float> cost;     // of the best way to code each cell
         std::vector<float> activity; // energy about the cell's mean, in squared steps
         std::array<std::vector<float>, max_planes> mean_energy; // likewise, of that mean
         // Of zeroing or coding the DC of each plane; without copies only where a cell is flat.
         std::vector<float> mean_cost;
         bool trying = false;                     // cells of these depths, as blocks
-        std::vector<std::uint8_t> is_tried;      // of each cell
+        std::vector<std::array<int, 4>> tried;   // those of the cells that are
         std::vector<std::uint8_t> choice;        // Split
         std::vector<float> own_cost;             // of each cell as one block that copies nothing
         std::vector<BlockPrediction> prediction; // of each cell as one block
@@ -98,19 +100,21 @@ private:
             return all;
         }
         bool exists(const std::array<int, 4>& c) const {
-            for (int axis = 0; axis < 4; ++axis)
+            for (int axis = 0; axis < 4 && !is_full; ++axis)
                 if (segments[axis][static_cast<std::size_t>(c[axis])].size == 0)
                     return false;
             return true;
         }
+        // Calls visit(cell, its index).
         template <class Visit> void for_each_cell(Visit visit) const {
             std::array<int, 4> c;
+            std::size_t i = 0;
             for (c[3] = 0; c[3] < cells[3]; ++c[3])
                 for (c[2] = 0; c[2] < cells[2]; ++c[2])
                     for (c[1] = 0; c[1] < cells[1]; ++c[1])
-                        for (c[0] = 0; c[0] < cells[0]; ++c[0])
+                        for (c[0] = 0; c[0] < cells[0]; ++c[0], ++i)
                             if (exists(c))
-                                visit(c);
+                                visit(c, i);
         }
     };
 
@@ -160,6 +164,7 @@ private:
     void combine();
     void emit(const Block& block, int spatial, int angular, std::array<int, 4> cell,
               TileLevels& out) const;
+    void cut_grids();
     void measure_activity();
     float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
     float plane_cost(const BlockShape& shape, std::size_t plane);
@@ -182,6 +187,8 @@ private:
     std::array<std::vector<float>, max_planes>
         coefficients_; // of a cell, in the order of forward_image
     std::vector<Grid> grids_;
+    BlockShape cut_shape_; // of what grids_ cut
+    std::array<int, 2> cut_depths_{};
     DisplacementSearch displacements_;
     std::array<std::vector<std::vector<Match>>, copy_directions> matches_;
     BaseMatches base_matches_;

@@ -24,23 +24,15 @@ void add_cells(const float* cells, std::size_t count, bool pairs, float* to) {
 
 } // namespace
 
-void CellMoments::add_about_mean(float scale, std::vector<float>& energy) const {
-    const float *const sums = sum.data(), *const all = squares.data(), *const counts = count.data();
-    float* const to = energy.data();
-    for (std::size_t i = 0; i < size(); ++i) {
-        const float texels = counts[i] < 1.0f ? 1.0f : counts[i];
-        const float about = all[i] - sums[i] * sums[i] / texels;
-        to[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
-    }
-}
-
-void CellMoments::energies_of_means(float scale, std::vector<float>& energy) const {
-    energy.resize(size());
-    const float *const sums = sum.data(), *const counts = count.data();
-    float* const to = energy.data();
-    for (std::size_t i = 0; i < size(); ++i) {
-        const float texels = counts[i] < 1.0f ? 1.0f : counts[i]; // else the sum is 0
-        to[i] = sums[i] * sums[i] / texels * scale;
+void CellMoments::measure(const std::vector<float>& texels, float scale, std::vector<float>& energy,
+                          std::vector<float>& of_mean) const {
+    of_mean.resize(sum.size());
+    const float *const sums = sum.data(), *const all = squares.data(), *const counts = texels.data();
+    float *const about_mean = energy.data(), *const means = of_mean.data();
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        const float mean = sums[i] * sums[i] / counts[i], about = all[i] - mean;
+        about_mean[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
+        means[i] = mean * scale;
     }
 }
 
@@ -53,7 +45,6 @@ CellMoments CellMoments::merged(int axis) const {
     const auto all = static_cast<std::size_t>(nu * nv * ns * nt);
     coarse.sum.assign(all, 0);
     coarse.squares.assign(all, 0);
-    coarse.count.assign(all, 0);
     std::array<int, 4> c;
     std::size_t i = 0;
     for (c[3] = 0; c[3] < cells[3]; ++c[3])
@@ -65,9 +56,8 @@ CellMoments CellMoments::merged(int axis) const {
                     to[2] /= 2;
                 const auto row = static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
                 const auto n = static_cast<std::size_t>(cells[0]);
-                for (const auto& [to_values, values] : {std::pair{&coarse.sum, &sum},
-                                                        {&coarse.squares, &squares},
-                                                        {&coarse.count, &count}})
+                for (const auto& [to_values, values] :
+                     {std::pair{&coarse.sum, &sum}, {&coarse.squares, &squares}})
                     add_cells(values->data() + i, n, axis == 0, to_values->data() + row);
                 i += n;
             }
@@ -84,7 +74,6 @@ CellMoments cell_moments(const std::vector<float>& x, const BlockShape& tile,
     }
     moments.sum.assign(all, 0);
     moments.squares.assign(all, 0);
-    moments.count.assign(all, 0);
     const SearchKernels& k = search_kernels();
     const bool quads = are_quads(segments[0]);
     const std::size_t row_cells = segments[0].size();
@@ -107,9 +96,7 @@ CellMoments cell_moments(const std::vector<float>& x, const BlockShape& tile,
                                     k.add_row(row + segments[0][u].begin, segments[0][u].size,
                                               sum + u, squares + u);
                     }
-                const int area = v_segment.size * s_segment.size * t_segment.size;
-                for (std::size_t u = 0; u < row_cells; ++u, ++cell)
-                    moments.count[cell] = static_cast<float>(area * segments[0][u].size);
+                cell += row_cells;
             }
     return moments;
 }

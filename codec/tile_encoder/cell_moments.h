@@ -8,16 +8,15 @@
 
 namespace tessera {
 
-// Sum, sum of squares and number of the texels of each cell of a grid.
+// Sum and sum of squares of the texels of each cell of a grid.
 struct CellMoments {
     std::array<int, 4> cells{}; // along each axis, u fastest
-    std::vector<float> sum, squares, count;
+    std::vector<float> sum, squares;
 
-    std::size_t size() const { return count.size(); }
-    // energy[i] += scale * that of cell i about its mean.
-    void add_about_mean(float scale, std::vector<float>& energy) const;
-    // energy[i] = scale * that of the mean of cell i.
-    void energies_of_means(float scale, std::vector<float>& energy) const;
+    // Of cells of so many texels, at least 1: energy[i] += scale * that of cell i about its mean, and
+    // of_mean[i] = scale * that of its mean.
+    void measure(const std::vector<float>& texels, float scale, std::vector<float>& energy,
+                 std::vector<float>& of_mean) const;
     // Of the grid whose cells are pairs of these, along `axis` and the next one.
     CellMoments merged(int axis) const;
 };

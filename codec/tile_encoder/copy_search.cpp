@@ -71,8 +71,8 @@ void BlockSearch::find_displacements(const TilePlanes& pictured, BaseDisplacemen
     const Grid& grid = grids_[grid_index(spatial_depths_, 0)];
     base_matches_.begin(shape_, source_[0], codes_, coding_, pictured);
     base_matches_.enter(grid.segments);
-    grid.for_each_cell([&](const std::array<int, 4>& c) {
-        out.set(block_of(grid, c), base_matches_.best(grid.index(c)).displacement);
+    grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
+        out.set(block_of(grid, c), base_matches_.best(i).displacement);
     });
 }
 
@@ -86,9 +86,9 @@ void BlockSearch::try_base(const TilePlanes& reconstructed) {
             base_matches_.enter(grid.segments);
             if (a > deepest || !is_tried(s, a))
                 continue;
-            grid.for_each_cell([&](const std::array<int, 4>& c) {
-                if (!is_flat(grid, grid.index(c)))
-                    try_base(grid, c, base_matches_.best(grid.index(c)), reconstructed);
+            grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
+                if (!is_flat(grid, i))
+                    try_base(grid, c, base_matches_.best(i), reconstructed);
             });
         }
 }
@@ -125,8 +125,7 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
         Grid& grid = grids_[grid_index(s, angular)];
         if (!is_tried(s, angular))
             continue;
-        grid.for_each_cell([&](const std::array<int, 4>& c) {
-            const std::size_t i = grid.index(c);
+        grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
             if (!is_flat(grid, i))
                 try_copies(grid, c,
                            {matches_[0][static_cast<std::size_t>(s)][i],
