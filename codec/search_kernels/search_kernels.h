@@ -110,6 +110,13 @@ struct SearchKernels {
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same of each of `count` runs of four floats, one behind the other, into sums[i], squares[i].
     void (*add_quads)(const float* x, int count, float* sums, float* squares);
+    // Of n cells with these sums, sums of squares and numbers of texels: energy[i] += scale * that about the
+    // cell's mean, of_mean[i] = scale * that of its mean.
+    void (*measure_cells)(const float* sums, const float* squares, const float* texels, int n,
+                          float scale, float* energy, float* of_mean);
+    // to[i] = to[i] + x[2 i] + x[2 i + 1], n of them; the same of x[i].
+    void (*add_pairs)(const float* x, int n, float* to);
+    void (*add_singles)(const float* x, int n, float* to);
     // From 8-bit RGB with the pairs fastest: colour transform and transposition in one (FORMAT.md 4.5).
     void (*load_ycocg8)(const Ycocg8Planes& to, const unsigned char* in);
     // The cheapest path through the states of dependent quantisation.

@@ -508,6 +508,44 @@ void add_quads(const float* x, int count, float* sums, float* squares) {
         add_row(x, 4, sums + i, squares + i);
 }
 
+template <class Vector>
+inline void measure_some(const float* sums, const float* squares, const float* texels, float scale,
+                         float* energy, float* of_mean) {
+    const auto sum = load<Vector>(sums);
+    const Vector mean = sum * sum / load<Vector>(texels), about = load<Vector>(squares) - mean;
+    // A cell that does not exist has none.
+    store(energy, load<Vector>(energy) + (about > 0 ? about : Vector{}) * scale);
+    store(of_mean, mean * scale);
+}
+
+void measure_cells(const float* sums, const float* squares, const float* texels, int n, float scale,
+                   float* energy, float* of_mean) {
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        measure_some<Float8>(sums + i, squares + i, texels + i, scale, energy + i, of_mean + i);
+    for (; i < n; ++i)
+        measure_some<float>(sums + i, squares + i, texels + i, scale, energy + i, of_mean + i);
+}
+
+void add_pairs(const float* x, int n, float* to) {
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+        const auto a = load<Float4>(x + 2 * i), b = load<Float4>(x + 2 * i + 4);
+        store(to + i, load<Float4>(to + i) + __builtin_shufflevector(a, b, 0, 2, 4, 6) +
+                          __builtin_shufflevector(a, b, 1, 3, 5, 7));
+    }
+    for (; i < n; ++i)
+        to[i] = to[i] + x[2 * i] + x[2 * i + 1];
+}
+
+void add_singles(const float* x, int n, float* to) {
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        store(to + i, load<Float8>(to + i) + load<Float8>(x + i));
+    for (; i < n; ++i)
+        to[i] += x[i];
+}
+
 // Texels and images [begin, end) of load_ycocg8.
 void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel_begin,
                       int texel_end, int image_begin, int image_end) {
@@ -642,7 +680,7 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_views, forward_image, add_squared_differences,
             coding_cost,  largest_magnitude, long_colours, add_row,       add_quads,
-            load_ycocg8,  run_trellis};
+            measure_cells, add_pairs, add_singles, load_ycocg8,  run_trellis};
 }
 
 } // namespace

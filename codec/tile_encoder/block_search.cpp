@@ -219,8 +219,9 @@ void BlockSearch::measure_activity() {
         for (std::size_t i = 0; i < grid.activity.size(); ++i)
             if (is_flat(grid, i) || options_.copies.along != 0) // who else asks?
                 for (int plane = 0; plane < coding_.planes; ++plane)
-                    grid.mean_cost[i] += mean_cost(
-                        grid.mean_energy[static_cast<std::size_t>(plane)][i], options_.lambda);
+                    if (const float energy = grid.mean_energy[static_cast<std::size_t>(plane)][i];
+                        energy > 0)
+                        grid.mean_cost[i] += mean_cost(energy, options_.lambda);
     }
 }
 

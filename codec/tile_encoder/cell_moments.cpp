@@ -12,28 +12,14 @@ bool are_quads(const std::vector<Segment>& segments) {
                        [](const Segment& segment) { return segment.size == 4; });
 }
 
-// A row of cells to a coarser one, to pairs of which or to as many they belong.
-void add_cells(const float* cells, std::size_t count, bool pairs, float* to) {
-    if (pairs)
-        for (std::size_t i = 0; i < count / 2; ++i)
-            to[i] = to[i] + cells[2 * i] + cells[2 * i + 1];
-    else
-        for (std::size_t i = 0; i < count; ++i)
-            to[i] += cells[i];
-}
-
 } // namespace
 
 void CellMoments::measure(const std::vector<float>& texels, float scale, std::vector<float>& energy,
                           std::vector<float>& of_mean) const {
     of_mean.resize(sum.size());
-    const float *const sums = sum.data(), *const all = squares.data(), *const counts = texels.data();
-    float *const about_mean = energy.data(), *const means = of_mean.data();
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-        const float mean = sums[i] * sums[i] / counts[i], about = all[i] - mean;
-        about_mean[i] += (about > 0 ? about : 0.0f) * scale; // a cell that does not exist has none
-        means[i] = mean * scale;
-    }
+    search_kernels().measure_cells(sum.data(), squares.data(), texels.data(),
+                                   static_cast<int>(sum.size()), scale, energy.data(),
+                                   of_mean.data());
 }
 
 CellMoments CellMoments::merged(int axis) const {
@@ -45,6 +31,7 @@ CellMoments CellMoments::merged(int axis) const {
     const auto all = static_cast<std::size_t>(nu * nv * ns * nt);
     coarse.sum.assign(all, 0);
     coarse.squares.assign(all, 0);
+    const SearchKernels& k = search_kernels();
     std::array<int, 4> c;
     std::size_t i = 0;
     for (c[3] = 0; c[3] < cells[3]; ++c[3])
@@ -55,11 +42,11 @@ CellMoments CellMoments::merged(int axis) const {
                 if (axis == 2)
                     to[2] /= 2;
                 const auto row = static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
-                const auto n = static_cast<std::size_t>(cells[0]);
-                for (const auto& [to_values, values] :
-                     {std::pair{&coarse.sum, &sum}, {&coarse.squares, &squares}})
-                    add_cells(values->data() + i, n, axis == 0, to_values->data() + row);
-                i += n;
+                // To pairs of which, or to as many, a row's cells belong.
+                const auto add = axis == 0 ? k.add_pairs : k.add_singles;
+                add(sum.data() + i, nu, coarse.sum.data() + row);
+                add(squares.data() + i, nu, coarse.squares.data() + row);
+                i += static_cast<std::size_t>(cells[0]);
             }
     return coarse;
 }
