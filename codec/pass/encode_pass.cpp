@@ -3,6 +3,7 @@
 #include "codec/pass/levels_sum.h"
 #include "codec/pass/tile_reuse.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "codec/search_kernels/search_kernels.h"
 #include "codec/texels/texel_mask.h"
 #include "format/work.h"
 
@@ -66,23 +67,13 @@ struct Crew {
     std::vector<Worker> workers;
 };
 
-// Squared and largest error of bytes, in runs short enough for 32-bit sums.
+// Squared and largest error of bytes.
 void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, CodedTile& tile) {
-    constexpr std::size_t run = 4096;
-    std::int32_t largest = 0;
-    for (std::size_t begin = 0; begin < a.size(); begin += run) {
-        const std::size_t end = std::min(a.size(), begin + run);
-        std::int32_t sum = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::int32_t error =
-                std::to_integer<std::int32_t>(a[i]) - std::to_integer<std::int32_t>(b[i]);
-            const std::int32_t magnitude = error < 0 ? -error : error;
-            sum += error * error;
-            largest = magnitude > largest ? magnitude : largest;
-        }
-        tile.squared_error += static_cast<std::uint64_t>(sum);
-    }
-    tile.max_error = static_cast<std::uint32_t>(largest);
+    const ByteErrors errors = search_kernels().compare_bytes(
+        reinterpret_cast<const unsigned char*>(a.data()),
+        reinterpret_cast<const unsigned char*>(b.data()), a.size());
+    tile.squared_error = errors.squared;
+    tile.max_error = errors.largest;
 }
 
 // What the decoded tile is measured against: any value is right for texels that do not matter.

@@ -8,6 +8,7 @@
 #include "format/tile/dequantizer.h"
 #include "format/tile/scan_order.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tessera {
@@ -70,6 +71,12 @@ struct CellViews {
     int row, s, t;
 };
 
+// What bytes differ by.
+struct ByteErrors {
+    std::uint64_t squared = 0; // summed
+    std::uint32_t largest = 0;
+};
+
 // Planes of `images` (s, t) pairs times `texels` (u, v) places, less the background, in codes.
 struct Ycocg8Planes {
     float* plane[3];
@@ -119,6 +126,7 @@ struct SearchKernels {
     void (*add_singles)(const float* x, int n, float* to);
     // From 8-bit RGB with the pairs fastest: colour transform and transposition in one (FORMAT.md 4.5).
     void (*load_ycocg8)(const Ycocg8Planes& to, const unsigned char* in);
+    ByteErrors (*compare_bytes)(const unsigned char* a, const unsigned char* b, std::size_t n);
     // The cheapest path through the states of dependent quantisation.
     TrellisEnd (*run_trellis)(const TrellisTask& task);
 };

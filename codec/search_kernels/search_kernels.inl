@@ -648,6 +648,46 @@ void load_ycocg8(const Ycocg8Planes& to, const unsigned char* in) {
     load_ycocg8_part(to, in, whole_texels, to.texels, 0, to.images);
 }
 
+// In runs short enough for sums of 32 bits.
+ByteErrors compare_bytes(const unsigned char* a, const unsigned char* b, std::size_t n) {
+    constexpr std::size_t run = 4096;
+    ByteErrors errors;
+    for (std::size_t begin = 0; begin < n; begin += run) {
+        const std::size_t end = n - begin < run ? n : begin + run;
+        std::size_t i = begin;
+        std::uint32_t sum = 0;
+#ifdef __AVX2__
+        const __m256i zero = _mm256_setzero_si256();
+        __m256i largest = zero, sums = zero;
+        for (; i + 32 <= end; i += 32) {
+            const __m256i x = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + i));
+            const __m256i y = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b + i));
+            const __m256i error = _mm256_or_si256(_mm256_subs_epu8(x, y), _mm256_subs_epu8(y, x));
+            largest = _mm256_max_epu8(largest, error);
+            const __m256i low = _mm256_unpacklo_epi8(error, zero);
+            const __m256i high = _mm256_unpackhi_epi8(error, zero);
+            sums = _mm256_add_epi32(
+                sums, _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high)));
+        }
+        std::uint32_t each[8];
+        unsigned char most[32];
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(each), sums);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(most), largest);
+        for (const std::uint32_t one : each)
+            sum += one;
+        for (const unsigned char one : most)
+            errors.largest = one > errors.largest ? one : errors.largest;
+#endif
+        for (; i < end; ++i) {
+            const auto error = static_cast<std::uint32_t>(a[i] > b[i] ? a[i] - b[i] : b[i] - a[i]);
+            sum += error * error;
+            errors.largest = error > errors.largest ? error : errors.largest;
+        }
+        errors.squared += sum;
+    }
+    return errors;
+}
+
 // Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row. Up to 3
 // rows behind the last are changed alike.
 inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
@@ -680,7 +720,7 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows, forward_planes, forward_views, forward_image, add_squared_differences,
             coding_cost,  largest_magnitude, long_colours, add_row,       add_quads,
-            measure_cells, add_pairs, add_singles, load_ycocg8,  run_trellis};
+            measure_cells, add_pairs, add_singles, load_ycocg8, compare_bytes, run_trellis};
 }
 
 } // namespace
