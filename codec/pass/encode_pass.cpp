@@ -69,9 +69,9 @@ struct Crew {
 
 // Squared and largest error of bytes.
 void measure_bytes(std::span<const std::byte> a, std::span<const std::byte> b, CodedTile& tile) {
-    const ByteErrors errors = search_kernels().compare_bytes(
-        reinterpret_cast<const unsigned char*>(a.data()),
-        reinterpret_cast<const unsigned char*>(b.data()), a.size());
+    const ByteErrors errors =
+        search_kernels().compare_bytes(reinterpret_cast<const unsigned char*>(a.data()),
+                                       reinterpret_cast<const unsigned char*>(b.data()), a.size());
     tile.squared_error = errors.squared;
     tile.max_error = errors.largest;
 }
@@ -554,9 +554,8 @@ Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParamete
     });
 }
 
-Result<std::vector<float>> estimated_costs(const EncodePlan& plan,
-                                           const CodingParameters& parameters,
-                                           const Sample& sample) {
+Result<std::vector<float>>
+estimated_costs(const EncodePlan& plan, const CodingParameters& parameters, const Sample& sample) {
     Crew crew(plan, parameters, true);
     std::vector<float> costs(sample.boxes.size());
     TESSERA_TRY(for_each_tile(crew, sample, [&](Worker& worker, std::size_t i) -> Status {

@@ -109,9 +109,8 @@ Result<Statistics> count_symbols_as(const EncodePlan& plan, const CodingParamete
                                     const Sample& sample, std::span<const TileLevels> trees);
 // What the search takes each of the sample's tiles to cost without copies, about lagrangian_cost of such a
 // pass, in a third of its time.
-Result<std::vector<float>> estimated_costs(const EncodePlan& plan,
-                                           const CodingParameters& parameters,
-                                           const Sample& sample);
+Result<std::vector<float>>
+estimated_costs(const EncodePlan& plan, const CodingParameters& parameters, const Sample& sample);
 
 // A tile's squared error in steps of the first plane, and what its bytes are worth: less is better,
 // among ways to code the same texels with the same steps.

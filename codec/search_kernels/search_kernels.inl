@@ -428,7 +428,9 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
 float largest_magnitude(const float* x, int n) {
     constexpr std::int32_t magnitude = 0x7FFFFFFF;
     Int8 most{}, also{};
-    const auto at = [&](int i) { return __builtin_bit_cast(Int8, load<Float8>(x + i)) & magnitude; };
+    const auto at = [&](int i) {
+        return __builtin_bit_cast(Int8, load<Float8>(x + i)) & magnitude;
+    };
     int i = 0;
     for (; i + 16 <= n; i += 16) {
         const Int8 a = at(i), b = at(i + 8);
@@ -718,9 +720,10 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 #include "codec/search_kernels/trellis.inl"
 
 constexpr SearchKernels make_search_kernels() {
-    return {forward_rows, forward_planes, forward_views, forward_image, add_squared_differences,
-            coding_cost,  largest_magnitude, long_colours, add_row,       add_quads,
-            measure_cells, add_pairs, add_singles, load_ycocg8, compare_bytes, run_trellis};
+    return {forward_rows,  forward_planes,    forward_views, forward_image, add_squared_differences,
+            coding_cost,   largest_magnitude, long_colours,  add_row,       add_quads,
+            measure_cells, add_pairs,         add_singles,   load_ycocg8,   compare_bytes,
+            run_trellis};
 }
 
 } // namespace

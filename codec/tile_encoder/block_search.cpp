@@ -185,8 +185,8 @@ void BlockSearch::cut_grids() {
                     grid.is_full = grid.is_full && segment.size > 0;
             }
             const auto& [nu, nv, ns, nt] = grid.cells;
-            grid.texels.assign(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv * ns * nt),
-                               1.0f);
+            grid.texels.assign(
+                static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv * ns * nt), 1.0f);
             grid.for_each_cell([&grid, this](const std::array<int, 4>& c, std::size_t i) {
                 grid.texels[i] = static_cast<float>(block_of(grid, c).shape.texels());
             });
@@ -256,8 +256,9 @@ bool BlockSearch::is_worth_trying(const Grid& grid, const std::array<int, 4>& c,
         ++parts;
         blank += finer.energy(finer.index(at)) < blank_energy;
     }
-    return 2 * blank <= parts || grid.activity[grid.index(c)] <
-                                     options_.lambda * quiet_bits * static_cast<float>(parts - blank);
+    return 2 * blank <= parts ||
+           grid.activity[grid.index(c)] <
+               options_.lambda * quiet_bits * static_cast<float>(parts - blank);
 }
 
 // Finds the cells of an angular depth that are tried, and transforms them along t and s: angular_ of others

@@ -186,8 +186,7 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
                        read_patches(plan, patch_of(patch_of(usual, other), smallest)));
     if (plan.effort.quick) {
         const EncodePlan green = keep_green(plan, patches);
-        TESSERA_TRY_ASSIGN(const double ratio,
-                           estimated_ratio(green, patches, other, usual));
+        TESSERA_TRY_ASSIGN(const double ratio, estimated_ratio(green, patches, other, usual));
         return ratio < 1;
     }
     double ratio = 1;
