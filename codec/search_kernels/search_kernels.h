@@ -129,6 +129,9 @@ struct SearchKernels {
     ByteErrors (*compare_bytes)(const unsigned char* a, const unsigned char* b, std::size_t n);
     // The cheapest path through the states of dependent quantisation.
     TrellisEnd (*run_trellis)(const TrellisTask& task);
+    // to = in - predicted * unit, of `rows` rows of n values; those of `in` lie `stride` apart, others are dense.
+    void (*subtract_predicted)(const float* in, int stride, const std::int32_t* predicted,
+                               float unit, int rows, int n, float* to);
 };
 
 // Of kernel_path().

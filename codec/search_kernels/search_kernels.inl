@@ -719,11 +719,32 @@ inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* befo
 
 #include "codec/search_kernels/trellis.inl"
 
+template <class Vector, class Integers>
+inline void subtract_some(const float* in, const std::int32_t* predicted, float unit, float* to) {
+    Integers whole;
+    __builtin_memcpy(&whole, predicted, sizeof whole);
+    store(to, load<Vector>(in) - __builtin_convertvector(whole, Vector) * unit);
+}
+
+void subtract_predicted(const float* in, int stride, const std::int32_t* predicted, float unit,
+                        int rows, int n, float* to) {
+    typedef std::int32_t Int4 __attribute__((vector_size(16)));
+    for (int row = 0; row < rows; ++row, in += stride, predicted += n, to += n) {
+        int x = 0;
+        for (; x + 8 <= n; x += 8)
+            subtract_some<Float8, Int8>(in + x, predicted + x, unit, to + x);
+        for (; x + 4 <= n; x += 4)
+            subtract_some<Float4, Int4>(in + x, predicted + x, unit, to + x);
+        for (; x < n; ++x)
+            to[x] = in[x] - static_cast<float>(predicted[x]) * unit;
+    }
+}
+
 constexpr SearchKernels make_search_kernels() {
     return {forward_rows,  forward_planes,    forward_views, forward_image, add_squared_differences,
             coding_cost,   largest_magnitude, long_colours,  add_row,       add_quads,
             measure_cells, add_pairs,         add_singles,   load_ycocg8,   compare_bytes,
-            run_trellis};
+            run_trellis,   subtract_predicted};
 }
 
 } // namespace

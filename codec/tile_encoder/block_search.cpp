@@ -547,24 +547,20 @@ void BlockSearch::gather_difference(const Block& block, const BlockPrediction& p
     const bool copies = prediction.copies();
     if (copies)
         predict_plane(block, prediction, coding_, reconstructed, p, predicted_);
+    const int page = n[0] * n[1];
     const std::int32_t* predicted = predicted_.data();
     for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s)
-            for (int v = 0; v < n[1]; ++v, to += n[0]) {
-                const float* from =
-                    source +
-                    (((block.origin[3] + t) * shape_.n[2] + block.origin[2] + s) * shape_.n[1] +
-                     block.origin[1] + v) *
-                        shape_.n[0] +
-                    block.origin[0];
-                if (!copies) {
-                    std::copy_n(from, n[0], to);
-                    continue;
-                }
-                for (int u = 0; u < n[0]; ++u)
-                    to[u] = from[u] - static_cast<float>(predicted[u]) * codes_;
-                predicted += n[0];
-            }
+        for (int s = 0; s < n[2]; ++s, to += page, predicted += page) {
+            const float* from =
+                source + plane_index(shape_, block.origin[0], block.origin[1], block.origin[2] + s,
+                                     block.origin[3] + t);
+            if (copies)
+                search_kernels().subtract_predicted(from, shape_.n[0], predicted, codes_, n[1],
+                                                    n[0], to);
+            else
+                for (int v = 0; v < n[1]; ++v)
+                    std::copy_n(from + v * shape_.n[0], n[0], to + v * n[0]);
+        }
 }
 
 namespace {
