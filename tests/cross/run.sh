@@ -1,7 +1,7 @@
 #!/bin/bash
 # The decoder and the encoder on another processor, or from another compiler: builds in build-cross-ARCH, runs
-# the tests that take seconds, and compares what it makes of the golden files and of some textures with what
-# this machine's build makes of them (same_bytes.cpp).
+# the tests that take seconds, and compares what it makes of the golden files and of some textures with what is
+# frozen (tests/golden), and of damaged files with what this machine's build makes of them (same_bytes.cpp).
 #   tests/cross/run.sh ARCH   aarch64, s390x (big-endian): under qemu, by Debian's packages
 #                               dpkg --add-architecture s390x
 #                               apt install g++-s390x-linux-gnu qemu-user-static \
@@ -29,7 +29,7 @@ clang) other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_CO
 esac
 slow=Sampler*:Shader*:Journals*:DamagedJournals*:Rate*:Mask*:Prediction*:PredictedFiles*:EncodeCopies*:Layers*
 slow+=:DenseTables*:Tools*:Encoder*:SameBytes*:DamagedLevels*:Partial*:Threads*:RefinedTrees*
-slow+=:InverseTransform.Meets*:Codec*:DecodedLevel*:TileChoice*:TileReuse*:Access*:EncodeFilter*:Allocation*
+slow+=:Encodings*:InverseTransform.Meets*:Codec*:DecodedLevel*:TileChoice*:TileReuse*:Access*:EncodeFilter*:Allocation*
 filter=${TESTS--$slow}
 targets=(same_bytes)
 [ -z "$filter" ] || targets+=(format_tests codec_tests)
@@ -42,6 +42,7 @@ ninja -C build-cross-native same_bytes
 build-cross-native/bin/same_bytes tests/golden > build-cross-native/made.txt
 "${run[@]}" "$folder/bin/same_bytes" tests/golden > "$folder/made.txt"
 head -n "$(wc -l < tests/golden/manifest.txt)" "$folder/made.txt" | diff tests/golden/manifest.txt -
+tail -n "$(wc -l < tests/golden/encodings.txt)" "$folder/made.txt" | diff tests/golden/encodings.txt -
 diff build-cross-native/made.txt "$folder/made.txt"
 echo "$arch: the same as here: $(wc -l < "$folder/made.txt") files"
 [ -z "$filter" ] || for tests in format_tests codec_tests; do
