@@ -164,7 +164,7 @@ TEST(Mask, WhatGoesOnBehindItHelps) {
 }
 
 TEST(Mask, GuaranteesHoldForWhatMatters) {
-    const TextureDesc small{{24, 16, 8, 8}, SampleType::unorm8, 3};
+    const TextureDesc small{{24, 16, 6, 5}, SampleType::unorm8, 3};
     MemoryTexture noise = named_texture(small, "noise");
     MemoryTexture mask = make_mask(small.size, in_chart);
     for (const int bound : {0, 2}) {
@@ -211,7 +211,7 @@ TEST(Mask, ThreadsChangeNoByte) {
 }
 
 TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
-    const TextureDesc large{{128, 64, 8, 8}, SampleType::unorm8, 3};
+    const TextureDesc large{{64, 36, 8, 8}, SampleType::unorm8, 3};
     MemoryTexture mask = make_mask(large.size, in_disk);
     MemoryTexture texture = with_gaps(named_texture(large, "smooth"), mask);
     MemoryTexture other = with_noise_behind(texture, mask);

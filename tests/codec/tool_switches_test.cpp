@@ -22,20 +22,22 @@ MemoryTexture texture_with_parallax(SampleType type) {
     for (int i = 0; i < 3 * 64 * 64; ++i)
         lattice.push_back(random.unit());
     const double gain = type == SampleType::half16 ? 1000 : 1;
-    return {describe({24, 16, 6, 5}, type), [=](int u, int v, int s, int t, int c) {
-                const double x = 0.5 * (u + 0.5 * s) + 8, y = 0.5 * (v + t) + 8;
-                const int i = static_cast<int>(x), j = static_cast<int>(y);
-                const auto at = [&](int k, int l) {
-                    const auto place = static_cast<std::size_t>(l * 64 + k);
-                    return 0.7 * lattice[place] +
-                           0.3 * lattice[(static_cast<std::size_t>(c) << 12) + place];
-                };
-                const double f = x - i, g = y - j;
-                const double grain = (u * 7 + v * 13 + s * 29 + t * 31 + c * 3) % 17 / 17.0;
-                return gain * (0.9 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
-                                      g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
-                               0.1 * grain);
-            }};
+    return {
+        describe(type == SampleType::half16 ? Extent4{17, 12, 5, 4} : Extent4{24, 16, 6, 5}, type),
+        [=](int u, int v, int s, int t, int c) {
+            const double x = 0.5 * (u + 0.5 * s) + 8, y = 0.5 * (v + t) + 8;
+            const int i = static_cast<int>(x), j = static_cast<int>(y);
+            const auto at = [&](int k, int l) {
+                const auto place = static_cast<std::size_t>(l * 64 + k);
+                return 0.7 * lattice[place] +
+                       0.3 * lattice[(static_cast<std::size_t>(c) << 12) + place];
+            };
+            const double f = x - i, g = y - j;
+            const double grain = (u * 7 + v * 13 + s * 29 + t * 31 + c * 3) % 17 / 17.0;
+            return gain * (0.9 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
+                                  g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
+                           0.1 * grain);
+        }};
 }
 
 // Section DATA of a file: what stands before it says how the file was made.

@@ -92,8 +92,8 @@ inline std::vector<Encoding> encodings() {
     constexpr SampleType byte = SampleType::unorm8, half = SampleType::half16;
     const Setting dark{.gain = 0.25}, bright_tiles{.tile_extent = {8, 7, 4, 3}, .gain = 37},
         small_tiles{.tile_extent = {8, 7, 4, 3}},
-        layers{.tile_extent = {8, 8, 4, 4}, .layers = true},
-        bright{.gain = 37}, in_a_disc{.tile_extent = {8, 7, 4, 3}, .has_mask = true},
+        layers{.tile_extent = {8, 8, 4, 4}, .layers = true}, bright{.gain = 37},
+        in_a_disc{.tile_extent = {8, 7, 4, 3}, .has_mask = true},
         baked{.is_dear_to_reread = true, .gain = 0.25};
     return {
         {"0_composed", composed, {{24, 16, 8, 8}, byte, 3}, {Kind::quality, 60}},
