@@ -26,7 +26,7 @@ constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles
 constexpr int quick_effort_of_trial = 2, most_effort_of_trial = 4;
 // At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
 // fifths of the encode.
-constexpr std::uint64_t fewest_patches_by_estimate = 2;
+constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr double clear_difference = 0.08;
 constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 // Tiles of places this narrow hold so many views that base pictures, most of them margin, say little.
@@ -61,7 +61,7 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     const bool quick = plan.effort.quick;
     const std::uint64_t fewest = quick ? fewest_patches_by_estimate : fewest_patches;
     const std::uint64_t wanted =
-        std::clamp(cut.grid.tiles() / 16, fewest, std::clamp(affordable, fewest, most_patches));
+        std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest, std::clamp(affordable, fewest, most_patches));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)
