@@ -551,9 +551,8 @@ void BlockSearch::gather_difference(const Block& block, const BlockPrediction& p
     const std::int32_t* predicted = predicted_.data();
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s, to += page, predicted += page) {
-            const float* from =
-                source + plane_index(shape_, block.origin[0], block.origin[1], block.origin[2] + s,
-                                     block.origin[3] + t);
+            const float* from = source + plane_index(shape_, block.origin[0], block.origin[1],
+                                                     block.origin[2] + s, block.origin[3] + t);
             if (copies)
                 search_kernels().subtract_predicted(from, shape_.n[0], predicted, codes_, n[1],
                                                     n[0], to);

@@ -60,8 +60,8 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
         most_patch_bytes / (2 * texel_count(extent) * plan.colour.desc.texel_bytes());
     const bool quick = plan.effort.quick;
     const std::uint64_t fewest = quick ? fewest_patches_by_estimate : fewest_patches;
-    const std::uint64_t wanted =
-        std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest, std::clamp(affordable, fewest, most_patches));
+    const std::uint64_t wanted = std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest,
+                                            std::clamp(affordable, fewest, most_patches));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)

@@ -583,6 +583,119 @@ TEST_F(SearchPaths, MomentsAreEqual) {
     }
 }
 
+// As two passes along outer axes, whatever the sides.
+TEST_F(SearchPaths, ForwardViewsAreEqualAndRight) {
+    Random random(31);
+    for (const int ns : {1, 2, 3, 4, 5, 8})
+        for (const int nt : {1, 2, 4, 7})
+            for (const int width : {1, 3, 4, 8, 13}) {
+                constexpr int rows = 3;
+                const int row = width + 2, s = row * rows, t = s * ns;
+                const CellViews cell{width, rows, ns, nt, row, s, t};
+                const auto in = random_floats(random, t * nt, 255);
+                std::vector<float> a(in.size()), b(in.size()), between(in.size()), both(in.size());
+                search_kernels_scalar.forward_views(in.data(), a.data(), cell);
+                search_kernels_avx2.forward_views(in.data(), b.data(), cell);
+                ASSERT_EQ(a, b) << ns << " " << nt << " " << width;
+                search_kernels_scalar.forward_planes(in.data(), t, between.data(), t, nt, t,
+                                                     forward_basis(nt));
+                for (int i = 0; i < nt; ++i)
+                    search_kernels_scalar.forward_planes(between.data() + i * t, s,
+                                                         both.data() + i * t, s, ns, s,
+                                                         forward_basis(ns));
+                for (int i = 0; i < t * nt; ++i) {
+                    const bool is_cells = i % row < width; // what lies between stays as it is
+                    ASSERT_NEAR(a[static_cast<std::size_t>(i)],
+                                is_cells ? both[static_cast<std::size_t>(i)] : 0, 1e-2)
+                        << ns << " " << nt << " " << width;
+                }
+            }
+}
+
+TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
+    Random random(32);
+    const std::int32_t background[3] = {100, -3, 17};
+    for (const int texels : {1, 8, 11, 24, 64})
+        for (const int images : {1, 8, 9, 16}) {
+            const auto count = static_cast<std::size_t>(texels * images);
+            // Half of it is the background, whose squares are skipped.
+            std::vector<unsigned char> rgb(3 * count);
+            for (std::size_t i = 0; i < rgb.size(); ++i)
+                rgb[i] = i < rgb.size() / 2 ? std::array<unsigned char, 3>{91, 109, 94}[i % 3]
+                                            : static_cast<unsigned char>(random.range(0, 255));
+            std::array<std::vector<std::int32_t>, 3> right;
+            std::array<std::vector<float>, 3> planes;
+            std::int32_t* to[3];
+            for (std::size_t p = 0; p < 3; ++p) {
+                right[p].resize(count);
+                to[p] = right[p].data();
+            }
+            kernels_scalar.load_ycocg8(rgb.data(), texels, images, background, to);
+            for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+                Ycocg8Planes out{{}, {background[0], background[1], background[2]}, texels, images};
+                for (std::size_t p = 0; p < 3; ++p) {
+                    planes[p].assign(count, -1);
+                    out.plane[p] = planes[p].data();
+                }
+                path->load_ycocg8(out, rgb.data());
+                for (std::size_t p = 0; p < 3; ++p)
+                    for (std::size_t i = 0; i < count; ++i)
+                        ASSERT_EQ(planes[p][i] * 16, static_cast<float>(right[p][i]))
+                            << texels << " " << images;
+            }
+        }
+}
+
+TEST_F(SearchPaths, BytesCompareAlike) {
+    Random random(33);
+    for (const std::size_t n : {1u, 31u, 32u, 100u, 4096u, 9001u}) {
+        std::vector<unsigned char> a(n), b(n);
+        std::uint64_t squared = 0;
+        std::uint32_t largest = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            a[i] = static_cast<unsigned char>(random.range(0, 255));
+            b[i] = static_cast<unsigned char>(random.chance(0.5) ? a[i] : random.range(0, 255));
+            const auto error = static_cast<std::uint32_t>(std::abs(a[i] - b[i]));
+            squared += std::uint64_t{error} * error;
+            largest = std::max(largest, error);
+        }
+        for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+            const ByteErrors errors = path->compare_bytes(a.data(), b.data(), n);
+            EXPECT_EQ(errors.squared, squared) << n;
+            EXPECT_EQ(errors.largest, largest) << n;
+        }
+    }
+}
+
+TEST_F(SearchPaths, CellsAndMagnitudesAreEqual) {
+    Random random(34);
+    for (int n = 1; n <= 37; ++n) {
+        const auto count = static_cast<std::size_t>(n);
+        const auto x = random_floats(random, 2 * n, 300), squares = random_floats(random, n, 9e4);
+        const auto start = random_floats(random, n, 10);
+        const std::vector<float> texels(count, 64);
+        float right = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            right = std::max(right, std::fabs(x[i]));
+        std::array<std::vector<float>, 4> a, b;
+        for (const bool scalar : {true, false}) {
+            const SearchKernels& path = scalar ? search_kernels_scalar : search_kernels_avx2;
+            auto& [pairs, singles, energy, of_mean] = scalar ? a : b;
+            pairs = singles = energy = of_mean = start;
+            path.add_pairs(x.data(), n, pairs.data());
+            path.add_singles(x.data(), n, singles.data());
+            path.measure_cells(x.data(), squares.data(), texels.data(), n, 0.5f, energy.data(),
+                               of_mean.data());
+            EXPECT_EQ(path.largest_magnitude(x.data(), n), right) << n;
+        }
+        EXPECT_EQ(a, b) << n;
+        for (std::size_t i = 0; i < count; ++i) {
+            EXPECT_EQ(a[0][i], start[i] + x[2 * i] + x[2 * i + 1]);
+            EXPECT_EQ(a[3][i], x[i] * x[i] / 64 * 0.5f);
+        }
+    }
+}
+
 // The environment decides; ctest runs this test with TESSERA_SIMD=scalar and =vector as well.
 TEST(Kernels, FollowTheEnvironment) {
     const char* wish = std::getenv("TESSERA_SIMD");
