@@ -82,6 +82,9 @@ struct Ycocg8Planes {
     float* plane[3];
     std::int32_t background[3]; // Y, Co, Cg of an 8-bit RGB texel
     int texels, images;
+    // Of each square of eight texels and eight images, whether the planes are known to be 0 there; kept up to
+    // date.
+    std::uint8_t* is_zero;
 };
 
 struct SearchKernels {

@@ -595,13 +595,17 @@ inline void transpose(__m256 r[8]) {
 
 // Eight texels of eight images, to where the first stands.
 inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, int at,
-                               __m256i blank) {
+                               __m256i blank, std::uint8_t& is_zero) {
     __m256i rgb[8], differs = _mm256_setzero_si256();
     for (int j = 0; j < 8; ++j) {
         rgb[j] = load_24_bytes(in + 3 * j * to.images);
         differs = _mm256_or_si256(differs, _mm256_xor_si256(rgb[j], blank));
     }
-    if (_mm256_testz_si256(differs, differs)) { // the background; much is, in some textures
+    const bool was_zero = is_zero != 0;
+    is_zero = static_cast<std::uint8_t>(_mm256_testz_si256(differs, differs));
+    if (is_zero != 0) { // the background; much is, in some textures
+        if (was_zero)
+            return;
         for (float* const plane : to.plane)
             for (int j = 0; j < 8; ++j)
                 _mm256_storeu_ps(plane + at + j * to.texels, _mm256_setzero_ps());
@@ -643,8 +647,8 @@ void load_ycocg8(const Ycocg8Planes& to, const unsigned char* in) {
     for (int x = 0; x < whole_texels; x += 16)
         for (int i = 0; i < whole_images; i += 8)
             for (int side = x; side < x + 16 && side < whole_texels; side += 8)
-                load_ycocg8_square(to, in + 3 * (side * to.images + i), i * to.texels + side,
-                                   blank);
+                load_ycocg8_square(to, in + 3 * (side * to.images + i), i * to.texels + side, blank,
+                                   to.is_zero[(side / 8) * (whole_images / 8) + i / 8]);
 #endif
     load_ycocg8_part(to, in, 0, whole_texels, whole_images, to.images);
     load_ycocg8_part(to, in, whole_texels, to.texels, 0, to.images);

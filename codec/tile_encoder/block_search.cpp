@@ -97,6 +97,7 @@ int depths(int a, int b, int smallest) {
 
 void BlockSearch::set_tile(const TilePlanes& planes) {
     shape_ = planes.shape;
+    zero_shape_ = {};
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (int plane = 0; plane < coding_.planes; ++plane) {
         const auto p = static_cast<std::size_t>(plane);
@@ -112,8 +113,13 @@ bool BlockSearch::set_texels(std::span<const std::byte> texels, const ColourCodi
         return false;
     shape_ = shape;
     const auto& [nu, nv, ns, nt] = shape.n;
+    if (!(zero_shape_ == shape)) {
+        zero_shape_ = shape;
+        zero_squares_.assign(static_cast<std::size_t>(nu) * nv / 8 * (std::size_t{ns} * nt / 8), 0);
+    }
     const TexelCodes background = background_planes(colour);
-    Ycocg8Planes to{{}, {background[0], background[1], background[2]}, nu * nv, ns * nt};
+    Ycocg8Planes to{
+        {}, {background[0], background[1], background[2]}, nu * nv, ns * nt, zero_squares_.data()};
     for (std::size_t plane = 0; plane < 3; ++plane) {
         source_[plane].resize(static_cast<std::size_t>(shape.texels()));
         to.plane[plane] = source_[plane].data();

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <span>
 #include <vector>
@@ -182,6 +183,8 @@ private:
     std::array<float, max_planes> inverse_step_{};
     float inverse_rotated_step_ = 1;
     std::array<std::vector<float>, max_planes> source_, angular_;
+    BlockShape zero_shape_; // of the tile that zero_squares_ is about; one texel has no squares
+    std::vector<std::uint8_t> zero_squares_;              // Ycocg8Planes::is_zero of source_
     std::array<const float*, max_planes> angular_view_{}; // the first where nothing is transformed
     std::vector<float> scratch_a_, rotated_;
     std::array<std::vector<float>, max_planes>

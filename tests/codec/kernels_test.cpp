@@ -632,12 +632,19 @@ TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
             }
             kernels_scalar.load_ycocg8(rgb.data(), texels, images, background, to);
             for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
-                Ycocg8Planes out{{}, {background[0], background[1], background[2]}, texels, images};
+                std::vector<std::uint8_t> is_zero(count / 64 + 1, 0);
+                Ycocg8Planes out{{},
+                                 {background[0], background[1], background[2]},
+                                 texels,
+                                 images,
+                                 is_zero.data()};
                 for (std::size_t p = 0; p < 3; ++p) {
                     planes[p].assign(count, -1);
                     out.plane[p] = planes[p].data();
                 }
-                path->load_ycocg8(out, rgb.data());
+                std::vector<unsigned char> noise(rgb.rbegin(), rgb.rend());
+                for (const auto* bytes : {&rgb, &noise, &rgb}) // what was 0 is not, and is again
+                    path->load_ycocg8(out, bytes->data());
                 for (std::size_t p = 0; p < 3; ++p)
                     for (std::size_t i = 0; i < count; ++i)
                         ASSERT_EQ(planes[p][i] * 16, static_cast<float>(right[p][i]))
