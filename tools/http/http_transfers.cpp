@@ -1,5 +1,6 @@
 #include "tools/http/http_transfers.h"
 
+#include "tools/http/curl_library.h"
 #include "tools/http/http_attempt.h"
 #include "tools/support/interrupt.h"
 
@@ -32,11 +33,6 @@ struct Job {
     std::unique_ptr<HttpAttempt> attempt; // while it is in flight
 };
 
-bool start_libcurl() {
-    static const bool started = curl_global_init(CURL_GLOBAL_DEFAULT) == CURLE_OK;
-    return started;
-}
-
 } // namespace
 
 class HttpTransfers::Worker {
@@ -44,9 +40,9 @@ public:
     Worker(CURLM* multi, std::string url, std::string name, const HttpOptions& options)
         : multi_(multi), url_(std::move(url)), name_(std::move(name)), options_(options) {
         options_.in_flight = std::clamp(options_.in_flight, 1u, 64u);
-        curl_multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(options_.in_flight));
-        curl_multi_setopt(multi_, CURLMOPT_MAX_TOTAL_CONNECTIONS,
-                          static_cast<long>(options_.in_flight));
+        curl().multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(options_.in_flight));
+        curl().multi_setopt(multi_, CURLMOPT_MAX_TOTAL_CONNECTIONS,
+                            static_cast<long>(options_.in_flight));
         thread_ = std::thread([this] { work(); });
     }
 
@@ -55,9 +51,9 @@ public:
             const std::lock_guard lock(mutex_);
             stopping_ = true;
         }
-        curl_multi_wakeup(multi_);
+        curl().multi_wakeup(multi_);
         thread_.join();
-        curl_multi_cleanup(multi_);
+        curl().multi_cleanup(multi_);
     }
 
     void set_fields(std::vector<std::string> fields) { fields_ = std::move(fields); }
@@ -70,7 +66,7 @@ public:
             jobs.push_back({request, &batch, 0, {}, nullptr});
         std::unique_lock lock(mutex_);
         waiting_.splice(waiting_.end(), jobs);
-        curl_multi_wakeup(multi_);
+        curl().multi_wakeup(multi_);
         ended_.wait(lock, [&] { return batch.left == 0; });
         return batch.error;
     }
@@ -91,7 +87,7 @@ private:
                 }
             }
             // Without the lock: this is where the time goes, and where run() may add jobs.
-            curl_multi_poll(multi_, nullptr, 0, poll_milliseconds(), nullptr);
+            curl().multi_poll(multi_, nullptr, 0, poll_milliseconds(), nullptr);
         }
     }
 
@@ -104,9 +100,9 @@ private:
         drop_failed();
         start_some();
         int running = 0;
-        curl_multi_perform(multi_, &running);
+        curl().multi_perform(multi_, &running);
         int left = 0;
-        while (const CURLMsg* message = curl_multi_info_read(multi_, &left))
+        while (const CURLMsg* message = curl().multi_info_read(multi_, &left))
             if (message->msg == CURLMSG_DONE)
                 finish(message->easy_handle, message->data.result);
         drop_failed();
@@ -144,7 +140,7 @@ private:
                 end(current, attempt.status());
                 continue;
             }
-            if (curl_multi_add_handle(multi_, (*attempt)->handle()) != CURLM_OK) {
+            if (curl().multi_add_handle(multi_, (*attempt)->handle()) != CURLM_OK) {
                 end(current, {ErrorCode::runtime, "libcurl cannot start a request"});
                 continue;
             }
@@ -177,7 +173,7 @@ private:
     void stop(Job& job) {
         if (job.attempt == nullptr)
             return;
-        curl_multi_remove_handle(multi_, job.attempt->handle());
+        curl().multi_remove_handle(multi_, job.attempt->handle());
         job.attempt.reset();
     }
 
@@ -229,7 +225,8 @@ private:
 
 Result<std::unique_ptr<HttpTransfers>>
 HttpTransfers::create(const std::string& url, const std::string& name, const HttpOptions& options) {
-    CURLM* multi = start_libcurl() ? curl_multi_init() : nullptr;
+    TESSERA_TRY(load_curl());
+    CURLM* multi = curl().multi_init();
     if (multi == nullptr)
         return Status(ErrorCode::runtime, name + ": libcurl does not start");
     return std::unique_ptr<HttpTransfers>(
