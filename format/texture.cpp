@@ -66,11 +66,14 @@ Status check_desc(const TextureDesc& desc) {
 
 namespace {
 
-// Copies a run; runs are mostly eight texels, too short for a call of memcpy to pay.
+// Copies a run; runs are mostly four or eight texels, too short for a call of memcpy to pay.
 void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
     if (bytes >= 16 && bytes <= 32) {
         std::memcpy(to, from, 16);
         std::memcpy(to + bytes - 16, from + bytes - 16, 16);
+    } else if (bytes >= 8 && bytes < 16) {
+        std::memcpy(to, from, 8);
+        std::memcpy(to + bytes - 8, from + bytes - 8, 8);
     } else {
         std::memcpy(to, from, bytes);
     }
