@@ -19,8 +19,9 @@ LoadedCurl open_curl() {
     void* handle = ::dlopen(curl_file, RTLD_NOW | RTLD_LOCAL);
     const auto failed = [] {
         const char* why = ::dlerror();
-        return Status(ErrorCode::unsupported, std::string("HTTP needs libcurl, which cannot be used: ") +
-                                                  (why != nullptr ? why : curl_file));
+        return Status(ErrorCode::unsupported,
+                      std::string("HTTP needs libcurl, which cannot be used: ") +
+                          (why != nullptr ? why : curl_file));
     };
     if (handle == nullptr) {
         loaded.status = failed();
