@@ -131,7 +131,6 @@ bool BlockSearch::set_texels(std::span<const std::byte> texels, const ColourCodi
 float BlockSearch::choose_blocks(TileLevels& out) {
     displacements_.forget_likely();
     const auto texels = static_cast<std::size_t>(shape_.texels());
-    scratch_a_.resize(std::max(scratch_a_.size(), texels));
     for (auto& plane : coefficients_)
         plane.resize(texels);
     spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);

@@ -59,7 +59,8 @@ public:
     // Of what follows: steps of 2^(-k / 2) times the file's, as base pictures have them.
     void set_fineness(int k);
 
-    // Coefficients of one block of the tile that was taken last; of its difference to what it copies from `reconstructed`, if it does.
+    // Coefficients of one block of the tile that was taken last; of its difference to what it copies from
+    // `reconstructed`, if it does.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out);
 
