@@ -36,6 +36,17 @@ std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const Tile
     return workers;
 }
 
+// Texels that a slab may have: fewer than the memory for `most` where it gathers places, as what
+// stays in a cache is gathered in a fifth less time; but never less than a tile's places.
+std::uint64_t slab_texels(const TileGrid& grid, Locality locality, std::uint64_t most) {
+    if (locality != Locality::places)
+        return most;
+    constexpr std::uint64_t preferred = 2u << 20;
+    const Extent4 tile = grid.box(0).extent(), size = grid.size(); // sides differ by a texel
+    const std::uint64_t places = (tile[axis_u] + 1ull) * (tile[axis_v] + 1ull);
+    return std::min(most, std::max(preferred, places * size[axis_s] * size[axis_t]));
+}
+
 } // namespace
 
 Decoder::Decoder(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -164,9 +175,11 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     const TileGrid& grid = container.grid();
     std::vector<Worker> workers =
         make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
-    TESSERA_TRY_ASSIGN(const auto slabs, make_slabs(grid, box, sink.locality(),
-                                                    {slab_bytes / desc().texel_bytes(), false})
-                                             .with_context(container.name()));
+    TESSERA_TRY_ASSIGN(
+        const auto slabs,
+        make_slabs(grid, box, sink.locality(),
+                   {slab_texels(grid, sink.locality(), slab_bytes / desc().texel_bytes()), false})
+            .with_context(container.name()));
     std::vector<std::uint64_t> order;
     for (const Slab& slab : slabs)
         order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
