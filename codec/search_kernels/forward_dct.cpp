@@ -48,29 +48,20 @@ std::vector<Segment> axis_segments(int side, int depth) {
     return segments;
 }
 
-void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
-                  const std::vector<Segment>& segments) {
+void forward_axis(const float* in, float* out, const BlockShape& block, int axis) {
     int inner = 1, outer = 1;
     for (int a = 0; a < 4; ++a)
-        (a < axis ? inner : a > axis ? outer : inner) *= a == axis ? 1 : tile.n[a];
-    const int side = tile.n[axis];
+        (a < axis ? inner : a > axis ? outer : inner) *= a == axis ? 1 : block.n[a];
+    const int side = block.n[axis];
     const SearchKernels& k = search_kernels();
-    for (const Segment& s : segments) {
-        if (s.size == 0)
-            continue;
-        if (s.size == 1) {
-            for (int o = 0; o < outer; ++o)
-                std::copy_n(in + (o * side + s.begin) * inner, inner,
-                            out + (o * side + s.begin) * inner);
-        } else if (axis == 0) {
-            k.forward_rows(in + s.begin, out + s.begin, outer, s.size, side, forward_basis(s.size));
-        } else {
-            for (int o = 0; o < outer; ++o)
-                k.forward_planes(in + (o * side + s.begin) * inner, inner,
-                                 out + (o * side + s.begin) * inner, inner, s.size, inner,
-                                 forward_basis(s.size));
-        }
-    }
+    if (side == 1)
+        std::copy_n(in, outer * inner, out);
+    else if (axis == 0)
+        k.forward_rows(in, out, outer, side, side, forward_basis(side));
+    else
+        for (int o = 0; o < outer; ++o)
+            k.forward_planes(in + o * side * inner, inner, out + o * side * inner, inner, side,
+                             inner, forward_basis(side));
 }
 
 } // namespace tessera

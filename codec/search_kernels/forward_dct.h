@@ -1,4 +1,4 @@
-// Float forward DCT of blocks inside a tile; steers the encoder only.
+// Float forward DCT of blocks; steers the encoder only.
 #pragma once
 
 #include "codec/search_kernels/search_kernels.h"
@@ -30,8 +30,7 @@ struct Segment {
 // path through the split tree (see children_of).
 std::vector<Segment> axis_segments(int side, int depth);
 
-// Transforms every segment along one axis (0 u .. 3 t) of a tile, from `in` to `out` (not the same).
-void forward_axis(const float* in, float* out, const BlockShape& tile, int axis,
-                  const std::vector<Segment>& segments);
+// Transforms a block along one axis (0 u .. 3 t), from `in` to `out` (not the same).
+void forward_axis(const float* in, float* out, const BlockShape& block, int axis);
 
 } // namespace tessera

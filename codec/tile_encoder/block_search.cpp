@@ -597,7 +597,7 @@ void BlockSearch::transform_block(const Block& block, const BlockPrediction& pre
         for (int axis = out.is_blank[p] ? -1 : 3; axis >= 0; --axis) {
             if (n[axis] == 1)
                 continue;
-            forward_axis(x.data(), scratch_a_.data(), block.shape, axis, {{0, n[axis]}});
+            forward_axis(x.data(), scratch_a_.data(), block.shape, axis);
             x.swap(scratch_a_);
         }
     }

@@ -182,8 +182,7 @@ float BlockSearch::copy_cost(const Block& block, const BlockPrediction& predicti
         }
         for (int axis = 3; axis >= 2; --axis)
             if (shape.n[axis] > 1) {
-                forward_axis(residual_.data(), scratch_a_.data(), shape, axis,
-                             {{0, shape.n[axis]}});
+                forward_axis(residual_.data(), scratch_a_.data(), shape, axis);
                 residual_.swap(scratch_a_);
             }
         for (int i = 0; i < images; ++i)

@@ -12,11 +12,10 @@ namespace {
 
 using namespace tessera::test::transforms;
 
-std::vector<float> forward(const std::vector<float>& texels, const BlockShape& shape, int depth) {
+std::vector<float> forward(const std::vector<float>& texels, const BlockShape& shape) {
     std::vector<float> a = texels, b(texels.size());
     for (int axis = 0; axis < 4; ++axis) {
-        forward_axis(a.data(), b.data(), shape, axis,
-                     axis_segments(shape.n[static_cast<std::size_t>(axis)], depth));
+        forward_axis(a.data(), b.data(), shape, axis);
         a.swap(b);
     }
     return a;
@@ -33,7 +32,7 @@ TEST(ForwardTransform, MatchesDoublePrecision) {
         const std::vector<float> x = random_floats(random, shape.texels(), 255);
         std::vector<double> want(x.begin(), x.end());
         slow_dct(want, shape, false);
-        const std::vector<float> got = forward(x, shape, 0);
+        const std::vector<float> got = forward(x, shape);
         const int terms = shape.n[0] + shape.n[1] + shape.n[2] + shape.n[3];
         const double bound = 255 * 6e-8 * terms * std::sqrt(shape.texels());
         for (std::size_t i = 0; i < x.size(); ++i)
@@ -47,7 +46,7 @@ TEST(ForwardTransform, InverseRestoresTexels) {
         std::vector<float> x(static_cast<std::size_t>(shape.texels()));
         for (float& value : x)
             value = static_cast<float>(random.range(-255, 255));
-        const std::vector<float> c = forward(x, shape, 0);
+        const std::vector<float> c = forward(x, shape);
         const std::vector<std::int32_t> y =
             inverse_by_kernels(exact_fixed_point({c.begin(), c.end()}, shape), shape);
         for (std::size_t i = 0; i < x.size(); ++i)

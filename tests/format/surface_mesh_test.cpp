@@ -247,6 +247,18 @@ TEST(MeshStream, RefusesOtherKindsOfStreams) {
     says(14, 3, "seams");
 }
 
+TEST(MeshStream, SaysWhereItsHeadIsCutOff) {
+    const Bytes stream = box_stream(0);
+    const auto cut_at = [&](std::size_t size) {
+        return decode_mesh(std::span(stream).first(size), no_limit).status();
+    };
+    for (std::size_t size = 0; size < 15; ++size) { // to the number of seams, which counts follow
+        EXPECT_EQ(cut_at(size).code(), ErrorCode::invalid_file) << size;
+        EXPECT_NE(cut_at(size).message().find("is cut off"), std::string::npos) << size;
+    }
+    EXPECT_EQ(cut_at(15).message().find("is cut off"), std::string::npos);
+}
+
 // An attribute says its kind, its type of numbers, how many, and whether they are normalised.
 TEST(MeshStream, RefusesOtherAttributes) {
     constexpr int positions = 0, normals = 1, colours = 2, floats = 9;
