@@ -1,5 +1,6 @@
 // .obj and .ply by Assimp.
 #include "corpus/model/image_file.h"
+#include "corpus/model/ply_check.h"
 #include "corpus/model/readers.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <assimp/scene.h>
 #include <cmath>
 #include <map>
-#include <string_view>
 
 namespace tessera::corpus {
 namespace {
@@ -20,13 +20,6 @@ constexpr int deepest_node = 64;
 double to_linear(double x) {
     x = std::clamp(x, 0.0, 1.0);
     return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
-}
-
-// Assimp (5.2) looks for the end of a header without end.
-template <class Bytes> bool has_ply_header(const Bytes& bytes) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    return text.find("\nend_header\n") != text.npos || text.find("\nend_header\r") != text.npos ||
-           text.find("\rend_header\r") != text.npos;
 }
 
 class AssimpScene {
@@ -151,11 +144,11 @@ Status check_faces(const aiScene& scene) {
 
 } // namespace
 
-Status read_with_assimp(const std::string& path, ModelBuilder& builder) {
+Status read_with_assimp(const std::string& path, bool is_ply, ModelBuilder& builder) {
     // Says why a file cannot be read.
     TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_file_bytes));
-    if (path.ends_with(".ply") && !has_ply_header(bytes))
-        return {ErrorCode::invalid_file, "its header has no end"};
+    if (is_ply)
+        TESSERA_TRY(check_ply(std::as_bytes(std::span(bytes))));
     Assimp::Importer importer;
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,

@@ -25,7 +25,8 @@ bool is_gltf(const std::string& suffix) {
 Result<Model> load(const std::string& path) {
     const std::string suffix = suffix_of(path);
     ModelBuilder builder;
-    TESSERA_TRY(is_gltf(suffix) ? read_gltf(path, builder) : read_with_assimp(path, builder));
+    TESSERA_TRY(is_gltf(suffix) ? read_gltf(path, builder)
+                                : read_with_assimp(path, suffix == "ply", builder));
     return std::move(builder).finish();
 }
 

@@ -7,6 +7,6 @@ namespace tessera::corpus {
 
 // Errors name the element, not the file.
 Status read_gltf(const std::string& path, ModelBuilder& builder);
-Status read_with_assimp(const std::string& path, ModelBuilder& builder); // .obj, .ply
+Status read_with_assimp(const std::string& path, bool is_ply, ModelBuilder& builder); // .obj, .ply
 
 } // namespace tessera::corpus

@@ -152,6 +152,64 @@ TEST_F(Models, ObjAndPly) {
     EXPECT_FALSE(load("c.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").ok());
 }
 
+// Memory is reserved by Assimp for whatever a PLY claims: the first two took 103 and 27 GB.
+TEST_F(Models, PlyThatClaimsMoreThanItHas) {
+    const auto with = [&](std::string_view old, std::string_view now) {
+        std::string text =
+            "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nelement vertex 3\r\n"
+            "property float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\n"
+            "property list uchar int vertex_indices\r\nend_header\r\n"
+            "0 0 0\r\n1e0 0 +0\r\n0 1.0 0\r\n3 0 1 2\r\n";
+        text.replace(text.find(old), old.size(), now);
+        return load("a.PLY", text).status();
+    };
+    EXPECT_TRUE(with("ply", "ply").ok()) << with("ply", "ply").message();
+    const auto refuses = [&](std::string_view old, std::string_view now, const char* what) {
+        EXPECT_EQ(with(old, now).code(), ErrorCode::invalid_file) << now;
+        EXPECT_NE(with(old, now).message().find(what), std::string::npos)
+            << with(old, now).message();
+    };
+    refuses("vertex 3", "4294967295vertex 3", "line 4");
+    refuses("3 0 1 2", "11111111111111111111 0 1 2", "element face: line 14");
+    refuses("3 0 1 2", "3 0 1", "line 14");
+    refuses("3 0 1 2", "3 0 1 2 4294967295", "line 14");
+    refuses("face 1", "face 4294967295", "line 8");
+    refuses("face 1", "face 2", "element face");
+    refuses("float x", "float x y", "line 5");
+    refuses("float z", "floot z", "line 7");
+    refuses("end_header", "end", "line 10");
+}
+
+TEST_F(Models, BinaryPly) {
+    const auto file_of = [](bool big, int corners, std::size_t keep) {
+        std::string text = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                           "_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                           "property float z\nelement face 1\n"
+                           "property list int int vertex_indices\nend_header\n";
+        const auto put = [&](std::uint32_t x) {
+            for (int i = 0; i < 4; ++i)
+                text.push_back(static_cast<char>(x >> 8 * (big ? 3 - i : i)));
+        };
+        for (const float x : {0, 0, 0, 1, 0, 0, 0, 1, 0})
+            put(std::bit_cast<std::uint32_t>(x));
+        put(static_cast<std::uint32_t>(corners));
+        for (std::uint32_t i = 0; i < 3; ++i)
+            put(i);
+        return text.substr(0, text.size() - 52 + keep);
+    };
+    for (const bool big : {false, true}) {
+        const auto sound = load("a.ply", file_of(big, 3, 52));
+        ASSERT_TRUE(sound.ok()) << sound.status().message();
+        EXPECT_EQ(sound->triangles.size(), 1u);
+        for (const int corners : {-3, 4, 0x7FFFFFFF})
+            EXPECT_EQ(load("a.ply", file_of(big, corners, 52)).status().code(),
+                      ErrorCode::invalid_file);
+        for (const std::size_t keep : {0, 35, 36, 39, 40, 51})
+            EXPECT_EQ(load("a.ply", file_of(big, 3, keep)).status().code(),
+                      ErrorCode::invalid_file);
+    }
+}
+
 TEST_F(Models, UnknownKindsAndMissingFiles) {
     EXPECT_EQ(load("a.stl", "").status().code(), ErrorCode::bad_argument);
     for (const char* name : {"no.gltf", "no.obj", "no.ply"}) {

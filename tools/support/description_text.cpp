@@ -48,7 +48,8 @@ bool parse_floats(std::string_view text, float* out, int count) {
         const std::size_t comma = text.find(',');
         double value = 0;
         if ((comma == std::string_view::npos) != (i == count - 1) ||
-            !parse_number(text.substr(0, comma), value) || std::abs(value) > 1e30)
+            !parse_number(text.substr(0, comma), value) ||
+            std::abs(static_cast<float>(value)) > 1e30f) // as it is written again
             return false;
         out[i] = static_cast<float>(value);
         text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
