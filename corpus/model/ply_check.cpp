@@ -17,10 +17,10 @@ struct Number {
     bool is_whole, has_sign;
 };
 constexpr Number numbers[] = {
-    {"char", "int8", 1, true, true},       {"uchar", "uint8", 1, true, false},
-    {"short", "int16", 2, true, true},     {"ushort", "uint16", 2, true, false},
-    {"int", "int32", 4, true, true},       {"uint", "uint32", 4, true, false},
-    {"float", "float32", 4, false, true},  {"double", "float64", 8, false, true},
+    {"char", "int8", 1, true, true},      {"uchar", "uint8", 1, true, false},
+    {"short", "int16", 2, true, true},    {"ushort", "uint16", 2, true, false},
+    {"int", "int32", 4, true, true},      {"uint", "uint32", 4, true, false},
+    {"float", "float32", 4, false, true}, {"double", "float64", 8, false, true},
 };
 
 const Number* number_of(std::string_view name) {
