@@ -553,14 +553,14 @@ void BlockSearch::gather_difference(const Block& block, const BlockPrediction& p
     if (copies)
         predict_plane(block, prediction, coding_, reconstructed, p, predicted_);
     const int page = n[0] * n[1];
-    const std::int32_t* predicted = predicted_.data();
     for (int t = 0; t < n[3]; ++t)
-        for (int s = 0; s < n[2]; ++s, to += page, predicted += page) {
+        for (int s = 0; s < n[2]; ++s, to += page) {
             const float* from = source + plane_index(shape_, block.origin[0], block.origin[1],
                                                      block.origin[2] + s, block.origin[3] + t);
             if (copies)
-                search_kernels().subtract_predicted(from, shape_.n[0], predicted, codes_, n[1],
-                                                    n[0], to);
+                search_kernels().subtract_predicted(from, shape_.n[0],
+                                                    predicted_.data() + (t * n[2] + s) * page,
+                                                    codes_, n[1], n[0], to);
             else
                 for (int v = 0; v < n[1]; ++v)
                     std::copy_n(from + v * shape_.n[0], n[0], to + v * n[0]);

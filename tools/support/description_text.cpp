@@ -44,14 +44,16 @@ Status set_by_name(Enum& out, int last, std::string_view field, const std::strin
 }
 
 bool parse_floats(std::string_view text, float* out, int count) {
+    constexpr float largest = 1e30f;
     for (int i = 0; i < count; ++i) {
         const std::size_t comma = text.find(',');
         double value = 0;
         if ((comma == std::string_view::npos) != (i == count - 1) ||
-            !parse_number(text.substr(0, comma), value) ||
-            std::abs(static_cast<float>(value)) > 1e30f) // as it is written again
+            !parse_number(text.substr(0, comma), value) || std::abs(value) > 2.0 * largest)
             return false;
         out[i] = static_cast<float>(value);
+        if (std::abs(out[i]) > largest) // as a float: its own text, rounded, may say more
+            return false;
         text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
     }
     return true;
