@@ -3,6 +3,7 @@
 #include "corpus/sampling.h"
 #include "format/samples.h"
 #include "tests/support/corpus_support.h"
+#include "tests/support/fnv1a.h"
 
 #include <filesystem>
 #include <fstream>
@@ -84,13 +85,6 @@ std::string field(const std::string& line, const std::string& key) {
                               : line.substr(begin, line.find_first_of(",}", begin) - begin);
 }
 
-std::uint64_t fnv1a(const Bytes& bytes) {
-    std::uint64_t hash = 0xCBF29CE484222325u;
-    for (const std::byte byte : bytes)
-        hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001B3u;
-    return hash;
-}
-
 // The manifest's size and sample count; kept here too, so that neither changes unnoticed.
 constexpr Extent4 manifest_size{32, 16, 8, 8};
 
@@ -102,7 +96,7 @@ std::string manifest_line(const SceneInfo& info, const Bytes& bytes) {
                   "\"samples_per_texel\": 4, \"seed\": 1, \"mean\": %.6g, \"min\": %.6g, "
                   "\"max\": %.6g, \"fnv1a64\": \"%016llx\"}",
                   info.name.c_str(), info.type == SampleType::unorm8 ? "unorm8" : "half16", is.mean,
-                  is.least, is.most, static_cast<unsigned long long>(fnv1a(bytes)));
+                  is.least, is.most, static_cast<unsigned long long>(test::fnv1a_64(bytes)));
     return text;
 }
 

@@ -5,6 +5,7 @@
 //   same_bytes GOLDEN_FOLDER [decode|encode]   only that; decode is short enough for valgrind
 #include "codec/decoder.h"
 #include "tests/support/encodings.h"
+#include "tests/support/fnv1a.h"
 
 #include <cstdio>
 #include <cstdlib>

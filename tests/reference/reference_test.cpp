@@ -6,6 +6,7 @@
 #include "format/tile/features.h"
 #include "tests/reference/spec_decoder.h"
 #include "tests/support/efforts.h"
+#include "tests/support/fnv1a.h"
 
 #include <gtest/gtest.h>
 
@@ -28,6 +29,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 using Kind = RateTarget::Kind;
+using test::fnv1a_64;
 namespace reference = tessera_reference;
 
 // ------------------------------------------------------------------------------------- textures
@@ -629,13 +631,6 @@ TEST(Reference, DefaultParametersAreCopiedRight) {
 }
 
 // ------------------------------------------------------------------------------------ golden files
-
-std::uint64_t fnv1a_64(const Bytes& bytes) {
-    std::uint64_t hash = 0xCBF29CE484222325;
-    for (const std::byte b : bytes)
-        hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001B3;
-    return hash;
-}
 
 std::filesystem::path golden(const std::string& name) {
     return std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;

@@ -4,6 +4,7 @@
 
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "tests/support/fnv1a.h"
 #include "tests/support/memory_texture.h"
 
 #include <algorithm>
@@ -124,13 +125,6 @@ inline std::vector<Encoding> encodings() {
         {"4_composed", composed, {{14, 10, 4, 5}, byte, 3}, {Kind::quality, 70}},
         {"4_captured", captured, {{20, 16, 4, 3}, byte, 3}, {Kind::quality, 60}},
     };
-}
-
-inline std::uint64_t fnv1a_64(std::span<const std::byte> bytes) {
-    std::uint64_t hash = 0xCBF29CE484222325;
-    for (const std::byte b : bytes)
-        hash = (hash ^ std::to_integer<std::uint64_t>(b)) * 0x100000001B3;
-    return hash;
 }
 
 // NAME, bytes of the file, hashes of it and of what it decodes to, PSNR.
