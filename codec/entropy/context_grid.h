@@ -4,12 +4,14 @@
 // costs one load. The grid spans the frequencies of a scan plus a border of one.
 #pragma once
 
+#include "codec/tile/tile_levels.h"
 #include "format/tile/code_tables.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
 namespace tessera {
@@ -96,16 +98,23 @@ public:
         cell_ = memory_.data();
     }
 
-    // Undoes all that was marked among the first `length` coefficients, `marks` of them by mark(), if that is
-    // quicker than to forget these one by one.
-    bool clear(const ScanOrder& order, int length, std::size_t marks) {
+    // Undoes what mark() did for a plane's levels, all among the first `length` coefficients, and mark_cross()
+    // for those that for_each_earlier(visit) visits: one by one, or all cells, where that is quicker, and then
+    // true.
+    template <class ForEachEarlier>
+    bool undo(const ScanOrder& order, int length, std::span<const NonZero> levels,
+              const ForEachEarlier& for_each_earlier) {
         constexpr std::size_t mark_cells = 1 + scan_neighbours, cells_at_once = 16;
         const auto& support = order.support[static_cast<std::size_t>(length) - 1];
         const std::size_t reached = (support[3] + 2u) * static_cast<std::size_t>(stride_[3]);
-        if (marks * mark_cells < reached / cells_at_once)
-            return false;
-        std::fill_n(cell_, reached, std::uint16_t{0});
-        return true;
+        if (levels.size() * mark_cells >= reached / cells_at_once) {
+            std::fill_n(cell_, reached, std::uint16_t{0});
+            return true;
+        }
+        for_each_earlier([&](const NonZero& nz) { forget_cross(order.context[nz.index]); });
+        for (const NonZero& nz : levels)
+            forget(order.context[nz.index]);
+        return false;
     }
 
 private:

@@ -164,12 +164,7 @@ private:
                                         : &LevelDecoder::decode_coefficients<false, 1>;
         const bool is_well = (this->*decode)(length, copies, order);
         const auto found = std::span(found_).first(count_);
-        if (!grid_.clear(order, length, count_)) {
-            for_each_before(
-                [&](const NonZero& nz) { grid_.forget_cross(order.context[nz.index]); });
-            for (const NonZero& nz : found)
-                grid_.forget(order.context[nz.index]);
-        }
+        grid_.undo(order, length, found, for_each_before);
         out_.nonzeros.insert(out_.nonzeros.end(), found.begin(), found.end());
         levels.count = static_cast<std::uint16_t>(count_);
         return is_well;

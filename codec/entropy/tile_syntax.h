@@ -206,11 +206,15 @@ private:
         const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
         const bool dependent = coding_.parameters.dependent;
         grid_.begin(order);
-        for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
-            for (const NonZero& nz : tile.levels(earlier))
-                if (nz.index < length)
-                    grid_.mark_cross(order.context[nz.index],
-                                     amplitude_of_level(nz.level, dependent));
+        const auto for_each_before = [&](auto visit) {
+            for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
+                for (const NonZero& nz : tile.levels(earlier))
+                    if (nz.index < length)
+                        visit(nz);
+        };
+        for_each_before([&](const NonZero& nz) {
+            grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
+        });
         const std::span<const NonZero> levels = tile.levels(planes.back());
         std::size_t next = 0;
         int state = 0;
@@ -239,14 +243,7 @@ private:
                 state = next_state[static_cast<std::size_t>(state)]
                                   [static_cast<std::size_t>(magnitude & 1)];
         }
-        if (grid_.clear(order, length, levels.size()))
-            return;
-        for (const PlaneLevels& earlier : planes.first(planes.size() - 1))
-            for (const NonZero& nz : tile.levels(earlier))
-                if (nz.index < length)
-                    grid_.forget_cross(order.context[nz.index]);
-        for (const NonZero& nz : levels)
-            grid_.forget(order.context[nz.index]);
+        grid_.undo(order, length, levels, for_each_before);
     }
 
     const TileCoding& coding_;

@@ -1,18 +1,17 @@
 #include "codec/tile/tile_coding.h"
 
+#include "codec/tile/tile_planes.h"
+
 #include <mutex>
 
 namespace tessera {
 
 std::vector<std::uint16_t> ShapeCoding::find_places(const ScanOrder& order) {
-    const auto& n = order.shape.n;
     std::vector<std::uint16_t> places;
     places.reserve(order.entry.size());
-    for (const ScanEntry& entry : order.entry) {
-        const auto& k = entry.k;
+    for (const auto& [k] : order.entry)
         places.push_back(
-            static_cast<std::uint16_t>(((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0]));
-    }
+            static_cast<std::uint16_t>(plane_index(order.shape, k[0], k[1], k[2], k[3])));
     return places;
 }
 

@@ -4,6 +4,7 @@
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
 #include <set>
@@ -77,16 +78,16 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
                 grid.mark(context, static_cast<std::uint32_t>(marked[at]));
             }
         }
-        if (grid.clear(order, length, marked.size())) {
-            ++cleared;
-            continue;
-        }
+        std::vector<NonZero> own, earlier;
         for (int i = 0; i < length; ++i) {
+            const auto index = static_cast<std::uint16_t>(i);
             if (cross.contains(key(i)))
-                grid.forget_cross(order.context[static_cast<std::size_t>(i)]);
+                earlier.push_back({index, 1});
             if (marked.contains(key(i)))
-                grid.forget(order.context[static_cast<std::size_t>(i)]);
+                own.push_back({index, 1});
         }
+        cleared += grid.undo(order, length, own,
+                             [&](auto visit) { std::ranges::for_each(earlier, visit); });
     }
     EXPECT_GT(cleared, 10); // both ways are met
     EXPECT_LT(cleared, 55);
