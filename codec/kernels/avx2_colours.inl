@@ -3,23 +3,6 @@
 namespace tessera {
 namespace {
 
-void transpose(__m256i r[8]) {
-    __m256i a[8], b[8];
-    for (int i = 0; i < 8; i += 2) {
-        a[i] = _mm256_unpacklo_epi32(r[i], r[i + 1]);
-        a[i + 1] = _mm256_unpackhi_epi32(r[i], r[i + 1]);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int j = 0; j < 2; ++j) {
-            b[i + 2 * j] = _mm256_unpacklo_epi64(a[i + j], a[i + j + 2]);
-            b[i + 2 * j + 1] = _mm256_unpackhi_epi64(a[i + j], a[i + j + 2]);
-        }
-    for (int i = 0; i < 4; ++i) {
-        r[i] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x20);
-        r[i + 4] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x31);
-    }
-}
-
 // Eight texels of one row as 0x00BBGGRR.
 __m256i rgb_lanes(const PlaneSet& in, int at) {
     const auto load = [&](int plane) {
@@ -65,42 +48,17 @@ void store_ycocg8_avx2(const PlaneSet& in, int texels, int images, unsigned char
     store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
 }
 
-// Eight texels of 24 bytes as 0x00BBGGRR.
-__m256i load_24_bytes(const unsigned char* from) {
-    const auto half = [](const unsigned char* at) {
-        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
-    };
-    const __m256i both = _mm256_inserti128_si256(_mm256_castsi128_si256(half(from)), half(from + 8),
-                                                 1); // the last four from byte 4 on
-    return _mm256_shuffle_epi8(both, _mm256_setr_epi8(0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10,
-                                                      11, -1, 4, 5, 6, -1, 7, 8, 9, -1, 10, 11, 12,
-                                                      -1, 13, 14, 15, -1));
-}
-
 // Eight texels of eight images. Planes' rows of an image lie `texels` apart.
 void load_ycocg8_square(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3], int at) {
-    const __m256i byte = _mm256_set1_epi32(255);
-    const auto finish = [&](__m256i code, int p) {
-        return _mm256_slli_epi32(_mm256_sub_epi32(code, _mm256_set1_epi32(background[p])), 4);
-    };
-    __m256i rows[3][8];
-    for (int j = 0; j < 8; ++j) {
-        const __m256i rgb = load_24_bytes(in + 3 * j * images);
-        const __m256i red = _mm256_and_si256(rgb, byte), blue = _mm256_srli_epi32(rgb, 16);
-        const __m256i green = _mm256_and_si256(_mm256_srli_epi32(rgb, 8), byte);
-        const __m256i co = _mm256_sub_epi32(red, blue);
-        const __m256i t = _mm256_add_epi32(blue, _mm256_srai_epi32(co, 1));
-        const __m256i cg = _mm256_sub_epi32(green, t);
-        rows[0][j] = finish(_mm256_add_epi32(t, _mm256_srai_epi32(cg, 1)), 0);
-        rows[1][j] = finish(co, 1);
-        rows[2][j] = finish(cg, 2);
-    }
-    for (int p = 0; p < 3; ++p) {
-        transpose(rows[p]);
+    __m256i rgb[8], codes[3][8];
+    for (int j = 0; j < 8; ++j)
+        rgb[j] = load_24_bytes(in + 3 * j * images);
+    ycocg_square(rgb, background, codes);
+    for (int p = 0; p < 3; ++p)
         for (int j = 0; j < 8; ++j)
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(plane[p] + at + j * texels), rows[p][j]);
-    }
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(plane[p] + at + j * texels),
+                                _mm256_slli_epi32(codes[p][j], 4));
 }
 
 void load_ycocg8_avx2(const unsigned char* in, int texels, int images,

@@ -18,6 +18,8 @@ __m256i lane_mask(int count) {
 } // namespace
 } // namespace tessera
 
+#include "codec/kernels/avx2_texels.inl"
+
 #include "codec/kernels/avx2_colours.inl"
 #include "codec/kernels/avx2_copies.inl"
 #include "codec/kernels/avx2_filter.inl"

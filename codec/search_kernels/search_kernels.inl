@@ -6,6 +6,8 @@
 
 #ifdef __AVX2__
 #include <immintrin.h>
+
+#include "codec/kernels/avx2_texels.inl"
 #endif
 
 namespace tessera {
@@ -564,35 +566,6 @@ void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel
 }
 
 #ifdef __AVX2__
-// Eight texels of 24 bytes as 0x00BBGGRR.
-inline __m256i load_24_bytes(const unsigned char* from) {
-    const auto half = [](const unsigned char* at) {
-        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
-    };
-    const __m256i both = _mm256_inserti128_si256(_mm256_castsi128_si256(half(from)), half(from + 8),
-                                                 1); // the last four from byte 4 on
-    return _mm256_shuffle_epi8(both, _mm256_setr_epi8(0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10,
-                                                      11, -1, 4, 5, 6, -1, 7, 8, 9, -1, 10, 11, 12,
-                                                      -1, 13, 14, 15, -1));
-}
-
-inline void transpose(__m256 r[8]) {
-    __m256 a[8], b[8];
-    for (int i = 0; i < 8; i += 2) {
-        a[i] = _mm256_unpacklo_ps(r[i], r[i + 1]);
-        a[i + 1] = _mm256_unpackhi_ps(r[i], r[i + 1]);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int j = 0; j < 2; ++j) {
-            b[i + 2 * j] = _mm256_shuffle_ps(a[i + j], a[i + j + 2], 0x44);
-            b[i + 2 * j + 1] = _mm256_shuffle_ps(a[i + j], a[i + j + 2], 0xEE);
-        }
-    for (int i = 0; i < 4; ++i) {
-        r[i] = _mm256_permute2f128_ps(b[i], b[i + 4], 0x20);
-        r[i + 4] = _mm256_permute2f128_ps(b[i], b[i + 4], 0x31);
-    }
-}
-
 // Eight texels of eight images, to where the first stands.
 inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, int at,
                                __m256i blank, std::uint8_t& is_zero) {
@@ -611,26 +584,11 @@ inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, 
                 _mm256_storeu_ps(plane + at + j * to.texels, _mm256_setzero_ps());
         return;
     }
-    const __m256i byte = _mm256_set1_epi32(255);
-    const auto finish = [&](__m256i code, int p) {
-        return _mm256_cvtepi32_ps(_mm256_sub_epi32(code, _mm256_set1_epi32(to.background[p])));
-    };
-    __m256 rows[3][8];
-    for (int j = 0; j < 8; ++j) {
-        const __m256i red = _mm256_and_si256(rgb[j], byte), blue = _mm256_srli_epi32(rgb[j], 16);
-        const __m256i green = _mm256_and_si256(_mm256_srli_epi32(rgb[j], 8), byte);
-        const __m256i co = _mm256_sub_epi32(red, blue);
-        const __m256i t = _mm256_add_epi32(blue, _mm256_srai_epi32(co, 1));
-        const __m256i cg = _mm256_sub_epi32(green, t);
-        rows[0][j] = finish(_mm256_add_epi32(t, _mm256_srai_epi32(cg, 1)), 0);
-        rows[1][j] = finish(co, 1);
-        rows[2][j] = finish(cg, 2);
-    }
-    for (int p = 0; p < 3; ++p) {
-        transpose(rows[p]);
+    __m256i codes[3][8];
+    ycocg_square(rgb, to.background, codes);
+    for (int p = 0; p < 3; ++p)
         for (int j = 0; j < 8; ++j)
-            _mm256_storeu_ps(to.plane[p] + at + j * to.texels, rows[p][j]);
-    }
+            _mm256_storeu_ps(to.plane[p] + at + j * to.texels, _mm256_cvtepi32_ps(codes[p][j]));
 }
 #endif
 
