@@ -1,0 +1,267 @@
+// Both sets of the search's kernels give the same.
+#include "codec/kernels/kernels.h"
+#include "codec/search_kernels/forward_dct.h"
+#include "tests/support/format_values.h"
+#include "tests/support/random.h"
+#include "tests/support/slow_dct.h"
+#include "tests/support/transforms.h"
+
+#include <cstdint>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <vector>
+
+namespace tessera::test {
+namespace {
+
+using namespace tessera::test::transforms;
+
+// The search has no kernels of 128-bit vectors.
+class SearchPaths : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!avx2_available())
+            GTEST_SKIP() << "this CPU or build has one path only";
+    }
+};
+
+TEST_F(SearchPaths, ForwardPassesAreEqual) {
+    Random random(7);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
+            const auto in = random_floats(random, n * inner, 1e4);
+            std::vector<float> a(in.size()), b(in.size(), 1);
+            search_kernels_scalar.forward_planes(in.data(), inner, a.data(), inner, n, inner,
+                                                 forward_basis(n));
+            search_kernels_avx2.forward_planes(in.data(), inner, b.data(), inner, n, inner,
+                                               forward_basis(n));
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << n << " " << inner;
+            const int rows = inner;
+            search_kernels_scalar.forward_rows(in.data(), a.data(), rows, n, n, forward_basis(n));
+            search_kernels_avx2.forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << n << " " << inner;
+        }
+}
+
+// The search's own transform: the kept frequencies, in the order that forward_order says.
+TEST_F(SearchPaths, ForwardImagesAreEqualAndRight) {
+    Random random(14);
+    for (int nu = 1; nu <= max_tile_side; ++nu)
+        for (int nv = 1; nv <= max_tile_side; ++nv) {
+            const int stride = nu + random.range(0, 3), kept_u = forward_kept(nu);
+            // Exactly the image, so that the address sanitizer sees an access past its end.
+            const auto in = random_floats(random, stride * (nv - 1) + nu, 255);
+            std::vector<float> a(static_cast<std::size_t>(kept_u * forward_kept(nv))),
+                b(a.size(), 1);
+            search_kernels_scalar.forward_image(in.data(), stride, nu, nv, a.data());
+            search_kernels_avx2.forward_image(in.data(), stride, nu, nv, b.data());
+            ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
+                << nu << "x" << nv;
+            std::vector<double> want;
+            for (int v = 0; v < nv; ++v)
+                want.insert(want.end(), in.begin() + v * stride, in.begin() + v * stride + nu);
+            slow_dct(want, shape_of(nu, nv, 1, 1), false);
+            const double bound = 255 * 6e-8 * (nu + nv) * std::sqrt(nu * nv);
+            for (int k = 0; k < forward_kept(nv); ++k)
+                for (int i = 0; i < kept_u; ++i)
+                    ASSERT_NEAR(a[static_cast<std::size_t>(k * kept_u + i)],
+                                want[static_cast<std::size_t>(k * nu + forward_order(nu, i))],
+                                bound)
+                        << nu << "x" << nv << " row " << k << " place " << i;
+        }
+}
+
+TEST_F(SearchPaths, CodingCostsAreEqual) {
+    Random random(8);
+    for (int count = 1; count <= 600; ++count) {
+        const auto x = random_floats(random, count, count % 3 == 0 ? 1e-3 : 300);
+        auto base = random_floats(random, count, 3);
+        for (float& value : base)
+            if (random.chance(0.1)) // cannot be coded
+                value = std::numeric_limits<float>::infinity();
+        const CostSum a =
+            search_kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum b =
+            search_kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << count;
+        ASSERT_TRUE(std::isfinite(a.cost)) << count;
+        double energy = 0;
+        for (const float value : x)
+            energy += std::pow(static_cast<double>(value) * 0.37, 2);
+        ASSERT_NEAR(a.energy / energy, 1, 1e-4) << count;
+    }
+}
+
+TEST_F(SearchPaths, MomentsAreEqual) {
+    Random random(21);
+    for (int count = 1; count <= 40; ++count) {
+        const auto x = random_floats(random, 4 * count, 300);
+        const auto places = static_cast<std::size_t>(count);
+        std::vector<float> sums(places, 1), squares(places, 2), a = sums, b = squares;
+        search_kernels_scalar.add_quads(x.data(), count, sums.data(), squares.data());
+        search_kernels_avx2.add_quads(x.data(), count, a.data(), b.data());
+        ASSERT_EQ(std::memcmp(a.data(), sums.data(), places * sizeof(float)), 0) << count;
+        ASSERT_EQ(std::memcmp(b.data(), squares.data(), places * sizeof(float)), 0) << count;
+        for (std::size_t i = 0; i < places; ++i) { // each as a row of its own
+            float sum = 1, square = 2;
+            search_kernels_scalar.add_row(x.data() + 4 * i, 4, &sum, &square);
+            ASSERT_EQ(sum, sums[i]) << count;
+            ASSERT_EQ(square, squares[i]) << count;
+        }
+        const int n = 4 * count - count % 4; // not only whole runs
+        float sum = 0, square = 0, other_sum = 0, other_square = 0;
+        search_kernels_scalar.add_row(x.data(), n, &sum, &square);
+        search_kernels_avx2.add_row(x.data(), n, &other_sum, &other_square);
+        ASSERT_EQ(sum, other_sum) << n;
+        ASSERT_EQ(square, other_square) << n;
+        double right = 0;
+        for (int i = 0; i < n; ++i)
+            right += std::pow(static_cast<double>(x[static_cast<std::size_t>(i)]), 2);
+        ASSERT_NEAR(square / right, 1, 1e-5) << n;
+    }
+}
+
+// As two passes along outer axes, whatever the sides.
+TEST_F(SearchPaths, ForwardViewsAreEqualAndRight) {
+    Random random(31);
+    for (const int ns : {1, 2, 3, 4, 5, 8})
+        for (const int nt : {1, 2, 4, 7})
+            for (const int width : {1, 3, 4, 8, 13}) {
+                constexpr int rows = 3;
+                const int row = width + 2, s = row * rows, t = s * ns;
+                const CellViews cell{width, rows, ns, nt, row, s, t};
+                const auto in = random_floats(random, t * nt, 255);
+                std::vector<float> a(in.size()), b(in.size()), between(in.size()), both(in.size());
+                search_kernels_scalar.forward_views(in.data(), a.data(), cell);
+                search_kernels_avx2.forward_views(in.data(), b.data(), cell);
+                ASSERT_EQ(a, b) << ns << " " << nt << " " << width;
+                search_kernels_scalar.forward_planes(in.data(), t, between.data(), t, nt, t,
+                                                     forward_basis(nt));
+                for (int i = 0; i < nt; ++i)
+                    search_kernels_scalar.forward_planes(between.data() + i * t, s,
+                                                         both.data() + i * t, s, ns, s,
+                                                         forward_basis(ns));
+                for (int i = 0; i < t * nt; ++i) {
+                    const bool is_cells = i % row < width; // what lies between stays as it is
+                    ASSERT_NEAR(a[static_cast<std::size_t>(i)],
+                                is_cells ? both[static_cast<std::size_t>(i)] : 0, 1e-2)
+                        << ns << " " << nt << " " << width;
+                }
+            }
+}
+
+TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
+    Random random(32);
+    const std::int32_t background[3] = {100, -3, 17};
+    for (const int texels : {1, 8, 11, 24, 64})
+        for (const int images : {1, 8, 9, 16}) {
+            const auto count = static_cast<std::size_t>(texels * images);
+            // Half of it is the background, whose squares are skipped.
+            std::vector<unsigned char> rgb(3 * count);
+            for (std::size_t i = 0; i < rgb.size(); ++i)
+                rgb[i] = i < rgb.size() / 2 ? std::array<unsigned char, 3>{91, 109, 94}[i % 3]
+                                            : static_cast<unsigned char>(random.range(0, 255));
+            std::array<std::vector<std::int32_t>, 3> right;
+            std::array<std::vector<float>, 3> planes;
+            std::int32_t* to[3];
+            for (std::size_t p = 0; p < 3; ++p) {
+                right[p].resize(count);
+                to[p] = right[p].data();
+            }
+            kernels_scalar.load_ycocg8(rgb.data(), texels, images, background, to);
+            for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+                std::vector<std::uint8_t> is_zero(count / 64 + 1, 0);
+                Ycocg8Planes out{{},
+                                 {background[0], background[1], background[2]},
+                                 texels,
+                                 images,
+                                 is_zero.data()};
+                for (std::size_t p = 0; p < 3; ++p) {
+                    planes[p].assign(count, -1);
+                    out.plane[p] = planes[p].data();
+                }
+                std::vector<unsigned char> noise(rgb.rbegin(), rgb.rend());
+                for (const auto* bytes : {&rgb, &noise, &rgb}) // what was 0 is not, and is again
+                    path->load_ycocg8(out, bytes->data());
+                for (std::size_t p = 0; p < 3; ++p)
+                    for (std::size_t i = 0; i < count; ++i)
+                        ASSERT_EQ(planes[p][i] * 16, static_cast<float>(right[p][i]))
+                            << texels << " " << images;
+            }
+        }
+}
+
+TEST_F(SearchPaths, BytesCompareAlike) {
+    Random random(33);
+    for (const std::size_t n : {1u, 31u, 32u, 100u, 4096u, 9001u}) {
+        std::vector<unsigned char> a(n), b(n);
+        std::uint64_t squared = 0;
+        std::uint32_t largest = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            a[i] = static_cast<unsigned char>(random.range(0, 255));
+            b[i] = static_cast<unsigned char>(random.chance(0.5) ? a[i] : random.range(0, 255));
+            const auto error = static_cast<std::uint32_t>(std::abs(a[i] - b[i]));
+            squared += std::uint64_t{error} * error;
+            largest = std::max(largest, error);
+        }
+        for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+            const ByteErrors errors = path->compare_bytes(a.data(), b.data(), n);
+            EXPECT_EQ(errors.squared, squared) << n;
+            EXPECT_EQ(errors.largest, largest) << n;
+        }
+    }
+}
+
+TEST_F(SearchPaths, CellsAndMagnitudesAreEqual) {
+    Random random(34);
+    for (int n = 1; n <= 37; ++n) {
+        const auto count = static_cast<std::size_t>(n);
+        const auto x = random_floats(random, 2 * n, 300), squares = random_floats(random, n, 9e4);
+        const auto start = random_floats(random, n, 10);
+        const std::vector<float> texels(count, 64);
+        float right = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            right = std::max(right, std::fabs(x[i]));
+        std::array<std::vector<float>, 4> a, b;
+        for (const bool scalar : {true, false}) {
+            const SearchKernels& path = scalar ? search_kernels_scalar : search_kernels_avx2;
+            auto& [pairs, singles, energy, of_mean] = scalar ? a : b;
+            pairs = singles = energy = of_mean = start;
+            path.add_pairs(x.data(), n, pairs.data());
+            path.add_singles(x.data(), n, singles.data());
+            path.measure_cells(x.data(), squares.data(), texels.data(), n, 0.5f, energy.data(),
+                               of_mean.data());
+            EXPECT_EQ(path.largest_magnitude(x.data(), n), right) << n;
+        }
+        EXPECT_EQ(a, b) << n;
+        for (std::size_t i = 0; i < count; ++i) {
+            EXPECT_EQ(a[0][i], start[i] + x[2 * i] + x[2 * i + 1]);
+            EXPECT_EQ(a[3][i], x[i] * x[i] / 64 * 0.5f);
+        }
+    }
+}
+
+TEST_F(SearchPaths, CopiesAreSubtractedAlike) {
+    Random random(31);
+    for (const int n : {1, 3, 4, 7, 8, 12, 19, 64}) {
+        const int rows = 5, stride = n + 3;
+        const auto in = random_floats(random, stride * rows, 255);
+        std::vector<std::int32_t> predicted(static_cast<std::size_t>(n * rows));
+        for (std::int32_t& value : predicted)
+            value = random.range(-(1 << 14), 1 << 14);
+        std::vector<float> a(predicted.size()), b(predicted.size(), 1);
+        search_kernels_scalar.subtract_predicted(in.data(), stride, predicted.data(), 0.0625f, rows,
+                                                 n, a.data());
+        search_kernels_avx2.subtract_predicted(in.data(), stride, predicted.data(), 0.0625f, rows,
+                                               n, b.data());
+        ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << n;
+        const std::size_t last = a.size() - 1;
+        ASSERT_EQ(a[last], in[static_cast<std::size_t>((rows - 1) * stride + n - 1)] -
+                               static_cast<float>(predicted[last]) * 0.0625f);
+    }
+}
+
+} // namespace
+} // namespace tessera::test
