@@ -108,7 +108,7 @@ struct SearchKernels {
     void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
                                     int first, int last, int rows, int n, float* sums);
     // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
-    // of zeroing or of coding each (see block_search.cpp). base is in the order of x.
+    // of zeroing or of coding each (see cell_costs.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
     // Of n floats.
