@@ -17,8 +17,8 @@ function(tessera_tests module)
     endforeach()
     set(program ${module}_tests)
     add_executable(${program} ${files} support/main.cpp)
-    # Four times the usual number of files in one, where folders are compiled as one: half of it is headers.
-    set_target_properties(${program} PROPERTIES UNITY_BUILD_BATCH_SIZE 32)
+    # Six times the usual number of files in one, where folders are compiled as one: half of it is headers.
+    set_target_properties(${program} PROPERTIES UNITY_BUILD_BATCH_SIZE 48)
     target_link_libraries(${program} PRIVATE ${ARG_USES} GTest::gtest tessera_build)
     # Tests are compiled more often than they are run; what is to be fast is in the libraries.
     # GTest's macros are ifs: -Wdangling-else means them.

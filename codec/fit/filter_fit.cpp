@@ -10,7 +10,7 @@ namespace tessera {
 namespace {
 
 constexpr int strongest = 127;
-constexpr double least_gain = 0.005; // of the error's square
+constexpr double least_filter_gain = 0.005; // of the error's square
 
 using Class = FilterStatistics::Class;
 
@@ -198,7 +198,7 @@ TileFilter fit_filter(const FilterStatistics& statistics) {
         gain += weight * fit_class(statistics.of[c], filter.ring[c]);
         error += weight * statistics.of[c].error;
     }
-    return gain > least_gain * error ? filter : TileFilter{};
+    return gain > least_filter_gain * error ? filter : TileFilter{};
 }
 
 } // namespace tessera

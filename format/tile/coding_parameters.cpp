@@ -10,7 +10,7 @@ namespace tessera {
 namespace {
 
 // Fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, 3 adaptation parameters, flags.
-constexpr std::size_t fixed_bytes = 10 + 4 + 4 + 2 + 3 + 1;
+constexpr std::size_t fixed_code_bytes = 10 + 4 + 4 + 2 + 3 + 1;
 constexpr std::size_t filter_bytes = 2 * plane_classes * filter_rings;
 
 // How the differences are coded: the chance that one is 0 after a 0 and after another value, and
@@ -119,7 +119,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     const auto damaged = [](const char* what) {
         return Status(ErrorCode::invalid_file, std::string("section CODE: ") + what);
     };
-    if (bytes.size() < fixed_bytes)
+    if (bytes.size() < fixed_code_bytes)
         return damaged("too short");
     CodingParameters coding;
     std::size_t at = 0;

@@ -41,15 +41,19 @@ function(tessera_public_headers module)
 endfunction()
 
 # Sources of some folders of the module whose CMakeLists.txt this is. Where CMAKE_UNITY_BUILD is set, as
-# tools/common.sh does, the folders of an argument (io+container) are compiled as one source: most of
-# what a file costs is reading its headers.
+# tools/common.sh does, the folders of an argument (io+container), and single files, are compiled as one
+# source: most of what a file costs is reading its headers.
 function(tessera_sources variable)
     set(all)
     foreach(group IN LISTS ARGN)
         string(REPLACE "+" ";" folders ${group})
         string(MAKE_C_IDENTIFIER ${group} name)
         foreach(folder IN LISTS folders)
-            file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+            if(folder MATCHES "cpp$") # one file of a folder
+                set(files ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+            else()
+                file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+            endif()
             set_source_files_properties(${files} PROPERTIES UNITY_GROUP ${name})
             list(APPEND all ${files})
         endforeach()

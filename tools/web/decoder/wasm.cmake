@@ -32,12 +32,12 @@ function(tessera_wasm_sources variable)
     endforeach()
     list(FILTER all INCLUDE REGEX "^/.*\\.cpp$")
     list(FILTER all EXCLUDE REGEX "/format/(surface/|io/(output_|unfinished)|container/container_(writer|validate)|geometry|sampler)")
-    list(FILTER all EXCLUDE REGEX "/kernels_(avx2|scalar)\\.cpp$")
+    list(FILTER all EXCLUDE REGEX "/(c_api/c_api_decode|kernels/kernels_(avx2|scalar))\\.cpp$")
     file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
     set(${variable} ${all} ${own} PARENT_SCOPE)
 endfunction()
 
-# tessera_wasm(OUTPUT source...): a folder is compiled as one, as CMAKE_UNITY_BUILD does it.
+# tessera_wasm(OUTPUT source...): what is compiled alike is compiled as one, as CMAKE_UNITY_BUILD does it.
 function(tessera_wasm output)
     # Without exceptions: what would throw stops the instance (runtime.cpp). libc++ is told apart, as our
     # own code has handlers.
@@ -45,32 +45,29 @@ function(tessera_wasm output)
         -fignore-exceptions -D_LIBCPP_HAS_NO_EXCEPTIONS -fno-rtti -ffp-contract=off -ffunction-sections -fdata-sections
         -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
         -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
-    set(folders)
+    # What runs once a file, or once a tile, is compiled to be small.
+    set(small format format/io format/container codec/texels codec/decode)
+    set(text_Oz)
+    set(text_O2)
     foreach(source IN LISTS ARGN)
         get_filename_component(folder ${source} DIRECTORY)
         file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
-        list(APPEND folders ${folder})
-        string(MAKE_C_IDENTIFIER ${folder} name)
-        string(APPEND text_${name} "#include \"${source}\"\n")
+        set(level O2)
+        if(folder IN_LIST small)
+            set(level Oz)
+        endif()
+        string(APPEND text_${level} "#include \"${source}\"\n")
     endforeach()
-    list(REMOVE_DUPLICATES folders)
-    # What runs once a file, or once a tile, is compiled to be small.
-    set(small format format/io format/container codec/texels codec/decode)
     set(objects)
     set(work ${CMAKE_CURRENT_BINARY_DIR}/wasm)
-    foreach(folder IN LISTS folders)
-        string(MAKE_C_IDENTIFIER ${folder} name)
-        set(level -O2)
-        if(folder IN_LIST small)
-            set(level -Oz)
-        endif()
-        file(CONFIGURE OUTPUT ${work}/${name}.cpp CONTENT "${text_${name}}" @ONLY)
-        add_custom_command(OUTPUT ${work}/${name}.o
-            COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${TESSERA_WASM_CXX} ${flags} ${level}
-                    -MD -MF ${work}/${name}.d -c ${work}/${name}.cpp -o ${work}/${name}.o
-            DEPENDS ${work}/${name}.cpp DEPFILE ${work}/${name}.d
-            COMMENT "wasm: ${folder}" VERBATIM)
-        list(APPEND objects ${work}/${name}.o)
+    foreach(level Oz O2)
+        file(CONFIGURE OUTPUT ${work}/${level}.cpp CONTENT "${text_${level}}" @ONLY)
+        add_custom_command(OUTPUT ${work}/${level}.o
+            COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${TESSERA_WASM_CXX} ${flags} -${level}
+                    -MD -MF ${work}/${level}.d -c ${work}/${level}.cpp -o ${work}/${level}.o
+            DEPENDS ${work}/${level}.cpp DEPFILE ${work}/${level}.d
+            COMMENT "wasm: -${level}" VERBATIM)
+        list(APPEND objects ${work}/${level}.o)
     endforeach()
     add_custom_command(OUTPUT ${output}
         COMMAND ${TESSERA_WASM_CXX} --target=wasm32-wasi -mexec-model=reactor -O2 ${objects} -o ${output}
