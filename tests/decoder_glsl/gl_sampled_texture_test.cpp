@@ -63,7 +63,7 @@ constexpr double filter_precision = 2.0 / 512;
 // A million find the same worst case.
 TEST_F(GpuSample, ManySamplesAgreeWithTheCpu) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 60));
-    const Judged judged = judge(file, 40000);
+    const Judged judged = judge(file, 10000);
     for (const Residency residency : {Residency::on_load, Residency::on_feedback})
         for (const bool filter : {false, true}) {
             SCOPED_TRACE(std::string(name_of(residency)) + (filter ? " filtered" : ""));

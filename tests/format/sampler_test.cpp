@@ -195,7 +195,7 @@ double arc_error(double y, double x) {
 
 TEST(Shader, ArcTangent) {
     double worst = 0;
-    for (int i = 0; i < 500000; ++i) {
+    for (int i = 0; i < 100000; ++i) {
         const double angle = 2 * pi * i / 1000000, length = std::exp((i % 41 - 20) / 2.0);
         worst = std::max(worst, arc_error(length * std::sin(angle), length * std::cos(angle)));
     }
@@ -261,7 +261,7 @@ TEST(Shader, AgreesWithTheJudge) {
         Procedural without_s[] = {{size, first_of_s(smooth(size))}, {size, first_of_s(rough)}};
         ProbeMaker maker(size);
         double worst = 0, worst_near_ey = 0, worst_without_s = 0;
-        for (unsigned i = 0; i < 500000; ++i) {
+        for (unsigned i = 0; i < 100000; ++i) {
             const Probe p = maker.make(i);
             const Condition c = condition_of(size, p);
             const bool s_counts = c.planar >= 1e-4 && !c.jumps;
