@@ -70,6 +70,11 @@ public:
                       Integrity integrity = Integrity::page) const;
     Status decode_box(const Box4& box, std::span<std::byte> out, const ReadOptions& options) const;
 
+    // The same for a box of container().grid(), which is larger than the texture where views are aligned: what
+    // lies in no view is whatever cost least.
+    Status decode_grid_box(const Box4& box, std::span<std::byte> out,
+                           const ReadOptions& options) const;
+
     // Streams `box` into `sink` slab by slab in bounded memory, in coordinates of the whole
     // texture; calls sink.finish(). A slab holds at most `slab_bytes` of texels (sinks of
     // Locality::any hold none); to keep within it, tiles may be decoded more than once. Errors: those
@@ -90,13 +95,20 @@ public:
 
 private:
     struct State;
+    // Takes a decoded tile: its box in the grid, and its texels. Called by several threads.
+    using TakeTile = std::function<void(const Box4& tile_box, std::span<const std::byte> texels)>;
     explicit Decoder(std::unique_ptr<State> state);
+    Status decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions& options,
+                        const TakeTile& take) const;
     std::unique_ptr<State> state_;
 };
 
 // A file as a source of texels, so that files can be compared and transcoded like any other input.
 // `decoder` must outlive it.
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder);
+
+// The same, of the grid of tiles: decode_grid_box().
+std::unique_ptr<TexelSource> decoded_grid(const Decoder& decoder);
 
 // One level of the file as a source of texels, of the size that container().levels() gives, in boxes
 // of any order: decode_coarse_box(); level 0: decoded_source(). Where requests are dear, what a box

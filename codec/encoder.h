@@ -59,8 +59,9 @@ struct EncodeOptions {
     std::string tools;
     unsigned threads = 0;                  // 0: all cores. Never changes the bytes.
     std::uint64_t slab_bytes = 512u << 20; // most texels of `source` that a slab holds at a time
-                                           // (pictures; sources of Locality::any hold none). Never
-                                           // changes the bytes.
+        // (pictures; sources of Locality::any hold none). Does not
+        // change the bytes, but that the views of larger pictures
+        // than half of it are not aligned, for which all are held.
     bool verify = true;                  // decode every tile again and compare before it is written
     bool strict = false;                 // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t

@@ -96,7 +96,8 @@ struct OpenOptions {
 
 struct FileHeader; // format/container/syntax.h
 struct GroupIndex; // format/container/index.h
-class LevelTable;  // format/container/level_table.h
+
+class LevelTable; // format/container/level_table.h
 class OpenContainer;
 
 // An open container. All const members are thread-safe; they share small caches (at most about
@@ -117,6 +118,11 @@ public:
     const Metadata& metadata() const;
     std::span<const Level> levels() const; // the texture first, then coarser and coarser
     const TileGrid& grid(std::size_t level = 0) const;
+    // How views lie apart in the grid of the texture, which then is larger than desc().size.
+    ViewAlignment alignment() const;
+    // The tiles that a box of the texture touches, ascending; of the grid where views are aligned, too.
+    // Precondition: is_inside(texels, desc().size).
+    std::vector<std::uint64_t> tiles_touched(const Box4& texels) const;
     std::uint64_t tile_count() const; // of all levels
     std::uint32_t group_count() const;
     FileFacts facts() const;
@@ -141,6 +147,7 @@ public:
 
     // For those who know the format's records (headers of format/container).
     const FileHeader& header() const;
+    const AlignedViews& aligned_views() const;
     const LevelTable& level_table() const;
     // Index of group `group` (tiles 256 * group ..), one read when it is not cached.
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;

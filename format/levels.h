@@ -8,10 +8,23 @@
 
 #include "format/texture.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <span>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
+
+// How far views lie apart in the grid of tiles (FORMAT.md part 2): those of each next s are `u` texels
+// further along u, those of each next t `v` along v. What moves by the opposite from view to view stands
+// still there, and so lies in one tile in all views. 0, 0: texels lie where the texture has them.
+struct ViewAlignment {
+    std::int8_t u = 0, v = 0; // texels a view
+
+    bool any() const { return u != 0 || v != 0; }
+    bool operator==(const ViewAlignment&) const = default;
+};
 
 // A value type; everything is pure and thread-safe.
 class TileGrid {
@@ -55,10 +68,59 @@ template <class Visit> void TileGrid::for_each(const Box4& tiles, Visit visit) c
                     visit(number({u, v, s, t}));
 }
 
+// Where the texels of aligned views lie in the grid of tiles. A value type; everything is pure and thread-safe.
+// Without an alignment grid and texture are the same.
+class AlignedViews {
+public:
+    AlignedViews() = default;
+    // Precondition: `texture` is accepted by check_desc. The grid may be too large to be.
+    AlignedViews(const Extent4& texture, ViewAlignment alignment)
+        : texture_(texture), alignment_(alignment) {}
+
+    bool any() const { return alignment_.any(); }
+    const Extent4& texture_size() const { return texture_; }
+    Extent4 grid_size() const;
+
+    // How many texels further along u the views of `s` lie in the grid, along v those of `t`; 0 in the first
+    // or in the last view.
+    std::uint32_t shift_u(std::uint32_t s) const {
+        return shift(alignment_.u, s, texture_[axis_s]);
+    }
+    std::uint32_t shift_v(std::uint32_t t) const {
+        return shift(alignment_.v, t, texture_[axis_t]);
+    }
+    // Where a texel of the texture lies in the grid.
+    Extent4 place(const Extent4& texel) const {
+        const auto& [u, v, s, t] = texel;
+        return {u + shift_u(s), v + shift_v(t), s, t};
+    }
+
+    // The tiles of `grid` that a box of the texture touches, ascending.
+    // Preconditions: `grid` is of grid_size(), is_inside(texels, texture_size()).
+    std::vector<std::uint64_t> tiles_touched(const TileGrid& grid, const Box4& texels) const;
+
+    // Copies all texels that lie in both, a box of the grid and one of the texture, from the dense texels of
+    // the first to those of the second, or the other way.
+    void copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
+                        const Box4& texture_box, std::span<std::byte> to,
+                        std::size_t texel_bytes) const;
+    void copy_to_grid(const Box4& texture_box, std::span<const std::byte> from,
+                      const Box4& grid_box, std::span<std::byte> to, std::size_t texel_bytes) const;
+
+private:
+    static std::uint32_t shift(int step, std::uint32_t view, std::uint32_t views) {
+        return static_cast<std::uint32_t>(std::abs(step)) * (step < 0 ? views - 1 - view : view);
+    }
+
+    Extent4 texture_{1, 1, 1, 1};
+    ViewAlignment alignment_;
+};
+
 constexpr unsigned max_lod = 20; // 2^20 is the largest extent
 constexpr unsigned max_step_shift = 15;
 
-// What section LEVL says of one level. A texel of it stands for 2^spatial_lod texels of level 0 along
+// What section LEVL says of one level: its size in the grid of tiles, which is that of its texels but where
+// views are aligned. A texel of it stands for 2^spatial_lod texels of level 0 along
 // u and v, and 2^angular_lod along s and t; its steps are those of CODE times 2^step_shift.
 struct LevelEntry {
     Extent4 size{0, 0, 0, 0};

@@ -12,18 +12,19 @@ namespace {
 // order, twice as many each time. A reader that jumps about gets what it asks for and no more.
 class SlabAhead {
 public:
-    explicit SlabAhead(const ContainerReader& container) : container_(container) {}
+    SlabAhead(const ContainerReader& container, bool of_grid)
+        : container_(container), of_grid_(of_grid) {}
 
     void begin(const Box4& box) {
         const std::lock_guard lock(mutex_);
-        tiles_ = container_.grid().tiles_touched(box);
+        tiles_ = touched(box);
         ready_end_ = ahead_ = 0;
     }
 
     // Returns when the tiles of `box` have been brought. Errors: those of prefetch().
     Status want(const Box4& box) {
         const std::lock_guard lock(mutex_);
-        const std::vector<std::uint64_t> wanted = container_.grid().tiles_touched(box);
+        const std::vector<std::uint64_t> wanted = touched(box);
         const std::size_t first = place_of(wanted.front()), end = place_of(wanted.back()) + 1;
         if (end <= ready_end_ || end > tiles_.size())
             return {};
@@ -41,11 +42,15 @@ public:
     }
 
 private:
+    std::vector<std::uint64_t> touched(const Box4& box) const {
+        return of_grid_ ? container_.grid().tiles_touched(box) : container_.tiles_touched(box);
+    }
     std::size_t place_of(std::uint64_t tile) const {
         return static_cast<std::size_t>(std::ranges::lower_bound(tiles_, tile) - tiles_.begin());
     }
 
     const ContainerReader& container_;
+    const bool of_grid_; // whether boxes are of the grid, not of the texture
     std::mutex mutex_;
     std::vector<std::uint64_t> tiles_; // of the slab
     std::size_t ready_end_ = 0;        // of them: those before have been brought, or passed over
@@ -54,9 +59,13 @@ private:
 
 class DecodedSource : public TexelSource {
 public:
-    explicit DecodedSource(const Decoder& decoder)
-        : decoder_(decoder), ahead_(decoder.container()) {}
-    const TextureDesc& desc() const override { return decoder_.desc(); }
+    DecodedSource(const Decoder& decoder, bool of_grid)
+        : decoder_(decoder), of_grid_(of_grid), desc_(decoder.desc()),
+          ahead_(decoder.container(), of_grid) {
+        if (of_grid)
+            desc_.size = decoder.container().grid().size();
+    }
+    const TextureDesc& desc() const override { return desc_; }
     Status begin_slab(const Box4& box) override {
         if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
             ahead_.begin(box);
@@ -65,11 +74,15 @@ public:
     Status read(const Box4& box, std::span<std::byte> out) override {
         if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
             TESSERA_TRY(ahead_.want(box));
-        return decoder_.decode_box(box, out, 1); // its callers are threads already
+        const ReadOptions options{1, Integrity::page, {}, {}}; // its callers are threads already
+        return of_grid_ ? decoder_.decode_grid_box(box, out, options)
+                        : decoder_.decode_box(box, out, options);
     }
 
 private:
     const Decoder& decoder_;
+    const bool of_grid_;
+    TextureDesc desc_;
     SlabAhead ahead_;
 };
 
@@ -99,7 +112,11 @@ std::unique_ptr<TexelSource> decoded_level(const Decoder& decoder, std::size_t l
 }
 
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
-    return std::make_unique<DecodedSource>(decoder);
+    return std::make_unique<DecodedSource>(decoder, false);
+}
+
+std::unique_ptr<TexelSource> decoded_grid(const Decoder& decoder) {
+    return std::make_unique<DecodedSource>(decoder, true);
 }
 
 } // namespace tessera

@@ -4,6 +4,7 @@
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/texels/slabs.h"
 #include "format/container/tiles_ahead.h"
+#include "format/levels.h"
 #include "format/texture.h"
 #include "format/work.h"
 
@@ -117,6 +118,20 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
 
 } // namespace
 
+namespace {
+
+Status check_room(const ContainerReader& container, const Box4& box, const Extent4& size,
+                  std::size_t bytes) {
+    if (!is_inside(box, size))
+        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                             " does not lie inside " + to_string(size)};
+    if (bytes != container.desc().box_bytes(box))
+        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    return {};
+}
+
+} // namespace
+
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned threads,
                            Integrity integrity) const {
     return decode_box(box, out, ReadOptions{threads, integrity, {}, {}});
@@ -125,13 +140,34 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
                            const ReadOptions& options) const {
     const ContainerReader& container = state_->container;
-    if (!is_inside(box, desc().size))
-        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
-                                             " does not lie inside " + to_string(desc().size)};
-    if (out.size() != desc().box_bytes(box))
-        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    TESSERA_TRY(check_room(container, box, desc().size, out.size()));
+    const AlignedViews& views = container.aligned_views();
+    return decode_tiles(container.tiles_touched(box), options,
+                        [&](const Box4& tile_box, std::span<const std::byte> texels) {
+                            if (views.any())
+                                views.copy_from_grid(tile_box, texels, box, out,
+                                                     desc().texel_bytes());
+                            else
+                                copy_box(intersect(tile_box, box), tile_box, texels, box, out,
+                                         desc().texel_bytes());
+                        });
+}
+
+Status Decoder::decode_grid_box(const Box4& box, std::span<std::byte> out,
+                                const ReadOptions& options) const {
+    const TileGrid& grid = state_->container.grid();
+    TESSERA_TRY(check_room(state_->container, box, grid.size(), out.size()));
+    return decode_tiles(grid.tiles_touched(box), options,
+                        [&](const Box4& tile_box, std::span<const std::byte> texels) {
+                            copy_box(intersect(tile_box, box), tile_box, texels, box, out,
+                                     desc().texel_bytes());
+                        });
+}
+
+Status Decoder::decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions& options,
+                             const TakeTile& take) const {
+    const ContainerReader& container = state_->container;
     const TileGrid& grid = container.grid();
-    std::vector<std::uint64_t> tiles = grid.tiles_touched(box);
     std::vector<Worker> workers =
         make_workers(options.threads, tiles.size(), *state_->codings[0], state_->colour);
     const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
@@ -140,7 +176,7 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
         const Box4 tile_box = grid.box(tile);
         TESSERA_TRY(
             decode_tile(container, *state_->fill, tile, tile_box, options.integrity, worker));
-        copy_box(intersect(tile_box, box), tile_box, worker.texels, box, out, desc().texel_bytes());
+        take(tile_box, worker.texels);
         return {};
     };
     const auto tell = [&](std::size_t done) {
@@ -173,21 +209,35 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
         return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
                                              " does not lie inside " + to_string(desc().size)};
     const TileGrid& grid = container.grid();
-    std::vector<Worker> workers =
-        make_workers(threads, grid.touched(box).texels(), *state_->codings[0], state_->colour);
-    TESSERA_TRY_ASSIGN(
-        const auto slabs,
-        make_slabs(grid, box, sink.locality(),
-                   {slab_texels(grid, sink.locality(), slab_bytes / desc().texel_bytes()), false})
-            .with_context(container.name()));
+    const AlignedViews& views = container.aligned_views();
+    // A tile has a little of each of many rows of aligned views: slabs are as large as may be, and gathered
+    // here before they are written.
+    const bool gathers = views.any();
+    const Locality locality =
+        gathers && sink.locality() == Locality::any ? Locality::places : sink.locality();
+    std::uint64_t most_texels = slab_bytes / desc().texel_bytes();
+    most_texels = gathers ? most_texels / 2 : slab_texels(grid, locality, most_texels);
+    TESSERA_TRY_ASSIGN(auto slabs, make_slabs(gathers ? TileGrid(desc().size, desc().size) : grid,
+                                              box, locality, {most_texels, false})
+                                       .with_context(container.name()));
     std::vector<std::uint64_t> order;
-    for (const Slab& slab : slabs)
+    std::size_t most_tiles = 0;
+    for (Slab& slab : slabs) {
+        if (gathers)
+            slab.tiles = container.tiles_touched(slab.box);
+        most_tiles = std::max(most_tiles, slab.tiles.size());
         order.insert(order.end(), slab.tiles.begin(), slab.tiles.end());
+    }
+    std::vector<Worker> workers =
+        make_workers(threads, most_tiles, *state_->codings[0], state_->colour);
+    std::vector<std::byte> gathered;
     const std::size_t total = order.size();
     TilesAhead ahead(container, std::move(order));
     std::size_t done = 0;
     for (const Slab& slab : slabs) {
         TESSERA_TRY(sink.begin_slab(slab.box));
+        if (gathers)
+            gathered.resize(static_cast<std::size_t>(desc().box_bytes(slab.box)));
         for (std::span<const std::uint64_t> left = slab.tiles; !left.empty();) {
             TESSERA_TRY_ASSIGN(const std::size_t window, ahead.ready(done));
             const auto tiles = left.first(std::min(window, left.size()));
@@ -197,6 +247,11 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                     const Box4 tile_box = grid.box(tiles[i]);
                     TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
                                             Integrity::page, worker));
+                    if (gathers) {
+                        views.copy_from_grid(tile_box, worker.texels, slab.box, gathered,
+                                             desc().texel_bytes());
+                        return {};
+                    }
                     const Box4 part = intersect(tile_box, slab.box);
                     if (part == tile_box)
                         return sink.write(part, worker.texels);
@@ -212,6 +267,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
             done += tiles.size();
             left = left.subspan(tiles.size());
         }
+        if (gathers)
+            TESSERA_TRY(sink.write(slab.box, gathered));
         TESSERA_TRY(sink.end_slab());
     }
     return sink.finish();

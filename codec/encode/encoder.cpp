@@ -4,8 +4,10 @@
 #include "codec/encode/rate_control.h"
 #include "codec/pass/encode_facts.h"
 #include "codec/pass/tile_reuse.h"
+#include "codec/texels/aligned_texels.h"
 #include "codec/texels/texel_mask.h"
 #include "codec/tile_encoder/tool_switches.h"
+#include "codec/trials/alignment_choice.h"
 #include "codec/trials/background.h"
 #include "codec/trials/tile_choice.h"
 #include "format/container/container_writer.h"
@@ -77,6 +79,8 @@ ContainerContents contents_of(const FileParts& parts) {
     const EncodePlan& plan = parts.plan;
     ContainerContents contents;
     contents.desc = plan.colour.desc;
+    contents.desc.size = plan.views.texture_size();
+    contents.alignment = plan.alignment;
     contents.tile_extent = plan.grid.tile_extent();
     contents.description = plan.options.description;
     contents.metadata = recorded_metadata(plan);
@@ -105,6 +109,8 @@ ContainerContents contents_of(const FileParts& parts) {
 
 // An encode up to its file.
 struct Attempt {
+    std::unique_ptr<TexelSource> held;      // the texels of pictures whose views are aligned
+    std::unique_ptr<AlignedTexels> aligned; // nullptr: views are not
     EncodePlan plan;
     RateOutcome outcome;
     LatestLevels latest;
@@ -126,20 +132,53 @@ EncodePlan plan_of(TexelSource& source, const EncodeOptions& options, const Tool
             nullptr,
             options.mask,
             texels_that_matter,
-            tools};
+            tools,
+            true,
+            nullptr,
+            AlignedViews(desc.size, {})};
+}
+
+// An attempt of which only the plan is there, without its grid of tiles.
+Result<std::unique_ptr<Attempt>> begin_attempt(TexelSource& source, const EncodeOptions& options,
+                                               const ToolSwitches& tools) {
+    const Extent4 size = source.desc().size;
+    TESSERA_TRY_ASSIGN(const std::uint64_t matter,
+                       count_texels_that_matter(options.mask, size, options.threads));
+    const EncodePlan plain = plan_of(source, options, tools, matter);
+    std::unique_ptr<Attempt> made(new Attempt{nullptr, nullptr, plain, {}, {}});
+    ViewAlignment alignment;
+    if (options.reuse != nullptr) {
+        alignment = options.reuse->container().alignment();
+    } else {
+        TESSERA_TRY_ASSIGN(alignment, alignment_by_motion(plain));
+    }
+    if (!alignment.any())
+        return made;
+    TESSERA_TRY_ASSIGN(TexelSource * texels,
+                       in_any_order(source, options.threads, options.slab_bytes, made->held));
+    if (options.reuse == nullptr) {
+        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, *texels, alignment));
+        if (!pays)
+            return made;
+    }
+    const AlignedViews views(size, alignment);
+    std::unique_ptr<AlignedTexels> aligned = AlignedTexels::make(*texels, views, options.mask);
+    EncodePlan plan = plan_of(aligned->texels(), options, tools, matter);
+    plan.mask = &aligned->mask();
+    plan.views = views;
+    plan.alignment = alignment;
+    return std::unique_ptr<Attempt>(
+        new Attempt{std::move(made->held), std::move(aligned), plan, {}, {}});
 }
 
 // Finds the pass that meets the rate. `source` and `options` outlive what comes back; `journal` may be
 // nullptr.
 Result<std::unique_ptr<Attempt>> attempt(TexelSource& source, const EncodeOptions& options,
                                          Journal* journal) {
-    const TextureDesc desc = source.desc();
-    TESSERA_TRY_ASSIGN(const std::uint64_t texels_that_matter,
-                       count_texels_that_matter(options.mask, desc.size, options.threads));
     TESSERA_TRY_ASSIGN(const ToolSwitches tools, parse_tool_switches(options.tools));
-    std::unique_ptr<Attempt> made(
-        new Attempt{plan_of(source, options, tools, texels_that_matter), {}, {}});
+    TESSERA_TRY_ASSIGN(std::unique_ptr<Attempt> made, begin_attempt(source, options, tools));
     EncodePlan& plan = made->plan;
+    const TextureDesc& desc = plan.colour.desc;
     const bool resume = options.journal == JournalUse::resume;
     if (journal != nullptr && resume)
         TESSERA_TRY(journal->may_resume(facts_of(plan)));
@@ -180,8 +219,8 @@ Result<std::uint64_t> file_bytes_of(Attempt& made) {
 
 // No step reaches the PSNR that was asked for: a lossless file does, and takes its place where it is
 // smaller or wanted. `lossless` outlives `made`. Its payloads stay in memory: a journal has one encode.
-Status fall_back(const EncodeOptions& lossless, std::unique_ptr<Attempt>& made) {
-    TexelSource& source = made->plan.source;
+Status fall_back(TexelSource& source, const EncodeOptions& lossless,
+                 std::unique_ptr<Attempt>& made) {
     if (!lossless.lossless_fallback && !source.cheap_to_reread())
         return {};
     TESSERA_TRY_ASSIGN(std::unique_ptr<Attempt> other, attempt(source, lossless, nullptr));
@@ -201,12 +240,13 @@ EncodeReport report_on(const Attempt& made, const FileParts& parts, std::uint64_
     const EncodePlan& plan = made.plan;
     const PassResult& pass = made.outcome.pass;
     const TextureDesc& desc = plan.colour.desc;
+    const Extent4& size = plan.views.texture_size();
     EncodeReport report;
     report.file_bytes = bytes;
-    report.raw_bytes = desc.box_bytes(Box4::whole(desc.size));
+    report.raw_bytes = desc.box_bytes(Box4::whole(size));
     report.bits_per_texel =
-        static_cast<double>(bytes) * 8.0 / static_cast<double>(texel_count(desc.size));
-    if (plan.mask != nullptr)
+        static_cast<double>(bytes) * 8.0 / static_cast<double>(texel_count(size));
+    if (plan.options.mask != nullptr)
         report.texels_that_matter = plan.texels_that_matter;
     report.psnr = pass.psnr(desc, plan.texels_that_matter);
     report.max_error = pass.totals.max_error;
@@ -229,7 +269,7 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     EncodeOptions lossless = options;
     lossless.rate = {RateTarget::Kind::max_error, 0};
     if (made->outcome.is_missed)
-        TESSERA_TRY(fall_back(lossless, made));
+        TESSERA_TRY(fall_back(source, lossless, made));
     TESSERA_TRY_ASSIGN(const FileParts parts,
                        parts_of(made->plan, made->outcome.pass, made->latest));
     const ContainerContents contents = contents_of(parts);

@@ -21,7 +21,7 @@ class RateSearch {
 public:
     RateSearch(const EncodePlan& plan, const Sample& sample, const FileBytes& file_bytes)
         : plan_(plan), sample_(sample), file_bytes_(file_bytes),
-          texels_(texel_count(plan.grid.size())) {
+          texels_(texel_count(plan.views.texture_size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
         if (!may_have_base_pictures(plan))

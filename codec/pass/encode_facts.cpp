@@ -90,7 +90,7 @@ JournalFacts facts_of(const EncodePlan& plan) {
     const TextureDesc& desc = plan.colour.desc;
     JournalFacts facts = {
         {"version of the encoder", library_version},
-        {"size", to_string(desc.size)},
+        {"size", to_string(plan.views.texture_size())},
         {"sample type", desc.type == SampleType::unorm8 ? "unorm8" : "half16"},
         {"number of channels", std::to_string(desc.channels)},
         {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
@@ -109,8 +109,8 @@ JournalFacts facts_of(const EncodePlan& plan) {
                                                 " bytes with the identity " +
                                                 std::to_string(reused.header().identity));
     }
-    if (plan.mask != nullptr)
-        facts.emplace_back("size of the mask", to_string(plan.mask->desc().size));
+    if (o.mask != nullptr)
+        facts.emplace_back("size of the mask", to_string(o.mask->desc().size));
     for (const auto& [name, value] : o.source_facts)
         facts.emplace_back(name, shortened(value));
     for (const auto& [key, value] : o.metadata)
@@ -120,6 +120,9 @@ JournalFacts facts_of(const EncodePlan& plan) {
 
 JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
     JournalFacts facts = facts_of(plan);
+    if (plan.alignment.any())
+        facts.emplace_back("alignment of views", std::to_string(plan.alignment.u) + ", " +
+                                                     std::to_string(plan.alignment.v));
     facts.emplace_back("largest tile", to_string(plan.grid.tile_extent()));
     std::uint32_t crc = 0;
     for (const TileTexels& tile : sample.tiles)

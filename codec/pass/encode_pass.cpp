@@ -234,7 +234,7 @@ bool is_not_finite(const std::byte* at) {
 
 // "texel u 3, v 0, s 1, t 2, channel 0 is NaN" of the first in the order of the box; "" without one.
 std::string first_not_finite(std::span<const std::byte> texels, const Box4& box,
-                             const TextureDesc& desc) {
+                             const TextureDesc& desc, const AlignedViews& views) {
     if (desc.type == SampleType::unorm8)
         return "";
     for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
@@ -247,6 +247,8 @@ std::string first_not_finite(std::span<const std::byte> texels, const Box4& box,
             at[axis] = box.begin[axis] + static_cast<std::uint32_t>(left % extent[axis]);
             left /= extent[axis];
         }
+        at[axis_u] -= views.shift_u(at[axis_s]);
+        at[axis_v] -= views.shift_v(at[axis_t]);
         const bool nan =
             (std::to_integer<unsigned>(texels[i + 1]) & 0x03) != 0 || texels[i] != std::byte{0};
         return "texel u " + std::to_string(at[axis_u]) + ", v " + std::to_string(at[axis_v]) +
@@ -257,14 +259,21 @@ std::string first_not_finite(std::span<const std::byte> texels, const Box4& box,
     return "";
 }
 
+// Those that do not matter are finite.
+Status read_texels(TexelSource& from, TexelSource* mask, const Box4& box, TileTexels& source) {
+    source.texels.resize(from.desc().box_bytes(box));
+    TESSERA_TRY(from.read(box, source.texels));
+    TESSERA_TRY(read_mask(mask, box, source.matters));
+    make_free_finite(source, from.desc());
+    return {};
+}
+
 Status read_tile(const EncodePlan& plan, const Box4& box, TileTexels& source, CodedTile& tile) {
     TESSERA_TRY(check_cancelled(plan.options));
     const TextureDesc& desc = plan.colour.desc;
-    source.texels.resize(desc.box_bytes(box));
-    TESSERA_TRY(plan.source.read(box, source.texels));
-    TESSERA_TRY(read_mask(plan.mask, box, source.matters));
-    make_free_finite(source, desc);
-    const std::string first = plan.options.strict ? first_not_finite(source.texels, box, desc) : "";
+    TESSERA_TRY(read_texels(plan.source, plan.mask, box, source));
+    const std::string first =
+        plan.options.strict ? first_not_finite(source.texels, box, desc, plan.views) : "";
     make_finite(source.texels, desc.type, tile);
     if (!first.empty())
         return about_texels(plan, {ErrorCode::invalid_file,
@@ -413,6 +422,14 @@ Result<Statistics> count_all(Crew& crew, const Sample& sample, const Choose& cho
 }
 
 } // namespace
+
+Result<TileTexels> read_finite(TexelSource& source, TexelSource* mask, const Box4& box) {
+    TileTexels tile;
+    TESSERA_TRY(read_texels(source, mask, box, tile));
+    CodedTile ignored;
+    make_finite(tile.texels, source.desc().type, ignored);
+    return tile;
+}
 
 std::uint64_t Sample::texel_count() const {
     return std::accumulate(boxes.begin(), boxes.end(), std::uint64_t{0},

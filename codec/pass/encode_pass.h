@@ -35,6 +35,9 @@ struct EncodePlan {
     bool keeps_payloads = true; // of whole passes; else only the figures are wanted
     const Decoder* reused =
         nullptr; // tiles that this file decodes to are taken over (tile_reuse.h)
+    // Where views are aligned, `source`, `mask` and `grid` are of the grid of tiles, and so is colour.desc.
+    AlignedViews views = {};
+    ViewAlignment alignment = {};
 };
 
 struct PassResult {
@@ -62,6 +65,9 @@ struct Sample {
     std::uint64_t texel_count() const;
     std::uint64_t texels_that_matter() const;
 };
+
+// The texels of a box, all finite, for a sample. Errors: those of the sources.
+Result<TileTexels> read_finite(TexelSource& source, TexelSource* mask, const Box4& box);
 
 // The i-th of picks that the golden ratio spreads over 0..count-1, however many they are.
 inline std::uint64_t golden_pick(std::uint64_t i, std::uint64_t count) {

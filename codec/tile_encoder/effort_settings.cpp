@@ -23,7 +23,7 @@ constexpr std::uint64_t all = ~std::uint64_t{0};
 
 // The range of copies is in half texels a view. Parallax in the rivals' texture is a few texels;
 // larger textures have more.
-struct Level {
+struct EffortRow {
     std::uint64_t grids;
     bool rotation, dependent, recode;
     // Of the search for copies; 0 rounds: no copies, and no filter either.
@@ -33,7 +33,7 @@ struct Level {
 };
 
 constexpr bool on = true, off = false;
-constexpr std::array<Level, most_effort + 1> levels = {{
+constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
     // grids rotation, dependent, recode; copies; dense tables, refinements
     {four, off, off, off, 0, 0, 0, 0, off, 0},
     {seven, on, off, on, 0, 0, 0, 0, off, 0},
@@ -47,7 +47,7 @@ constexpr DisplacementRange usual_range{8, 4};
 } // namespace
 
 EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
-    const Level& level = levels[static_cast<std::size_t>(effort)];
+    const EffortRow& level = effort_rows[static_cast<std::size_t>(effort)];
     const bool level_copies = level.rounds > 0;
     const bool copies = tools.is_on(CodingTool::copies, level_copies);
     const bool grids_asked_for = tools.is_on(CodingTool::grids, false);
@@ -73,6 +73,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.copy_rounds = std::max(level.rounds, 1);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
+    settings.try_alignment = tools.is_on(CodingTool::align, level_copies);
     settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);
     if (tools.is_on(CodingTool::refine, level.refinements > 0))

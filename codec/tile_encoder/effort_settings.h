@@ -20,6 +20,7 @@ struct EffortSettings {
     bool filter = true;         // decoded tiles, where that is worth it
     bool try_smooth = true;     // whether copies are smoothed is found by a trial
     bool try_base = true;       // whether tiles have base pictures, likewise
+    bool try_alignment = true;  // of views, by their parallax
     bool try_dense = true;      // whether tables start from those of dense textures, likewise
     bool balance = true;        // tiles keep the mean of their texels
     bool quick = false;         // small samples, tiles' shape by estimates: coding takes no longer

@@ -27,6 +27,7 @@ enum class CodingTool : std::uint8_t {
     filter,
     dense_tables,
     balance,
+    align,
 };
 
 struct CodingToolInfo {
@@ -35,7 +36,7 @@ struct CodingToolInfo {
     const char* help;
 };
 
-inline constexpr std::array<CodingToolInfo, 15> coding_tools = {{
+inline constexpr std::array<CodingToolInfo, 16> coding_tools = {{
     {CodingTool::copies, "copies", "blocks copy from other views"},
     {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
     {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
@@ -53,6 +54,8 @@ inline constexpr std::array<CodingToolInfo, 15> coding_tools = {{
     {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
     {CodingTool::base, "base",
      "base pictures that all views copy, where a trial finds that they pay"},
+    {CodingTool::align, "align",
+     "views of camera grids moved so that most of what they show stands still in a tile"},
     {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
     {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
     {CodingTool::balance, "balance", "tiles keep their mean colours"},

@@ -1,10 +1,9 @@
 #include "codec/trials/tile_choice.h"
 
-#include "codec/pass/steps.h"
 #include "codec/texels/sample_tiles.h"
-#include "codec/trials/background.h"
 #include "codec/trials/base_trial.h"
 #include "codec/trials/tile_shapes.h"
+#include "codec/trials/trial_plan.h"
 #include "format/texture.h"
 
 #include <algorithm>
@@ -23,12 +22,11 @@ constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles are worth a trial
 // A first look at a low effort, which takes a third of the time, settles what is clear: it favours
 // many views by up to 4 % of the costs here, so a smaller difference is looked at again.
-constexpr int quick_effort_of_trial = 2, most_effort_of_trial = 4;
+constexpr int most_effort_of_trial = 4;
 // At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
 // fifths of the encode.
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr double clear_difference = 0.08;
-constexpr double quality_of_trial = 58; // where the rate is a target, not a step
 // Tiles of places this narrow hold so many views that base pictures, most of them margin, say little.
 constexpr std::uint32_t narrow_side = 15;
 constexpr std::uint8_t usual_margin = 4; // of base pictures
@@ -125,22 +123,6 @@ void cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const Tex
             sample.boxes.push_back(box);
         }
     }
-}
-
-CodingParameters parameters_of_trial(const EncodePlan& trial) {
-    const RateTarget& rate = trial.options.rate;
-    return coding_parameters(
-        step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,
-                        trial.colour.desc.type),
-        trial);
-}
-
-// How a trial codes patches at an effort.
-EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& patches, int effort) {
-    EncodePlan trial = plan;
-    trial.colour.background = find_background(patches, plan.colour.desc);
-    trial.effort = EffortSettings::of(effort, plan.tools).for_samples();
-    return trial;
 }
 
 // What `patches` cost in tiles of `extent` at an effort.

@@ -203,6 +203,9 @@ SampledTexture::~SampledTexture() = default;
 Result<std::unique_ptr<SampledTexture::State>>
 SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options) {
     TESSERA_TRY(check_device().with_context("this device cannot decode Tessera files"));
+    if (reader.alignment().any())
+        return Status{ErrorCode::unsupported,
+                      reader.name() + ": views of cameras are no texture of a sphere or a mesh"};
     // Tile numbers and the products of sizes and tile counts are 32-bit numbers in the shaders.
     const TileGrid& grid = reader.grid();
     bool fits = grid.tiles() < (1ull << 24);

@@ -44,6 +44,12 @@ std::span<const Level> ContainerReader::levels() const {
 const TileGrid& ContainerReader::grid(std::size_t level) const {
     return levels()[level].grid;
 }
+ViewAlignment ContainerReader::alignment() const {
+    return header().alignment;
+}
+std::vector<std::uint64_t> ContainerReader::tiles_touched(const Box4& texels) const {
+    return aligned_views().tiles_touched(grid(), texels);
+}
 std::uint64_t ContainerReader::tile_count() const {
     return container_->tile_count();
 }
@@ -92,6 +98,9 @@ Result<TileSummary> ContainerReader::summarise_tiles() const {
 }
 const FileHeader& ContainerReader::header() const {
     return container_->header();
+}
+const AlignedViews& ContainerReader::aligned_views() const {
+    return container_->aligned_views();
 }
 const LevelTable& ContainerReader::level_table() const {
     return container_->level_table();

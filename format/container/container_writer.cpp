@@ -4,6 +4,7 @@
 #include "format/container/level_table.h"
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
+#include "format/levels.h"
 
 #include <algorithm>
 #include <limits>
@@ -103,8 +104,9 @@ Status Builder::check() {
         return bad("a page of " + std::to_string(page) +
                    " bytes; a multiple of 16 up to 65536 is needed");
     header_.section_count = min_sections; // the true number follows in build_head
-    header_.required_features =
-        c.required_features | (c.coarse_levels.empty() ? 0 : feature_levels);
+    header_.required_features = c.required_features |
+                                (c.coarse_levels.empty() ? 0 : feature_levels) |
+                                (c.alignment.any() ? feature_aligned : 0);
     header_.level_count = static_cast<std::uint8_t>(
         std::min<std::size_t>(c.coarse_levels.size() + 1, 255)); // 255 is refused below
     header_.desc = c.desc;
@@ -112,6 +114,7 @@ Status Builder::check() {
     header_.colour = c.colour;
     header_.description = c.description;
     header_.background = c.background;
+    header_.alignment = c.alignment;
     Status status = check_features(header_);
     if (status)
         status = check_fields(header_);
@@ -134,7 +137,8 @@ Status Builder::check() {
 }
 
 Status Builder::make_level_table() {
-    entries_ = {LevelEntry{contents_.desc.size, 0, 0, 0}};
+    entries_ = {
+        LevelEntry{AlignedViews(contents_.desc.size, contents_.alignment).grid_size(), 0, 0, 0}};
     entries_.insert(entries_.end(), contents_.coarse_levels.begin(), contents_.coarse_levels.end());
     Result<LevelTable> table = LevelTable::make(entries_, contents_.tile_extent);
     if (!table)

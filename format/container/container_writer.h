@@ -63,7 +63,8 @@ struct ContainerContents {
     Metadata metadata;
     ColourTransform colour = ColourTransform::none;
     std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), unused channels 0
-    std::uint64_t required_features = 0;
+    std::uint64_t required_features = 0;       // those of coarse levels and of alignment are added
+    ViewAlignment alignment;                   // only without coarse levels and without a proxy
     // What a page aims at: a multiple of 16 up to 65,536; 0: every tile is a page. Unless given, the
     // least of 0, 16, 32, 64, ... with which checksums of pages cost at most 1 % of all tiles' bytes.
     std::optional<std::uint32_t> page_bytes;

@@ -1,6 +1,7 @@
 #include "format/container/syntax.h"
 
 #include "format/io/bytes.h"
+#include "format/levels.h"
 
 #include <algorithm>
 #include <bit>
@@ -77,8 +78,10 @@ template <class Fields, class Header> void walk_header(Fields& fields, Header& h
     byte_enum(h.description.transfer);
     byte_enum(h.description.primaries);
     fields.field(h.level_count);
-    auto reserved_78 = static_cast<std::uint16_t>(h.reserved >> 32);
-    fields.field(reserved_78);
+    auto align_u = static_cast<std::uint8_t>(h.alignment.u);
+    auto align_v = static_cast<std::uint8_t>(h.alignment.v);
+    fields.field(align_u);
+    fields.field(align_v);
     for (auto& value : h.description.sphere_centre)
         real(value);
     real(h.description.sphere_radius);
@@ -87,11 +90,10 @@ template <class Fields, class Header> void walk_header(Fields& fields, Header& h
     for (auto& value : h.background)
         fields.field(value);
     fields.field(h.identity);
-    auto reserved_120 = static_cast<std::uint32_t>(h.reserved);
-    fields.field(reserved_120);
+    fields.field(h.reserved);
     fields.field(h.crc);
     if constexpr (!std::is_const_v<Header>)
-        h.reserved = std::uint64_t{reserved_78} << 32 | reserved_120;
+        h.alignment = {static_cast<std::int8_t>(align_u), static_cast<std::int8_t>(align_v)};
 }
 
 Status check_range(const char* field, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
@@ -99,6 +101,23 @@ Status check_range(const char* field, std::uint64_t value, std::uint64_t low, st
         return {};
     return invalid(std::string("header field ") + field + " is " + std::to_string(value) +
                    ", outside " + std::to_string(low) + ".." + std::to_string(high));
+}
+
+Status check_alignment(const FileHeader& h) {
+    if (h.alignment.any() != ((h.required_features & feature_aligned) != 0))
+        return invalid(
+            "header fields align_u and align_v do not go with the feature of aligned views");
+    if (!h.alignment.any())
+        return {};
+    if (h.level_count > 1 || h.description.proxy != Proxy::none)
+        return invalid(
+            "header fields align_u and align_v: neither coarse levels nor a proxy go with "
+            "aligned views");
+    TextureDesc grid = h.desc;
+    grid.size = AlignedViews(h.desc.size, h.alignment).grid_size();
+    const Status status = check_desc(grid);
+    return status.ok() ? Status()
+                       : invalid("header fields align_u and align_v: " + status.message());
 }
 
 Status check_tile_extent(const FileHeader& h) {
@@ -149,9 +168,9 @@ Status check_geometry(const Description& d) {
 } // namespace
 
 std::string feature_name(unsigned bit) {
-    constexpr const char* names[] = {"coarse levels",           "corrections",
-                                     "quality layers",          "colour rotation per leaf",
-                                     "prediction inside tiles", "stored tiles"};
+    constexpr const char* names[] = {
+        "coarse levels",           "corrections",  "quality layers", "colour rotation per leaf",
+        "prediction inside tiles", "stored tiles", "aligned views"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 
@@ -191,6 +210,7 @@ Status check_fields(const FileHeader& h) {
     TESSERA_TRY(check_channel_use(h));
     const bool levels = (h.required_features & feature_levels) != 0;
     TESSERA_TRY(check_range("level_count", h.level_count, levels ? 2 : 1, levels ? max_levels : 1));
+    TESSERA_TRY(check_alignment(h));
     TESSERA_TRY(check_range("reserved", h.reserved, 0, 0));
     TESSERA_TRY(check_geometry(h.description));
     return check_background(h);

@@ -1,6 +1,7 @@
 // The fixed numbers and records of FORMAT.md part 1, shared by reader and writer.
 #pragma once
 
+#include "format/levels.h"
 #include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
@@ -53,9 +54,10 @@ struct FileHeader {
     ColourTransform colour = ColourTransform::none;
     Description description;
     std::uint8_t level_count = 1;
+    ViewAlignment alignment;
     std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), channel order
     std::uint64_t identity = 0;
-    std::uint64_t reserved = 0; // both reserved fields
+    std::uint32_t reserved = 0;
     std::uint32_t crc = 0;
 
     std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }

@@ -10,7 +10,8 @@ inline constexpr std::uint64_t feature_levels = 1u << 0;
 inline constexpr std::uint64_t feature_corrections = 1u << 1;
 inline constexpr std::uint64_t feature_prediction = 1u << 4;
 inline constexpr std::uint64_t feature_stored = 1u << 5;
+inline constexpr std::uint64_t feature_aligned = 1u << 6;
 inline constexpr std::uint64_t known_features =
-    feature_levels | feature_corrections | feature_prediction | feature_stored;
+    feature_levels | feature_corrections | feature_prediction | feature_stored | feature_aligned;
 
 } // namespace tessera

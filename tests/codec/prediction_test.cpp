@@ -176,13 +176,13 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     options.rate = {RateTarget::Kind::quality, 42}; // above, it is noise that is coded
     options.tile_extent = {16, 16, 4, 4};
     options.effort = usual_effort;
-    options.tools = "-base";
+    options.tools = "-base,-align";
     options.threads = 1;
     const EncodedFile smooth = encode_file_of(source, options);
     EXPECT_TRUE(smooth.parameters.smooth_copies);
     options.threads = 3;
     EXPECT_EQ(encode_file_of(source, options).file, smooth.file);
-    options.tools = "-base,-smooth";
+    options.tools = "-base,-smooth,-align";
     const EncodedFile plain = encode_file_of(source, options);
     EXPECT_FALSE(plain.parameters.smooth_copies);
     EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
@@ -195,10 +195,10 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = usual_effort;
-    options.tools = "-base";
+    options.tools = "-base,-align";
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
     options.effort = test::quick_effort; // without copies there is nothing to smooth
-    options.tools = "+smooth";
+    options.tools = "+smooth,-align";
     EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
 }
 
@@ -213,6 +213,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
             EncodeOptions options;
             options.effort = copies ? effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
+            options.tools = "-align"; // which leaves nothing to copy
             options.rate = {RateTarget::Kind::quality, copies ? 64.0 : 60.0};
             Bytes file;
             const auto encoded = encode_memory(source, file, options);
@@ -243,7 +244,7 @@ TEST(EncodeCopies, OfABasePictureAreFoundWhereTheyPayInTheirDirection) {
         const EncodedFile with = encode_file_of(source, options);
         EXPECT_TRUE(with.parameters.base.on);
         EXPECT_EQ(with.parameters.base.v_against_u, against);
-        options.tools = "-base";
+        options.tools = "-base,-align";
         const EncodedFile without = encode_file_of(source, options);
         EXPECT_FALSE(without.parameters.base.on);
         EXPECT_GT(with.report.psnr, without.report.psnr);
@@ -257,6 +258,7 @@ TEST(EncodeCopies, ErrorBoundsGoWithoutThem) {
     test::MemoryTexture source = moving_picture({4, 0}, {0, 4}, {16, 16, 8, 8});
     EncodeOptions options;
     options.effort = most_effort;
+    options.tools = "-align";
     options.rate = {RateTarget::Kind::max_error, 1};
     Bytes file;
     const auto encoded = encode_memory(source, file, options);

@@ -65,7 +65,7 @@ TEST(Hostile, IdentifierAndVersion) {
 }
 
 TEST(Hostile, Features) {
-    for (const unsigned bit : {2u, 3u, 6u, 7u, 63u})
+    for (const unsigned bit : {2u, 3u, 7u, 63u})
         expect_refused(patched(16, u64{1} << bit), ContainerRule::features, feature_name(bit),
                        ErrorCode::unsupported);
     EXPECT_TRUE(open_status(patched(16, u64{2})));
@@ -99,7 +99,9 @@ TEST(Hostile, FieldsOutOfRange) {
     field(patched(71, u8{1}), "alpha"); // three channels
     field(patched(77, u8{0}), "level_count");
     field(patched(77, u8{2}), "level_count");
-    field(patched(78, u16{1}), "reserved");
+    field(patched(78, u8{1}), "align_u"); // without the feature
+    field(patched(79, u8{255}), "align_v");
+    field(patched(16, u64{1} << 6), "align_u"); // without an alignment
     field(patched(120, u32{1}), "reserved");
 }
 

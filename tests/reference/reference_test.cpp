@@ -7,6 +7,7 @@
 #include "tests/reference/spec_decoder.h"
 #include "tests/support/efforts.h"
 #include "tests/support/fnv1a.h"
+#include "tests/support/moving_views.h"
 
 #include <gtest/gtest.h>
 
@@ -296,6 +297,21 @@ TEST(Reference, ScenesOfTheCorpus) {
 }
 
 // Blocks longer than the frequencies that are coded of them.
+// Views that move by two texels each, one along v by two the other way, are moved back in the grid of tiles.
+TEST(Reference, AlignedViews) {
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (const RateTarget& rate :
+             {RateTarget{Kind::quality, 60}, RateTarget{Kind::max_error, 0}})
+            for (const int v : {2, -2}) {
+                test::MemoryTexture texture = test::moving_views({{41, 40, 3, 4}, type, 1}, 2, v);
+                const Bytes file = encode(texture, rate, {16, 12, 3, 4}, {}, test::copies_effort);
+                EXPECT_EQ(file[16] & std::byte{64}, std::byte{64}); // feature 6
+                EXPECT_EQ(file[78], std::byte{0xFE});
+                EXPECT_EQ(file[79], static_cast<std::byte>(-v));
+                expect_decodes(file, "moving by " + std::to_string(v));
+            }
+}
+
 TEST(Reference, TilesOfUpTo64Texels) {
     for (const char* name : {"waves", "coloured", "noise"})
         for (const auto& [size, extent] : {std::pair{Extent4{70, 66, 5, 3}, Extent4{64, 64, 4, 4}},

@@ -81,6 +81,8 @@ struct Header {
     uint32_t section_count = 0;
     uint32_t page_target = 0;
     std::array<uint32_t, 4> size{};
+    std::array<int, 2> alignment{};
+    std::array<uint32_t, 4> grid{}; // texels of level 0's grid (part 2)
     std::array<uint32_t, 4> tile_extent{};
     int sample_type = 0;
     int channels = 0;
@@ -93,6 +95,7 @@ struct Header {
     bool has_levels() const { return required_features & 1; }
     bool has_corrections() const { return required_features >> 1 & 1; }
     bool has_predictions() const { return required_features >> 4 & 1; }
+    bool is_aligned() const { return required_features >> 6 & 1; }
     bool has_stored_tiles() const { return required_features >> 5 & 1; }
 };
 
@@ -116,7 +119,8 @@ Header read_header(Bytes file) {
 
     h.required_features = u64(file, 16);
     for (int bit = 0; bit < 64; ++bit)
-        if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5) // 1.5
+        if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5 &&
+            bit != 6) // 1.5
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
     require(h.section_count >= 5, "header: section_count");
@@ -156,7 +160,18 @@ Header read_header(Bytes file) {
     h.level_count = u8(file, 77);
     require(h.level_count >= 1 && h.level_count <= 64, "header: level_count");
     require((h.level_count > 1) == h.has_levels(), "header: level_count and feature 0");
-    require(u16(file, 78) == 0 && u32(file, 120) == 0, "header: reserved");
+    require(u32(file, 120) == 0, "header: reserved");
+    h.grid = h.size;
+    for (size_t a = 0; a < 2; ++a) {
+        h.alignment[a] = u8(file, 78 + a) < 128 ? u8(file, 78 + a) : u8(file, 78 + a) - 256;
+        h.grid[a] += static_cast<uint32_t>(std::abs(h.alignment[a])) * (h.size[2 + a] - 1);
+        require(h.grid[a] <= 1u << 20, "header: alignment");
+    }
+    require(h.is_aligned() == (h.alignment[0] != 0 || h.alignment[1] != 0),
+            "header: alignment and feature 6");
+    require(!h.is_aligned() || (h.level_count == 1 && proxy == 0), "header: aligned views");
+    require(uint64_t{h.grid[0]} * h.grid[1] <= (1ull << 48) / h.size[2] / h.size[3],
+            "header: alignment, product");
 
     for (size_t at = 80; at < 104; at += 4)
         require(std::isfinite(f32(file, at)), "header: not finite");
@@ -340,7 +355,7 @@ std::vector<Level> read_levels(Bytes section, const Header& header) {
         for (size_t a = 0; a < 4; ++a) {
             const uint64_t joined = 1ull << (a < 2 ? spatial : angular);
             level.size[a] = u32(entry, 4 * a);
-            require(level.size[a] == (header.size[a] + joined - 1) / joined, "LEVL: size");
+            require(level.size[a] == (header.grid[a] + joined - 1) / joined, "LEVL: size");
             level.n[a] = (level.size[a] + header.tile_extent[a] - 1) / header.tile_extent[a];
             level.tiles *= level.n[a]; // at most 2^48, as the texels
         }
@@ -1735,6 +1750,29 @@ std::vector<std::byte> decode_level(const Header& header, const Code& file_code,
     return texels;
 }
 
+// How much further along u or v the views at x of n lie in the grid.
+size_t shift(int alignment, uint32_t x, uint32_t n) {
+    return alignment >= 0 ? static_cast<size_t>(alignment) * x
+                          : static_cast<size_t>(-alignment) * (n - 1 - x);
+}
+
+// The texels of the texture, from those of its grid.
+std::vector<std::byte> without_alignment(const Header& h, const std::vector<std::byte>& grid) {
+    std::vector<std::byte> texels;
+    const size_t bytes = h.texel_bytes();
+    for (uint32_t v = 0; v < h.size[1]; ++v)
+        for (uint32_t u = 0; u < h.size[0]; ++u)
+            for (uint32_t t = 0; t < h.size[3]; ++t)
+                for (uint32_t s = 0; s < h.size[2]; ++s) {
+                    size_t at = v + shift(h.alignment[1], t, h.size[3]);
+                    at = at * h.grid[0] + u + shift(h.alignment[0], s, h.size[2]);
+                    at = (at * h.size[3] + t) * h.size[2] + s;
+                    for (size_t k = 0; k < bytes; ++k)
+                        texels.push_back(grid[at * bytes + k]);
+                }
+    return texels;
+}
+
 Decoded decode_file(Bytes file) {
     const Header header = read_header(file);
     const auto sections = read_section_table(file, header);
@@ -1752,7 +1790,7 @@ Decoded decode_file(Bytes file) {
     for (const Level& level : levels) {
         std::vector<std::byte> texels = decode_level(header, code, level, tiles);
         if (level.first_tile == 0)
-            result.texels = std::move(texels);
+            result.texels = without_alignment(header, texels);
         else
             result.coarse.push_back(std::move(texels));
     }

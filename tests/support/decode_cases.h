@@ -205,7 +205,7 @@ inline std::vector<std::array<std::uint32_t, 4>> expected_samples(const Decoder&
                                                                   const Box4& box) {
     const TextureDesc& desc = decoder.desc();
     Bytes texels(desc.box_bytes(box));
-    const Status status = decoder.decode_box(box, texels);
+    const Status status = decoder.decode_grid_box(box, texels, ReadOptions());
     EXPECT_TRUE(status) << status.message();
     const bool bytes = desc.type == SampleType::unorm8;
     const std::uint32_t one = bytes ? 255 : 0x3C00;

@@ -3,6 +3,7 @@
 
 #include "codec/encoder.h"
 #include "format/container_reader.h"
+#include "format/tile/coding_parameters.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 

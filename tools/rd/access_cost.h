@@ -27,7 +27,7 @@ inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box
     cost.first_reads = counting.reads().size();
     // Not counted by reading again: the first read of a small file brings its tiles along.
     const ContainerReader& container = decoder.container();
-    for (const std::uint64_t tile : container.grid().tiles_touched(box)) {
+    for (const std::uint64_t tile : container.tiles_touched(box)) {
         TESSERA_TRY_ASSIGN(const TileLocation place, container.locate(tile));
         cost.reads += place.length > 0;
         cost.bytes += place.length;

@@ -80,6 +80,8 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     json["optional_features"] = facts.optional_features;
     json["colour"] = facts.colour;
     json["tile_extent"] = to_string(file.grid().tile_extent());
+    if (const ViewAlignment alignment = file.alignment(); alignment.any())
+        json["alignment"] = {{"u", alignment.u}, {"v", alignment.v}};
     json["tiles"] = {{"count", tiles.tiles},
                      {"empty", tiles.empty},
                      {"bytes", tiles.bytes},

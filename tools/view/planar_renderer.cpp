@@ -29,6 +29,7 @@ Between between(double at, std::uint32_t count) {
 
 struct WindowSurface {
     PlanarViews views;
+    AlignedViews aligned;
     Extent4 size; // of the texture
 
     double texels_a_unit() const { return size[axis_u] / views.cameras.width; }
@@ -78,10 +79,14 @@ private:
                 between(at.x + (cs - s) * views.cameras.spacing_x * shift - 0.5, size[axis_u]);
             const Between v =
                 between(at.y + (ct - t) * views.cameras.spacing_y * shift - 0.5, size[axis_v]);
-            found[next++] = {u.first, v.first, cs, ct, weight * (1 - u.share) * (1 - v.share)};
-            found[next++] = {u.second, v.first, cs, ct, weight * u.share * (1 - v.share)};
-            found[next++] = {u.first, v.second, cs, ct, weight * (1 - u.share) * v.share};
-            found[next++] = {u.second, v.second, cs, ct, weight * u.share * v.share};
+            const std::uint32_t in_u = aligned.shift_u(cs), in_v = aligned.shift_v(ct);
+            const auto add = [&](std::uint32_t at_u, std::uint32_t at_v, double share) {
+                found[next++] = {at_u + in_u, at_v + in_v, cs, ct, weight * share};
+            };
+            add(u.first, v.first, (1 - u.share) * (1 - v.share));
+            add(u.second, v.first, u.share * (1 - v.share));
+            add(u.first, v.second, (1 - u.share) * v.share);
+            add(u.second, v.second, u.share * v.share);
         }
         return found;
     }
@@ -121,10 +126,12 @@ Camera window_camera(const glm::dvec3& eye, const CameraGrid& cameras, const Ext
 
 std::unique_ptr<ViewRenderer> make_planar_renderer(TexelSource& source, const Extent4& block_extent,
                                                    const PlanarViews& views,
+                                                   const AlignedViews& aligned,
                                                    const glm::dvec3& background,
                                                    const RenderOptions& options) {
     return std::make_unique<FootprintRenderer<WindowSurface>>(
-        source, block_extent, WindowSurface{views, source.desc().size}, background, options);
+        source, block_extent, WindowSurface{views, aligned, aligned.texture_size()}, background,
+        options);
 }
 
 } // namespace tessera

@@ -106,12 +106,12 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
     TESSERA_TRY_ASSIGN(const glm::dvec3 background, outside_colour(container));
     RenderOptions options = asked;
     options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
-    const auto on_cpu = [&](TexelSource& texels, const Extent4& block,
+    const auto on_cpu = [&](TexelSource& texels, const AlignedViews& aligned, const Extent4& block,
                             const RenderOptions& use) -> Result<std::unique_ptr<ViewRenderer>> {
         if (mesh)
             return make_mesh_renderer(texels, block, *mesh, background, use);
         if (stage.planar)
-            return make_planar_renderer(texels, block, *stage.planar, background, use);
+            return make_planar_renderer(texels, block, *stage.planar, aligned, background, use);
         return make_texture_renderer(texels, block, *stage.window, background, use);
     };
     if (corpus::is_model_path(r.truth)) {
@@ -126,14 +126,14 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
                               options, stage));
     }
     if (r.via == "cpu") {
-        stage.texels = decoded_source(*stage.decoder);
+        stage.texels = decoded_grid(*stage.decoder);
         RenderOptions tile_by_tile = options; // blocks of the file's own grid
         if (container.wants_prefetch())
             tile_by_tile.foretell = [&container](std::span<const std::uint64_t> tiles) {
                 return container.prefetch(tiles).status();
             };
-        TESSERA_TRY_ASSIGN(stage.compressed,
-                           on_cpu(*stage.texels, container.grid().tile_extent(), tile_by_tile));
+        TESSERA_TRY_ASSIGN(stage.compressed, on_cpu(*stage.texels, container.aligned_views(),
+                                                    container.grid().tile_extent(), tile_by_tile));
     } else {
         // The coarsest level is the cheapest and as fine as the device's coarse texels.
         std::unique_ptr<TexelSource> coarse;
@@ -163,7 +163,9 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
                 r.file + ": its samples are not of the type or number of those of " +
                     (r.original.empty() ? "the scene " + r.truth : r.original)};
     stage.original = std::move(original);
-    TESSERA_TRY_ASSIGN(stage.uncompressed, on_cpu(*stage.original, lazy_block, options));
+    TESSERA_TRY_ASSIGN(
+        stage.uncompressed,
+        on_cpu(*stage.original, AlignedViews(stage.desc.size, {}), lazy_block, options));
     return {};
 }
 

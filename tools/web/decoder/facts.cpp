@@ -24,6 +24,10 @@ bool has_packed_metadata(const ContainerReader& container) {
 
 } // namespace
 
+Extent4 level_size(const ContainerReader& container, std::size_t level) {
+    return level == 0 ? container.desc().size : container.levels()[level].size;
+}
+
 std::vector<double> number_facts(const ContainerReader& container) {
     const TextureDesc& desc = container.desc();
     const Description& about = container.description();
@@ -40,10 +44,12 @@ std::vector<double> number_facts(const ContainerReader& container) {
         out.push_back(shown_sample(sample, desc.type));
     out.push_back(static_cast<double>(container.file_bytes()));
     out.push_back(has_packed_metadata(container) ? 1 : 0);
+    append(out, std::array{container.alignment().u, container.alignment().v});
+    append(out, container.grid().size());
     out.push_back(static_cast<double>(container.levels().size()));
     for (std::size_t i = 0; i < container.levels().size(); ++i) {
         const Level& level = container.levels()[i];
-        append(out, level.size);
+        append(out, level_size(container, i));
         append(out, container.grid(i).tile_extent());
         append(out, container.grid(i).count());
         out.push_back(level.spatial_lod);

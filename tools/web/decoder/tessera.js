@@ -96,6 +96,12 @@ class TessFile {
         return this._withBytes(() => this._ask('web_fetch', level, corners));
     }
 
+    // Like fetchBox(), of the grid of level 0's tiles (FORMAT.md part 2), which is info.gridSize texels large.
+    async fetchGridBox(corners, out) {
+        await this._withBytes(() => this._ask('web_fetch_grid', 0, corners));
+        return this._withBytes(() => this._read('web_grid', 0, corners, this.info.texelBytes, out));
+    }
+
     // The whole coarsest level, as {level, width, height, rgba}; null where there is none.
     preview() {
         const level = this.info.coarse;
@@ -251,6 +257,8 @@ class TessFile {
                       alpha: alphaModes[alpha] ?? 'unknown', centre: take(3), radius: take(1)[0],
                       viewingRadius: take(2), background: take(4).slice(0, channels), bytes: take(1)[0]};
         const packed = take(1)[0] !== 0;
+        info.alignment = take(2);
+        info.gridSize = take(4);
         info.levels = [];
         for (let left = take(1)[0]; left > 0; --left) {
             const level = {size: take(4), tile: take(4), tiles: take(4)};

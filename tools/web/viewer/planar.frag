@@ -6,14 +6,20 @@ uniform vec2 window;     // width and height of the window, world units
 uniform vec2 spacing;    // from camera to camera
 uniform float distance;  // of the cameras from the window
 uniform vec2 disparity;  // texels by which what is in focus moves from one camera to the next; 0: what is in the window
+uniform ivec2 viewSize;  // texels of a view
+uniform ivec2 alignment; // how far views lie apart in the grid of tiles (FORMAT.md part 2)
 uniform float reach;     // of the aperture, in cameras; 1: the nearest ones alone, mixed linearly
 uniform vec4 outside;
 
 vec4 cameraColour(ivec2 camera, vec2 at) {
-    vec2 place = clamp(at - 0.5, vec2(0.0), vec2(size.xy - 1));
-    ivec2 low = min(ivec2(place), max(size.xy - 2, ivec2(0)));
-    ivec2 high = min(low + 1, size.xy - 1);
+    vec2 place = clamp(at - 0.5, vec2(0.0), vec2(viewSize - 1));
+    ivec2 low = min(ivec2(place), max(viewSize - 2, ivec2(0)));
+    ivec2 high = min(low + 1, viewSize - 1);
     vec4 share = shares(place - vec2(low)), colour = vec4(0.0);
+    ivec2 shift = abs(alignment) * ivec2(alignment.x < 0 ? size.z - 1 - camera.x : camera.x,
+                                         alignment.y < 0 ? size.w - 1 - camera.y : camera.y);
+    low += shift;
+    high += shift;
     int corner = 0;
 #ifndef MARKS // nearly always one tile has all four
     SlotPlace p = slotPlace(low, 0);
@@ -37,8 +43,8 @@ void main() {
     vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
     vec3 ray = forward + at.x * right + at.y * up;
     vec3 seen = eye - ray * (eye.z / ray.z);
-    vec2 place = (seen.xy / window * vec2(1.0, -1.0) + 0.5) * sides.xy;
-    if (ray.z >= 0.0 || eye.z <= 0.0 || any(lessThan(place, vec2(0.0))) || any(greaterThan(place, sides.xy))) {
+    vec2 place = (seen.xy / window * vec2(1.0, -1.0) + 0.5) * vec2(viewSize);
+    if (ray.z >= 0.0 || eye.z <= 0.0 || any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(viewSize)))) {
         finish(outside);
         return;
     }

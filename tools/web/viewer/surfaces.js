@@ -106,6 +106,7 @@ class PlanarSurface {
     uniforms(view, camera) {
         const {disparity, reach} = view.pose, {width, height, spacing, distance, outside} = this;
         return {...camera, pixels: view.pixels, window: [width, height], spacing, distance, reach, outside,
+                viewSize: this.info.size.slice(0, 2), alignment: this.info.alignment,
                 disparity: [disparity, disparity * spacing[1] / spacing[0]]};
     }
     draw(gl) {

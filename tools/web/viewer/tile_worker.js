@@ -24,7 +24,7 @@ function startTileWorker() {
             return {};
         },
         async tile({box}) {
-            const texels = asSamples(await file.fetchBox(box));
+            const texels = asSamples(await file.fetchGridBox(box));
             return {pixels: slotPixels(texels, box, file.info.channels, file.info.type === 'half', layout, charts)};
         },
         // The angular images of a coarse level, as one row of places after the other.

@@ -41,7 +41,7 @@ class Viewer {
     }
 
     async setUp(data) {
-        const {gl, info} = this, level = info.levels[0], about = data ? data.about : {};
+        const {gl, info} = this, level = {...info.levels[0], size: info.gridSize}, about = data ? data.about : {};
         const background = [...(about.background || shownBackground(info)), 1];
         const mesh = info.proxy === 'mesh' && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
         if (info.proxy === 'mesh' && !mesh)

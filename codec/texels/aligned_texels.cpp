@@ -1,0 +1,171 @@
+#include "codec/texels/aligned_texels.h"
+
+#include "codec/texels/slabs.h"
+#include "codec/texels/texel_mask.h"
+#include "format/work.h"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr Extent4 read_extent{64, 64, 32, 32}; // boxes that are read at a time
+
+// The texels of the texture that lie in a box of the grid or next to it, and perhaps others; at least one.
+Box4 texels_around(const AlignedViews& views, const Box4& grid_box) {
+    Box4 box = grid_box;
+    const auto widen = [&](Axis axis, std::uint32_t a, std::uint32_t b) {
+        const std::uint32_t farthest = std::max(a, b), size = views.texture_size()[axis];
+        box.begin[axis] = std::min(box.begin[axis] - std::min(box.begin[axis], farthest), size - 1);
+        box.end[axis] = std::min(box.end[axis], size);
+    };
+    widen(axis_u, views.shift_u(box.begin[axis_s]), views.shift_u(box.end[axis_s] - 1));
+    widen(axis_v, views.shift_v(box.begin[axis_t]), views.shift_v(box.end[axis_t] - 1));
+    return box;
+}
+
+// 0 where no view of the texture is, else what a mask of the texture says.
+class ViewMask final : public TexelSource {
+public:
+    ViewMask(const AlignedViews& views, TexelSource* matters)
+        : views_(views), matters_(matters), desc_{views.grid_size(), SampleType::unorm8, 1} {}
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        TESSERA_TRY(check_box(desc_, box, out.size()));
+        const Box4 around = texels_around(views_, box);
+        std::vector<std::byte> matters;
+        TESSERA_TRY(read_mask(matters_, around, matters));
+        if (matters.empty())
+            matters.assign(static_cast<std::size_t>(around.texels()), std::byte{255});
+        std::ranges::fill(out, std::byte{0});
+        views_.copy_to_grid(around, matters, box, out, 1);
+        return {};
+    }
+
+private:
+    AlignedViews views_;
+    TexelSource* matters_;
+    TextureDesc desc_;
+};
+
+// Texels of a source of Locality::any in the grid.
+class GridSource final : public TexelSource {
+public:
+    GridSource(TexelSource& source, const AlignedViews& views)
+        : source_(source), views_(views), desc_(source.desc()) {
+        desc_.size = views.grid_size();
+    }
+    const TextureDesc& desc() const override { return desc_; }
+    bool cheap_to_reread() const override { return source_.cheap_to_reread(); }
+    Status begin_slab(const Box4&) override {
+        return source_.begin_slab(Box4::whole(views_.texture_size()));
+    }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        TESSERA_TRY(check_box(desc_, box, out.size()));
+        const Box4 around = texels_around(views_, box);
+        const std::size_t bytes = desc_.texel_bytes();
+        std::vector<std::byte> texels(static_cast<std::size_t>(desc_.box_bytes(around)));
+        TESSERA_TRY(source_.read(around, texels));
+        const Extent4 n = around.extent(), size = views_.texture_size();
+        std::byte* to = out.data();
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
+            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
+                for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t) {
+                    const std::size_t row =
+                        nearest(v, views_.shift_v(t), size[axis_v]) - around.begin[axis_v];
+                    for (std::uint32_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s) {
+                        const std::size_t column =
+                            nearest(u, views_.shift_u(s), size[axis_u]) - around.begin[axis_u];
+                        const std::size_t from =
+                            ((row * n[axis_u] + column) * n[axis_t] + (t - box.begin[axis_t])) *
+                                n[axis_s] +
+                            (s - box.begin[axis_s]);
+                        std::memcpy(to, texels.data() + from * bytes, bytes);
+                        to += bytes;
+                    }
+                }
+        return {};
+    }
+
+private:
+    // The texel of a view that is nearest to a place of the grid.
+    static std::uint32_t nearest(std::uint32_t place, std::uint32_t shift, std::uint32_t size) {
+        return std::min(place - std::min(place, shift), size - 1);
+    }
+
+    TexelSource& source_;
+    AlignedViews views_;
+    TextureDesc desc_;
+};
+
+// All of a source, read slab by slab.
+Result<std::vector<std::byte>> read_all(TexelSource& source, unsigned threads,
+                                        std::uint64_t slab_bytes) {
+    const TextureDesc& desc = source.desc();
+    const Box4 whole = Box4::whole(desc.size);
+    const TileGrid boxes(desc.size, read_extent);
+    TESSERA_TRY_ASSIGN(const auto slabs, make_slabs(boxes, whole, source.locality(),
+                                                    {slab_bytes / desc.texel_bytes(), true}));
+    std::vector<std::byte> all(static_cast<std::size_t>(desc.box_bytes(whole)));
+    std::vector<std::vector<std::byte>> workers(thread_count(threads));
+    for (const Slab& slab : slabs) {
+        TESSERA_TRY(source.begin_slab(slab.box));
+        TESSERA_TRY(parallel_for(
+            workers, slab.tiles.size(),
+            [&](std::vector<std::byte>& texels, std::size_t i) -> Status {
+                const Box4 box = boxes.box(slab.tiles[i]);
+                texels.resize(static_cast<std::size_t>(desc.box_bytes(box)));
+                TESSERA_TRY(source.read(box, texels));
+                copy_box(box, box, texels, whole, all, desc.texel_bytes());
+                return {};
+            },
+            [](std::size_t) {}));
+    }
+    return all;
+}
+
+class HeldTexels final : public TexelSource {
+public:
+    HeldTexels(const TextureDesc& desc, std::vector<std::byte> texels)
+        : texels_(std::move(texels)), source_(desc, texels_) {}
+    const TextureDesc& desc() const override { return source_.desc(); }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        return source_.read(box, out);
+    }
+
+private:
+    std::vector<std::byte> texels_;
+    MemorySource source_;
+};
+
+class Aligned final : public AlignedTexels {
+public:
+    Aligned(TexelSource& source, const AlignedViews& views, TexelSource* matters)
+        : grid_(source, views), mask_(views, matters) {}
+    TexelSource& texels() override { return grid_; }
+    TexelSource& mask() override { return mask_; }
+
+private:
+    GridSource grid_;
+    ViewMask mask_;
+};
+
+} // namespace
+
+Result<TexelSource*> in_any_order(TexelSource& source, unsigned threads, std::uint64_t slab_bytes,
+                                  std::unique_ptr<TexelSource>& held) {
+    if (source.locality() == Locality::any)
+        return &source;
+    TESSERA_TRY_ASSIGN(std::vector<std::byte> texels, read_all(source, threads, slab_bytes));
+    held = std::make_unique<HeldTexels>(source.desc(), std::move(texels));
+    return held.get();
+}
+
+std::unique_ptr<AlignedTexels> AlignedTexels::make(TexelSource& source, const AlignedViews& views,
+                                                   TexelSource* matters) {
+    return std::make_unique<Aligned>(source, views, matters);
+}
+
+} // namespace tessera

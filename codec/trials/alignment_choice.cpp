@@ -1,0 +1,207 @@
+#include "codec/trials/alignment_choice.h"
+
+#include "codec/texels/aligned_texels.h"
+#include "codec/texels/texel_mask.h"
+#include "codec/trials/tile_shapes.h"
+#include "codec/trials/trial_plan.h"
+#include "format/levels.h"
+#include "format/samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr Extent4 motion_extent{64, 64, 3, 3};
+constexpr std::uint64_t patches_of_motion = 16;
+constexpr int block_side = 8, farthest = 16; // texels; of parallax from one view to the next
+// What is left to move from view to view, weighed by detail, over what moved before. Of what is to gain, edges
+// of views that are cut by the grid take a part back.
+constexpr double least_motion_left = 0.6;
+
+// One channel of a patch, in codes.
+class MotionPatch {
+public:
+    MotionPatch(const Box4& box, const TileTexels& tile, const TextureDesc& desc)
+        : extent_(box.extent()), matters_(tile.matters) {
+        const std::span<const std::byte> texels = tile.texels;
+        const std::size_t green = desc.channels >= 3 ? 1 : 0, bytes = sample_bytes(desc.type);
+        for (std::size_t at = green * bytes; at < texels.size(); at += desc.texel_bytes())
+            codes_.push_back(sample_code(load_sample(texels.data() + at, desc.type), desc.type));
+    }
+    int side(Axis axis) const { return static_cast<int>(extent_[axis]); }
+    int at(int along, int across, Axis spatial, int view, int other_view) const {
+        return codes_[index(along, across, spatial, view, other_view)];
+    }
+    bool is_free(int along, int across, Axis spatial, int view, int other_view) const {
+        return tessera::is_free(matters_, index(along, across, spatial, view, other_view));
+    }
+
+private:
+    std::size_t index(int along, int across, Axis spatial, int view, int other_view) const {
+        const bool u = spatial == axis_u;
+        const auto i = [](int x) { return static_cast<std::size_t>(x); };
+        const std::size_t place =
+            u ? i(across) * extent_[axis_u] + i(along) : i(along) * extent_[axis_u] + i(across);
+        return (place * extent_[axis_t] + i(u ? other_view : view)) * extent_[axis_s] +
+               i(u ? view : other_view);
+    }
+
+    Extent4 extent_;
+    std::vector<std::byte> matters_; // as TileTexels has it
+    std::vector<int> codes_;
+};
+
+// How much detail moves by how many texels along one axis, from one view to the next.
+class Motion {
+public:
+    // Matches blocks of neighbouring views. Those that fit best as far as is looked may be anywhere.
+    void add(const MotionPatch& patch, Axis spatial, Axis angular) {
+        const Axis across = spatial == axis_u ? axis_v : axis_u;
+        const Axis other = angular == axis_s ? axis_t : axis_s;
+        const int reach = std::min(farthest, (patch.side(spatial) - block_side) / 2);
+        for (int view = 0; view + 1 < patch.side(angular); ++view)
+            for (int a = std::max(reach, 0); a + block_side + reach <= patch.side(spatial);
+                 a += block_side)
+                for (int b = 0; b + block_side <= patch.side(across); b += block_side)
+                    add_block(patch, spatial, reach, a, b, view, patch.side(other) / 2);
+    }
+    // What is left to move, times its detail, where views are moved by so much.
+    double left(int by) const {
+        double sum = 0;
+        for (int d = -farthest; d <= farthest; ++d)
+            sum += weight_[static_cast<std::size_t>(d + farthest)] * std::abs(d + by);
+        return sum;
+    }
+
+private:
+    void add_block(const MotionPatch& patch, Axis spatial, int reach, int along, int across,
+                   int view, int other_view) {
+        for (int a = along; a < along + block_side; ++a)
+            for (int b = across; b < across + block_side; ++b)
+                if (patch.is_free(a, b, spatial, view, other_view))
+                    return;
+        std::int64_t least = -1, detail = 0;
+        int best = 0;
+        for (int d = -reach; d <= reach; ++d) {
+            std::int64_t difference = 0;
+            for (int a = along; a < along + block_side; ++a)
+                for (int b = across; b < across + block_side; ++b)
+                    difference += std::abs(patch.at(a, b, spatial, view, other_view) -
+                                           patch.at(a + d, b, spatial, view + 1, other_view));
+            // Of those that fit alike the shortest.
+            if (least < 0 || difference < least ||
+                (difference == least && std::abs(d) < std::abs(best))) {
+                least = difference;
+                best = d;
+            }
+        }
+        if (std::abs(best) == reach)
+            return;
+        for (int a = along; a < along + block_side; ++a)
+            for (int b = across; b < across + block_side; ++b)
+                detail += std::abs(patch.at(a, b, spatial, view, other_view) -
+                                   patch.at(a - 1, b, spatial, view, other_view));
+        weight_[static_cast<std::size_t>(best + farthest)] += static_cast<double>(detail);
+    }
+
+    std::array<double, 2 * farthest + 1> weight_{};
+};
+
+bool may_be_aligned(const EncodePlan& plan) {
+    const TextureDesc& desc = plan.colour.desc;
+    return plan.effort.try_alignment && !plan.options.layers &&
+           plan.options.description.proxy == Proxy::none &&
+           (desc.size[axis_s] > 1 || desc.size[axis_t] > 1) &&
+           (plan.source.locality() == Locality::any ||
+            desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
+}
+
+Motion motion_along(const std::vector<MotionPatch>& patches, Axis spatial, Axis angular) {
+    Motion motion;
+    for (const MotionPatch& patch : patches)
+        motion.add(patch, spatial, angular);
+    return motion;
+}
+
+} // namespace
+
+Result<ViewAlignment> alignment_by_motion(const EncodePlan& plan) {
+    if (!may_be_aligned(plan))
+        return ViewAlignment{};
+    EncodePlan cut = plan;
+    cut.grid = TileGrid(plan.colour.desc.size, motion_extent);
+    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(cut, patches_of_motion));
+    std::vector<MotionPatch> patches;
+    for (std::size_t i = 0; i < sample.boxes.size(); ++i)
+        patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
+    const Motion along_u = motion_along(patches, axis_u, axis_s);
+    const Motion along_v = motion_along(patches, axis_v, axis_t);
+    // Cameras are as far apart along s as along t, and base pictures need them to stay so.
+    ViewAlignment best;
+    double least = least_motion_left * (along_u.left(0) + along_v.left(0));
+    for (int u = -farthest; u <= farthest; ++u)
+        for (const int v : {u, -u})
+            if (const double left = along_u.left(u) + along_v.left(v); left < least) {
+                least = left;
+                best = {static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)};
+            }
+    return best;
+}
+
+namespace {
+
+constexpr std::uint64_t parts_of_trial = 12;
+
+// What parts of the texture cost, a texel that matters. `boxes` are of the texture: aligned, they are those that
+// show the same in the middle of their views.
+Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const AlignedViews& views,
+                             const std::vector<Box4>& boxes) {
+    const auto aligned = AlignedTexels::make(source, views, plan.mask);
+    EncodePlan cut = plan;
+    cut.views = views;
+    cut.colour.desc.size = views.grid_size();
+    Sample sample;
+    for (Box4 box : boxes) {
+        const std::uint32_t u = views.shift_u((box.begin[axis_s] + box.end[axis_s] - 1) / 2);
+        const std::uint32_t v = views.shift_v((box.begin[axis_t] + box.end[axis_t] - 1) / 2);
+        for (std::uint32_t* corner : {box.begin.data(), box.end.data()}) {
+            corner[axis_u] += u;
+            corner[axis_v] += v;
+        }
+        TESSERA_TRY_ASSIGN(TileTexels tile, read_finite(aligned->texels(), &aligned->mask(), box));
+        sample.boxes.push_back(box);
+        sample.tiles.push_back(std::move(tile));
+    }
+    const EncodePlan trial =
+        plan_of_trial(cut, sample, std::min(plan.options.effort, quick_effort_of_trial));
+    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters_of_trial(trial), sample));
+    return lagrangian_cost(trial, pass) / static_cast<double>(sample.texels_that_matter());
+}
+
+} // namespace
+
+Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAlignment alignment) {
+    const Extent4& size = plan.colour.desc.size;
+    const Extent4& tile = plan.options.tile_extent;
+    const TileShapes shapes =
+        tile == tile_by_trial ? tile_shapes(size, plan.options) : TileShapes{{tile}, 0};
+    const TileGrid grid(size, shapes.tiles[shapes.usual]);
+    std::vector<Box4> boxes;
+    const std::uint64_t tiles = grid.tiles();
+    for (std::uint64_t i = 0; i < std::min(parts_of_trial, tiles); ++i)
+        boxes.push_back(grid.box(tiles <= parts_of_trial ? i : golden_pick(i, tiles)));
+    TESSERA_TRY(source.begin_slab(Box4::whole(size)));
+    TESSERA_TRY_ASSIGN(const double aligned,
+                       cost_of_parts(plan, source, AlignedViews(size, alignment), boxes));
+    TESSERA_TRY_ASSIGN(const double plain,
+                       cost_of_parts(plan, source, AlignedViews(size, {}), boxes));
+    return aligned < plain;
+}
+
+} // namespace tessera

@@ -1,0 +1,153 @@
+#include "format/levels.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+// Of every texel of a box along one spatial axis, in every view of it: its place along that axis in another
+// box, or none.
+class Places {
+public:
+    static constexpr std::uint32_t none = 0xFFFFFFFFu;
+
+    // shift(view): how much further texels lie in the grid than in the texture.
+    template <class Shift>
+    Places(const Box4& grid, const Box4& texture, Axis spatial, Axis angular, const Shift& shift)
+        : begin_(std::max(grid.begin[angular], texture.begin[angular])),
+          end_(std::min(grid.end[angular], texture.end[angular])) {
+        for (std::uint32_t x = grid.begin[spatial]; x < grid.end[spatial]; ++x)
+            for (std::uint32_t view = begin_; view < end_; ++view) {
+                const std::int64_t texel = std::int64_t{x} - shift(view);
+                const bool inside = texel >= texture.begin[spatial] && texel < texture.end[spatial];
+                places_.push_back(
+                    inside ? static_cast<std::uint32_t>(texel - texture.begin[spatial]) : none);
+            }
+    }
+
+    std::uint32_t begin() const { return begin_; } // views that both boxes have
+    std::uint32_t end() const { return end_; }
+    // Of the i-th texel of the grid's box.
+    const std::uint32_t* row(std::size_t i) const {
+        return places_.data() + i * (std::max(end_, begin_) - begin_);
+    }
+
+private:
+    std::uint32_t begin_, end_;
+    std::vector<std::uint32_t> places_;
+};
+
+// Calls visit(texel in grid_box, texel in texture_box), both counted as dense texels are.
+template <class Visit>
+void for_each_texel(const AlignedViews& views, const Box4& grid_box, const Box4& texture_box,
+                    const Visit& visit) {
+    const Places along_u(grid_box, texture_box, axis_u, axis_s,
+                         [&](std::uint32_t s) { return views.shift_u(s); });
+    const Places along_v(grid_box, texture_box, axis_v, axis_t,
+                         [&](std::uint32_t t) { return views.shift_v(t); });
+    const Extent4 g = grid_box.extent(), x = texture_box.extent();
+    for (std::size_t v = 0; v < g[axis_v]; ++v)
+        for (std::size_t u = 0; u < g[axis_u]; ++u)
+            for (std::uint32_t t = along_v.begin(); t < along_v.end(); ++t) {
+                const std::size_t to_v = along_v.row(v)[t - along_v.begin()];
+                if (to_v == Places::none)
+                    continue;
+                const std::size_t grid_at =
+                    ((v * g[axis_u] + u) * g[axis_t] + (t - grid_box.begin[axis_t])) * g[axis_s];
+                const std::size_t t_at = t - texture_box.begin[axis_t];
+                const std::uint32_t* to_u = along_u.row(u);
+                for (std::uint32_t s = along_u.begin(); s < along_u.end(); ++s, ++to_u)
+                    if (*to_u != Places::none)
+                        visit(grid_at + (s - grid_box.begin[axis_s]),
+                              ((to_v * x[axis_u] + *to_u) * x[axis_t] + t_at) * x[axis_s] +
+                                  (s - texture_box.begin[axis_s]));
+            }
+}
+
+// Calls work(the constant texel_bytes), so that texels of the usual sizes are copied by a move or two.
+template <class Work> void with_texel_bytes(std::size_t texel_bytes, const Work& work) {
+    if (texel_bytes == 3)
+        work(std::integral_constant<std::size_t, 3>());
+    else if (texel_bytes == 4)
+        work(std::integral_constant<std::size_t, 4>());
+    else
+        work(texel_bytes);
+}
+
+} // namespace
+
+Extent4 AlignedViews::grid_size() const {
+    Extent4 size = texture_;
+    // At most 2^20 + 2^7 * 2^20.
+    size[axis_u] += std::max(shift_u(0), shift_u(texture_[axis_s] - 1));
+    size[axis_v] += std::max(shift_v(0), shift_v(texture_[axis_t] - 1));
+    return size;
+}
+
+std::vector<std::uint64_t> AlignedViews::tiles_touched(const TileGrid& grid,
+                                                       const Box4& texels) const {
+    if (!any())
+        return grid.tiles_touched(texels);
+    // Which tiles along u depends on s alone, which along v on t.
+    Box4 around = texels;
+    around.end[axis_u] = grid.size()[axis_u];
+    around.end[axis_v] = grid.size()[axis_v];
+    const Box4 angular = grid.touched(around);
+    const auto touched = [&](Axis spatial, Axis view_axis, std::uint32_t tile, const auto& shift) {
+        std::vector<bool> result(grid.count()[spatial]);
+        Extent4 at{0, 0, 0, 0};
+        at[view_axis] = tile;
+        const Box4 views = intersect(grid.box(at), [&] {
+            Box4 box = Box4::whole(grid.size());
+            box.begin[view_axis] = texels.begin[view_axis];
+            box.end[view_axis] = texels.end[view_axis];
+            return box;
+        }());
+        for (std::uint32_t view = views.begin[view_axis]; view < views.end[view_axis]; ++view) {
+            Box4 box = Box4::whole(grid.size());
+            box.begin[spatial] = texels.begin[spatial] + shift(view);
+            box.end[spatial] = texels.end[spatial] + shift(view);
+            const Box4 tiles = grid.touched(box);
+            std::fill(result.begin() + tiles.begin[spatial], result.begin() + tiles.end[spatial],
+                      true);
+        }
+        return result;
+    };
+    std::vector<std::vector<bool>> along_u;
+    for (std::uint32_t s = angular.begin[axis_s]; s < angular.end[axis_s]; ++s)
+        along_u.push_back(touched(axis_u, axis_s, s, [&](std::uint32_t i) { return shift_u(i); }));
+    std::vector<std::uint64_t> tiles;
+    for (std::uint32_t t = angular.begin[axis_t]; t < angular.end[axis_t]; ++t) {
+        const std::vector<bool> along_v =
+            touched(axis_v, axis_t, t, [&](std::uint32_t i) { return shift_v(i); });
+        for (std::uint32_t s = angular.begin[axis_s]; s < angular.end[axis_s]; ++s)
+            for (std::uint32_t v = 0; v < along_v.size(); ++v)
+                for (std::uint32_t u = 0; along_v[v] && u < grid.count()[axis_u]; ++u)
+                    if (along_u[s - angular.begin[axis_s]][u])
+                        tiles.push_back(grid.number({u, v, s, t}));
+    }
+    return tiles;
+}
+
+void AlignedViews::copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
+                                  const Box4& texture_box, std::span<std::byte> to,
+                                  std::size_t texel_bytes) const {
+    with_texel_bytes(texel_bytes, [&](auto bytes) {
+        for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
+            std::memcpy(to.data() + texture * bytes, from.data() + grid * bytes, bytes);
+        });
+    });
+}
+
+void AlignedViews::copy_to_grid(const Box4& texture_box, std::span<const std::byte> from,
+                                const Box4& grid_box, std::span<std::byte> to,
+                                std::size_t texel_bytes) const {
+    with_texel_bytes(texel_bytes, [&](auto bytes) {
+        for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
+            std::memcpy(to.data() + grid * bytes, from.data() + texture * bytes, bytes);
+        });
+    });
+}
+
+} // namespace tessera

@@ -1,0 +1,250 @@
+// Views that move alike are aligned by their parallax, and decode as if they were not.
+#include "codec/decoder.h"
+#include "codec/encoder.h"
+#include "format/texture.h"
+#include "tests/support/efforts.h"
+#include "tests/support/encoded_file.h"
+#include "tests/support/moving_views.h"
+#include "tests/support/round_trips.h"
+#include "tests/support/test_folder.h"
+
+#include <gtest/gtest.h>
+#include <mutex>
+
+namespace tessera::test {
+namespace {
+
+using Kind = RateTarget::Kind;
+
+constexpr Extent4 views_size{48, 40, 4, 3};
+const TextureDesc views_colour{views_size, SampleType::unorm8, 3};
+
+EncodeOptions views_options(RateTarget rate = {Kind::quality, 60}) {
+    EncodeOptions options;
+    options.rate = rate;
+    options.effort = copies_effort;
+    options.threads = 2;
+    options.tile_extent = {16, 16, 4, 3};
+    return options;
+}
+
+struct OpenViews {
+    explicit OpenViews(const Bytes& file)
+        : bytes(wrap_memory(file)), decoder(std::move(*Decoder::open(*bytes))) {}
+    std::unique_ptr<ByteSource> bytes;
+    Decoder decoder;
+};
+
+ViewAlignment alignment_of(TexelSource& source, const EncodeOptions& options) {
+    Bytes file;
+    const auto report = encode_memory(source, file, options);
+    EXPECT_TRUE(report) << report.status().message();
+    return OpenViews(file).decoder.container().alignment();
+}
+
+TEST(Alignment, IsTheOppositeOfTheParallax) {
+    for (const auto& [u, v] : {std::pair(2, 2), std::pair(-3, 3), std::pair(1, -1)}) {
+        MemoryTexture texture = moving_views(views_colour, u, v);
+        EXPECT_EQ(alignment_of(texture, views_options()),
+                  (ViewAlignment{static_cast<std::int8_t>(-u), static_cast<std::int8_t>(-v)}));
+    }
+    MemoryTexture halves = moving_views({views_size, SampleType::half16, 1}, 2, 2);
+    EXPECT_EQ(alignment_of(halves, views_options()), (ViewAlignment{-2, -2}));
+    MemoryTexture still = moving_views(views_colour, 0, 0);
+    EXPECT_EQ(alignment_of(still, views_options()), ViewAlignment{});
+}
+
+TEST(Alignment, NoneOfWhatHasNoCameras) {
+    MemoryTexture texture = moving_views(views_colour, 2, 2);
+    EncodeOptions options = views_options();
+    options.layers = true;
+    EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
+    options = views_options();
+    options.tools = "-align";
+    EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
+    options = views_options();
+    options.description.proxy = Proxy::sphere;
+    options.description.sphere_radius = 1;
+    EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
+}
+
+// Lossless, under a bound, and as good as its report: any box, streamed in slabs and whole.
+TEST(Alignment, DecodesToTheTexture) {
+    MemoryTexture texture = moving_views(views_colour, -2, 2);
+    const Box4 whole = Box4::whole(views_size);
+    for (const RateTarget& rate : {RateTarget{Kind::quality, 70}, RateTarget{Kind::max_error, 0}}) {
+        const EncodedFile encoded = encode_file_of(texture, views_options(rate));
+        const OpenViews open(encoded.file);
+        ASSERT_TRUE(open.decoder.container().alignment().any());
+        EXPECT_EQ(open.decoder.desc(), views_colour);
+        EXPECT_EQ(open.decoder.container().grid().size(), (Extent4{54, 44, 4, 3}));
+        Bytes texels(texture.texels.size());
+        ASSERT_TRUE(open.decoder.decode_box(whole, texels, 2));
+        double squares = 0;
+        for (std::size_t i = 0; i < texels.size(); ++i) {
+            const int d = std::to_integer<int>(texels[i]) - std::to_integer<int>(texture.texels[i]);
+            squares += d * d;
+        }
+        EXPECT_EQ(encoded.report.raw_bytes, texels.size());
+        EXPECT_FALSE(encoded.report.texels_that_matter);
+        EXPECT_NEAR(encoded.report.bits_per_texel,
+                    8.0 * static_cast<double>(encoded.file.size()) /
+                        static_cast<double>(texel_count(views_size)),
+                    1e-9);
+        if (rate.kind == Kind::max_error) {
+            EXPECT_EQ(squares, 0);
+            EXPECT_EQ(encoded.report.psnr, 999);
+        } else {
+            EXPECT_NEAR(encoded.report.psnr,
+                        10 * std::log10(255 * 255 * static_cast<double>(texels.size()) / squares),
+                        1e-6);
+        }
+        Random random(4);
+        for (int i = 0; i < 20; ++i) {
+            Box4 box;
+            for (std::size_t a = 0; a < 4; ++a) {
+                const int n = static_cast<int>(views_size[a]), first = random.range(0, n - 1);
+                box.begin[a] = static_cast<std::uint32_t>(first);
+                box.end[a] = static_cast<std::uint32_t>(random.range(first + 1, n));
+            }
+            Bytes part(views_colour.box_bytes(box)), expected(part.size());
+            ASSERT_TRUE(open.decoder.decode_box(box, part, 1));
+            copy_box(box, whole, texels, box, expected, 3);
+            EXPECT_EQ(part, expected) << to_string(box);
+        }
+    }
+}
+
+// Collects what it is given, in slabs as it likes them.
+class SlabCollector : public TexelSink {
+public:
+    SlabCollector(const TextureDesc& desc, Locality locality)
+        : texels(desc.box_bytes(Box4::whole(desc.size))), desc_(desc), locality_(locality) {}
+    Locality locality() const override { return locality_; }
+    Status begin_slab(const Box4&) override {
+        ++slabs;
+        return {};
+    }
+    Status write(const Box4& box, std::span<const std::byte> part) override {
+        const std::lock_guard lock(mutex_);
+        copy_box(box, box, part, Box4::whole(desc_.size), texels, desc_.texel_bytes());
+        return {};
+    }
+    Bytes texels;
+    int slabs = 0;
+
+private:
+    TextureDesc desc_;
+    Locality locality_;
+    std::mutex mutex_;
+};
+
+TEST(Alignment, StreamsInSlabsOfEveryKind) {
+    MemoryTexture texture = moving_views(views_colour, 2, -2);
+    const EncodedFile encoded = encode_file_of(texture, views_options());
+    const OpenViews open(encoded.file);
+    Bytes texels(texture.texels.size());
+    ASSERT_TRUE(open.decoder.decode_box(Box4::whole(views_size), texels));
+    for (const Locality locality :
+         {Locality::any, Locality::spatial_rows, Locality::angular_cells, Locality::places}) {
+        SlabCollector sink(views_colour, locality);
+        const std::uint64_t slab = 2 * texels.size() / 5; // half of it is the slab
+        const Status status = open.decoder.decode(Box4::whole(views_size), sink, 2, {}, slab);
+        ASSERT_TRUE(status) << status.message();
+        EXPECT_EQ(sink.texels, texels);
+        EXPECT_GE(sink.slabs, 3);
+    }
+}
+
+TEST(Alignment, SavesBytes) {
+    MemoryTexture texture = moving_views(views_colour, 2, 2);
+    EncodeOptions options = views_options();
+    const EncodedFile aligned = encode_file_of(texture, options);
+    options.tools = "-align";
+    const EncodedFile plain = encode_file_of(texture, options);
+    EXPECT_LT(aligned.file.size(), 0.7 * static_cast<double>(plain.file.size()));
+    EXPECT_GT(aligned.report.psnr, plain.report.psnr - 0.5);
+}
+
+// Pictures are held for it, as far as they may be; the bytes are the same.
+TEST(Alignment, PicturesAreHeld) {
+    struct Pictures : MemoryTexture {
+        using MemoryTexture::MemoryTexture;
+        Locality locality() const override { return Locality::angular_cells; }
+    };
+    Pictures pictures(views_colour, [](int x, int y, int s, int t, int c) {
+        return moving_picture(x - 2 * s, y - 2 * t, c);
+    });
+    MemoryTexture texture = moving_views(views_colour, 2, 2);
+    EncodeOptions options = views_options();
+    options.slab_bytes = 2 * texture.texels.size();
+    EXPECT_EQ(encode_file_of(pictures, options).file, encode_file_of(texture, options).file);
+    --options.slab_bytes;
+    EXPECT_EQ(alignment_of(pictures, options), ViewAlignment{});
+    EXPECT_TRUE(alignment_of(texture, options).any());
+}
+
+TEST(Alignment, SizeTargetsCountTheTexturesTexels) {
+    MemoryTexture texture = moving_views(views_colour, 3, 3);
+    const EncodedFile encoded = encode_file_of(texture, views_options({Kind::bpt, 0.8}));
+    EXPECT_LE(encoded.report.bits_per_texel, 0.8);
+    EXPECT_GT(encoded.report.bits_per_texel, 0.7);
+}
+
+TEST(Alignment, ThreadsDoNotMatter) {
+    MemoryTexture texture = moving_views(views_colour, 2, 2);
+    EncodeOptions options = views_options();
+    const EncodedFile two = encode_file_of(texture, options);
+    options.threads = 1;
+    EXPECT_EQ(encode_file_of(texture, options).file, two.file);
+}
+
+// A file's alignment stays, and so do its tiles, under a mask, too.
+TEST(Alignment, ReuseKeepsIt) {
+    MemoryTexture texture = moving_views(views_colour, 2, 2);
+    const EncodedFile encoded = encode_file_of(texture, views_options());
+    const OpenViews open(encoded.file);
+    MemoryTexture decoded = texture;
+    ASSERT_TRUE(open.decoder.decode_box(Box4::whole(views_size), decoded.texels));
+    EncodeOptions options = views_options();
+    options.tile_extent = tile_by_trial;
+    options.reuse = &open.decoder;
+    const EncodedFile again = encode_file_of(decoded, options);
+    EXPECT_EQ(again.report.kept_tiles, open.decoder.container().tile_count());
+    EXPECT_EQ(OpenViews(again.file).decoder.container().alignment(),
+              open.decoder.container().alignment());
+    // Half of the texture changes where nobody looks.
+    MemoryTexture mask({{48, 1, 1, 1}, SampleType::unorm8, 1},
+                       [](int u, int, int, int, int) { return u < 24 ? 1.0 : 0.0; });
+    const std::size_t row = decoded.texels.size() / 40;
+    for (std::size_t i = 0; i < decoded.texels.size(); ++i)
+        if (i % row >= row / 2)
+            decoded.texels[i] = std::byte{77};
+    options.mask = &mask;
+    const EncodedFile masked = encode_file_of(decoded, options);
+    EXPECT_EQ(masked.report.kept_tiles, open.decoder.container().tile_count());
+    EXPECT_EQ(masked.report.texels_that_matter, texel_count(views_size) / 2);
+    options.mask = nullptr;
+    options.layers = true;
+    EXPECT_EQ(encode_memory(decoded, decoded.texels, options).status().code(),
+              ErrorCode::bad_argument);
+}
+
+// The texel that a message names is the texture's.
+TEST(Alignment, NamesTexelsOfTheTexture) {
+    const TextureDesc desc{views_size, SampleType::half16, 1};
+    MemoryTexture texture = moving_views(desc, 2, 2);
+    const std::size_t at = ((std::size_t{7} * 48 + 30) * 3 + 2) * 4 + 1;
+    texture.texels[2 * at + 1] = std::byte{0x7E};
+    EncodeOptions options = views_options();
+    options.strict = true;
+    Bytes file;
+    const Status status = encode_memory(texture, file, options).status();
+    EXPECT_EQ(status.code(), ErrorCode::invalid_file);
+    EXPECT_NE(status.message().find("texel u 30, v 7, s 1, t 2, channel 0 is NaN"),
+              std::string::npos)
+        << status.message();
+}
+
+} // namespace
+} // namespace tessera::test
