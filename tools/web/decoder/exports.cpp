@@ -48,19 +48,20 @@ const ContainerReader& container() {
     return file.decoder->container();
 }
 
-// box: begin of u, v, s, t, then end.
-Result<Box4> checked_box(const Extent4& size, const std::uint32_t* box) {
-    const Box4 checked{{box[0], box[1], box[2], box[3]}, {box[4], box[5], box[6], box[7]}};
-    if (!is_inside(checked, size))
-        return Status(ErrorCode::bad_argument,
-                      "box " + to_string(checked) + " does not lie inside " + to_string(size));
-    return checked;
-}
+// In place of a level: the grid of level 0's tiles (FORMAT.md part 2).
+constexpr std::uint32_t of_grid = 0xFFFFFFFF;
 
+// box: begin of u, v, s, t, then end.
 Result<Box4> checked_box(std::uint32_t level, const std::uint32_t* box) {
-    if (level >= container().levels().size())
+    if (level != of_grid && level >= container().levels().size())
         return Status(ErrorCode::bad_argument, "there is no level " + std::to_string(level));
-    return checked_box(level_size(container(), level), box);
+    const Box4 checked{{box[0], box[1], box[2], box[3]}, {box[4], box[5], box[6], box[7]}};
+    const Extent4 size =
+        level == of_grid ? container().grid().size() : level_size(container(), level);
+    if (!is_inside(checked, size))
+        return Status(ErrorCode::bad_argument, "box " + to_string(checked) +
+                                                   " does not lie inside " + to_string(size));
+    return checked;
 }
 
 // Memory for a result, not set to anything.
@@ -83,10 +84,17 @@ Status open(const DecodeOptions& options) {
     return {};
 }
 
-// Brings the bytes of tiles.
-Status fetch_tiles(const std::vector<std::uint64_t>& tiles) {
+// Brings the bytes of all tiles that the box touches.
+Status fetch(std::uint32_t level, const std::uint32_t* corners) {
+    TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
     if (!container().wants_prefetch())
         return {};
+    std::vector<std::uint64_t> tiles =
+        level == 0 ? container().tiles_touched(box)
+                   : container().grid(level == of_grid ? 0 : level).tiles_touched(box);
+    if (level != of_grid)
+        for (std::uint64_t& tile : tiles)
+            tile += container().levels()[level].first_tile;
     for (std::span<const std::uint64_t> left = tiles; !left.empty();) {
         TESSERA_TRY_ASSIGN(const std::size_t brought, container().prefetch(left));
         left = left.subspan(brought);
@@ -94,18 +102,9 @@ Status fetch_tiles(const std::vector<std::uint64_t>& tiles) {
     return {};
 }
 
-// Brings the bytes of all tiles that the box touches.
-Status fetch(std::uint32_t level, const std::uint32_t* corners) {
-    TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
-    if (level == 0)
-        return fetch_tiles(container().tiles_touched(box));
-    std::vector<std::uint64_t> tiles = container().grid(level).tiles_touched(box);
-    for (std::uint64_t& tile : tiles)
-        tile += container().levels()[level].first_tile;
-    return fetch_tiles(tiles);
-}
-
 Status read_box(std::uint32_t level, const Box4& box, std::span<std::byte> out) {
+    if (level == of_grid)
+        return file.decoder->decode_grid_box(box, out, {1, Integrity::page, {}, {}});
     return level == 0 ? file.decoder->decode_box(box, out, 1)
                       : file.decoder->decode_coarse_box(level, box, out);
 }
@@ -183,22 +182,6 @@ WEB_EXPORT(int, web_box)(std::uint32_t level, const std::uint32_t* corners) {
         TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
         TESSERA_TRY_ASSIGN(const auto out, room_for(file.decoder->desc().box_bytes(box)));
         return read_box(level, box, out);
-    });
-}
-
-// The same two of the grid of level 0's tiles; no other level has aligned views.
-WEB_EXPORT(int, web_fetch_grid)(std::uint32_t, const std::uint32_t* corners) {
-    return answer([&]() -> Status {
-        const TileGrid& grid = container().grid();
-        TESSERA_TRY_ASSIGN(const Box4 box, checked_box(grid.size(), corners));
-        return fetch_tiles(grid.tiles_touched(box));
-    });
-}
-WEB_EXPORT(int, web_grid)(std::uint32_t, const std::uint32_t* corners) {
-    return answer([&]() -> Status {
-        TESSERA_TRY_ASSIGN(const Box4 box, checked_box(container().grid().size(), corners));
-        TESSERA_TRY_ASSIGN(const auto out, room_for(file.decoder->desc().box_bytes(box)));
-        return file.decoder->decode_grid_box(box, out, {1, Integrity::page, {}, {}});
     });
 }
 

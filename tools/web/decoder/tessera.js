@@ -13,6 +13,7 @@
 const proxies = ['none', 'sphere', 'mesh', 'sphere'];
 const insideSphere = 3;
 const planarViews = 2;
+const ofGrid = 0xFFFFFFFF; // in place of a level
 const transfers = ['unspecified', 'srgb', 'linear'];
 const alphaModes = ['none', 'straight', 'premultiplied'];
 // Answers of the module.
@@ -97,9 +98,8 @@ class TessFile {
     }
 
     // Like fetchBox(), of the grid of level 0's tiles (FORMAT.md part 2), which is info.gridSize texels large.
-    async fetchGridBox(corners, out) {
-        await this._withBytes(() => this._ask('web_fetch_grid', 0, corners));
-        return this._withBytes(() => this._read('web_grid', 0, corners, this.info.texelBytes, out));
+    fetchGridBox(corners, out) {
+        return this.fetchBox(corners, out, ofGrid);
     }
 
     // The whole coarsest level, as {level, width, height, rgba}; null where there is none.
