@@ -36,6 +36,7 @@ struct Old {
 EncodeOptions tiled(RateTarget rate, int effort = copies_effort) {
     EncodeOptions options = options_for(rate, effort);
     options.tile_extent = reuse_tile;
+    options.tools = "-align"; // alignment_test.cpp
     return options;
 }
 
