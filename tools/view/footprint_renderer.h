@@ -18,9 +18,9 @@ struct SeenTexels {
     double share = 0; // of the second
 };
 
-// `Surface` has  Extent4 size,  that of its texture;  Status check(const Camera&) const;  and
+// `Surface` has  Extent4 size,  that of its texture's grid;  Status check(const Camera&) const;  and
 // std::optional<SeenTexels> seen(camera, direction, width) const,  all thread-safe: what a ray sees that
-// stands for `width` pixels along both sides. For width 0 that is in the texture itself; else it may be in
+// stands for `width` pixels along both sides. For width 0 that is in the grid itself; else it may be in
 // what `source` holds beside it.
 template <class Surface> class FootprintRenderer final : public ViewRenderer {
 public:
@@ -70,7 +70,7 @@ private:
 
     TexelCache cache_;
     Surface surface_;
-    TileGrid blocks_; // of the texture itself
+    TileGrid blocks_; // of the texture's grid
     glm::dvec3 background_;
     RenderOptions options_;
     double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays));

@@ -30,9 +30,10 @@ Between between(double at, std::uint32_t count) {
 struct WindowSurface {
     PlanarViews views;
     AlignedViews aligned;
-    Extent4 size; // of the texture
+    Extent4 view = aligned.texture_size(); // u, v of a view, s, t of all
+    Extent4 size = aligned.grid_size();
 
-    double texels_a_unit() const { return size[axis_u] / views.cameras.width; }
+    double texels_a_unit() const { return view[axis_u] / views.cameras.width; }
 
     Status check(const Camera& camera) const {
         if (camera.eye.z > 0)
@@ -51,20 +52,20 @@ struct WindowSurface {
         };
         const glm::dvec3 place = crossing(0), from = crossing(views.cameras.distance);
         // In pixels from the window's left and top.
-        const glm::dvec2 at(place.x * texels_a_unit() + size[axis_u] / 2.0,
-                            size[axis_v] / 2.0 - place.y * texels_a_unit());
-        if (at.x < 0 || at.y < 0 || at.x > size[axis_u] || at.y > size[axis_v])
+        const glm::dvec2 at(place.x * texels_a_unit() + view[axis_u] / 2.0,
+                            view[axis_v] / 2.0 - place.y * texels_a_unit());
+        if (at.x < 0 || at.y < 0 || at.x > view[axis_u] || at.y > view[axis_v])
             return std::nullopt;
-        const double s = from.x / views.cameras.spacing_x + (size[axis_s] - 1) / 2.0;
-        const double t = (size[axis_t] - 1) / 2.0 - from.y / views.cameras.spacing_y;
-        return SeenTexels{footprint(at, std::clamp(s, 0.0, size[axis_s] - 1.0),
-                                    std::clamp(t, 0.0, size[axis_t] - 1.0))};
+        const double s = from.x / views.cameras.spacing_x + (view[axis_s] - 1) / 2.0;
+        const double t = (view[axis_t] - 1) / 2.0 - from.y / views.cameras.spacing_y;
+        return SeenTexels{footprint(at, std::clamp(s, 0.0, view[axis_s] - 1.0),
+                                    std::clamp(t, 0.0, view[axis_t] - 1.0))};
     }
 
 private:
     // The texels at `at` for an observer at (s, t) between the cameras.
     Footprint footprint(const glm::dvec2& at, double s, double t) const {
-        const Between along_s = between(s, size[axis_s]), along_t = between(t, size[axis_t]);
+        const Between along_s = between(s, view[axis_s]), along_t = between(t, view[axis_t]);
         // By how many pixels what is in focus moves from one camera to the next.
         const double shift = (1 - views.cameras.distance / views.focus) * texels_a_unit();
         Footprint found;
@@ -76,9 +77,9 @@ private:
             const double weight = (right ? along_s.share : 1 - along_s.share) *
                                   (below ? along_t.share : 1 - along_t.share);
             const Between u =
-                between(at.x + (cs - s) * views.cameras.spacing_x * shift - 0.5, size[axis_u]);
+                between(at.x + (cs - s) * views.cameras.spacing_x * shift - 0.5, view[axis_u]);
             const Between v =
-                between(at.y + (ct - t) * views.cameras.spacing_y * shift - 0.5, size[axis_v]);
+                between(at.y + (ct - t) * views.cameras.spacing_y * shift - 0.5, view[axis_v]);
             const std::uint32_t in_u = aligned.shift_u(cs), in_v = aligned.shift_v(ct);
             const auto add = [&](std::uint32_t at_u, std::uint32_t at_v, double share) {
                 found[next++] = {at_u + in_u, at_v + in_v, cs, ct, weight * share};
@@ -130,8 +131,7 @@ std::unique_ptr<ViewRenderer> make_planar_renderer(TexelSource& source, const Ex
                                                    const glm::dvec3& background,
                                                    const RenderOptions& options) {
     return std::make_unique<FootprintRenderer<WindowSurface>>(
-        source, block_extent, WindowSurface{views, aligned, aligned.texture_size()}, background,
-        options);
+        source, block_extent, WindowSurface{views, aligned}, background, options);
 }
 
 } // namespace tessera

@@ -25,8 +25,8 @@ Camera window_camera(const glm::dvec3& eye, const CameraGrid& cameras, const Ext
                      std::uint32_t width, std::uint32_t height);
 
 // Mixes the four cameras nearest to where a ray crosses their plane; otherwise like
-// make_texture_renderer(). `source` has the texels of `aligned` as they lie in the grid. `background`: beside the window. Errors of views: bad_argument, where the
-// eye is not in front of the window.
+// make_texture_renderer(). `source` has the texels of `aligned` as they lie in the grid. `background`:
+// beside the window. Errors of views: bad_argument, where the eye is not in front of the window.
 std::unique_ptr<ViewRenderer> make_planar_renderer(TexelSource& source, const Extent4& block_extent,
                                                    const PlanarViews& views,
                                                    const AlignedViews& aligned,

@@ -59,8 +59,8 @@ Result<Box4> checked_box(std::uint32_t level, const std::uint32_t* box) {
     const Extent4 size =
         level == of_grid ? container().grid().size() : level_size(container(), level);
     if (!is_inside(checked, size))
-        return Status(ErrorCode::bad_argument, "box " + to_string(checked) +
-                                                   " does not lie inside " + to_string(size));
+        return Status(ErrorCode::bad_argument,
+                      "box " + to_string(checked) + " does not lie inside " + to_string(size));
     return checked;
 }
 
