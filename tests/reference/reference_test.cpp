@@ -686,6 +686,12 @@ void regenerate_golden() {
                                  0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
                       });
     write("rgb8_views.tess", views, {Kind::quality, 60}, {24, 24, 5, 5}, usual_effort);
+    // One that moves by two texels and a half; aligned, by half a texel, in tiles that have base pictures.
+    CodeTexture aligned(
+        {{40, 36, 4, 3}, unorm8, 3}, [](double u, double v, double s, double t, int c) {
+            return test::moving_picture(40 * u - 10 * s + 0.75, 36 * v + 7.5 * t - 1.75, c);
+        });
+    write("rgb8_aligned.tess", aligned, {Kind::quality, 60}, {24, 24, 4, 3}, usual_effort);
     scene("rgb8.tess", "composed", {32, 16, 8, 8}, {Kind::quality, 60}, {32, 32, 8, 8});
     scene("rgb8_tiles.tess", "gallery", {13, 7, 5, 6}, {Kind::quality, 60}, {5, 7, 3, 2});
     scene("rgb8_bounded.tess", "mirror", {10, 8, 6, 5}, {Kind::max_error, 3}, {8, 8, 4, 4});
@@ -726,7 +732,7 @@ TEST(Reference, GoldenFiles) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 12);
+    EXPECT_EQ(count, 13);
 }
 
 } // namespace
