@@ -59,11 +59,31 @@ function bake(name, ...words) {
 }
 const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
+// Views of cameras that see one picture move by two texels a view, along v the other way.
+function movingViews(name, [U, V, S, T]) {
+    const texels = [];
+    let seed = 1;
+    for (let v = 0; v < V; ++v)
+        for (let u = 0; u < U; ++u)
+            for (let t = 0; t < T; ++t)
+                for (let s = 0; s < S; ++s) {
+                    const x = u - 2 * s, y = v + 2 * t;
+                    for (let c = 0; c < 3; ++c) {
+                        seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; // noise: more than is read at once
+                        texels.push(128 + 50 * Math.sin(0.3 * x + c) + 50 * Math.cos(0.3 * y - 0.01 * x * y) + (seed >>> 28) / 2);
+                    }
+                }
+    const raw = path.join(scratch, 'views.rgb'), file = path.join(scratch, name);
+    fs.writeFileSync(raw, Uint8Array.from(texels));
+    run('encode', raw, '--size', [U, V, S, T].join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file, '-q');
+    return file;
+}
+const aligned = movingViews('aligned.tess', [48, 40, 4, 3]);
 // Files and the hash of their texels: what the library decodes, in whose own tests the golden ones stand.
 const golden = fs.readFileSync(path.join(goldenFolder, 'manifest.txt'), 'utf8').trim().split('\n')
                    .map(line => line.split(' ')).map(([name, hash]) => [path.join(goldenFolder, name), hash]);
-const files = golden.concat([layered, mesh].map(name => [name, fnv(nativeTexels(name))]));
-assert(files.length >= 13);
+const files = golden.concat([aligned, layered, mesh].map(name => [name, fnv(nativeTexels(name))]));
+assert(files.length >= 15);
 
 // The picture that WebGL samples, from texels one by one.
 function expectedAtlas(file, texels) {
@@ -97,6 +117,60 @@ const tests = {
             assert.equal(sha1(await far.fetchBox(everything(far))), sha1(texels), `${name} by ranges`);
             assert.equal(sha1(await far.fetchAtlas(allPlaces(far))), sha1(atlas), `${name} by ranges`);
         }
+    },
+
+    // Where texels of aligned views lie in the grid of tiles is FORMAT.md part 2.
+    async tilesOfAlignedViews() {
+        const bytes = fs.readFileSync(aligned), source = slowSource(bytes);
+        const file = await codec.openSource(source), {info} = file, [U, V, S, T] = info.size;
+        assert.deepEqual(info.size, [48, 40, 4, 3]);
+        assert.deepEqual(info.alignment, [-2, 2]);
+        assert.deepEqual(info.gridSize, [54, 44, 4, 3]);
+        assert.deepEqual(info.tiles, [4, 3, 1, 1]);
+        assert.deepEqual(info.levels[0].size, info.size);
+        const at = (u, v, s, t) => 3 * (((v * U + u) * T + t) * S + s);
+        const sides = [[0, 14, 28, 41, 54], [0, 15, 30, 44]]; // of the tiles
+
+        const part = [17, 31, 9, 30, 1, 3, 2, 3], read = source.sent;
+        assert.throws(() => file.box(part), /have not been fetched/);
+        const corner = await file.fetchBox(part);
+        assert(source.sent > read && source.sent < bytes.length, `${source.sent} of ${bytes.length} bytes`);
+        const last = await file.fetchGridBox([41, 54, 30, 44, 0, S, 0, T]);
+        assert(source.sent < bytes.length);
+        const texels = await file.fetchBox(everything(file));
+        let next = 0;
+        for (let v = 9; v < 30; ++v)
+            for (let u = 17; u < 31; ++u)
+                for (let s = 1; s < 3; ++s, next += 3)
+                    assert(!corner.subarray(next, next + 3).some((c, i) => c !== texels[at(u, v, s, 2) + i]));
+        let found = 0;
+        for (let i = 0; i < 4; ++i)
+            for (let j = 0; j < 3; ++j) {
+                const [u0, u1] = sides[0].slice(i), [v0, v1] = sides[1].slice(j);
+                const tile = await file.fetchGridBox([u0, u1, v0, v1, 0, S, 0, T]);
+                assert.equal(tile.length, (u1 - u0) * (v1 - v0) * S * T * 3);
+                assert(i < 3 || j < 2 || sha1(tile) === sha1(last));
+                next = 0;
+                for (let v = v0; v < v1; ++v)
+                    for (let u = u0; u < u1; ++u)
+                        for (let t = 0; t < T; ++t)
+                            for (let s = 0; s < S; ++s, next += 3) {
+                                const x = u - 2 * (S - 1 - s), y = v - 2 * t;
+                                if (x < 0 || y < 0 || x >= U || y >= V)
+                                    continue;
+                                ++found;
+                                assert(!tile.subarray(next, next + 3).some((c, i) => c !== texels[at(x, y, s, t) + i]));
+                            }
+            }
+        assert.equal(found, U * V * S * T);
+        await assert.rejects(file.fetchGridBox([0, 55, 0, 1, 0, 1, 0, 1]), /54x44x4x3/);
+        await assert.rejects(file.fetchBox([0, 49, 0, 1, 0, 1, 0, 1]), /48x40x4x3/);
+
+        // Of others the grid is the texture.
+        const plain = codec.openBytes(fs.readFileSync(layered));
+        assert.deepEqual([plain.info.alignment, plain.info.gridSize], [[0, 0], plain.info.size]);
+        const box = [3, 20, 5, 17, 2, 9, 1, 6];
+        assert.equal(sha1(await plain.fetchGridBox(box)), sha1(plain.box(box)));
     },
 
     async halvesAreToneMapped() {
