@@ -95,11 +95,10 @@ public:
 
 private:
     struct State;
-    // Takes a decoded tile: its box in the grid, and its texels. Called by several threads.
-    using TakeTile = std::function<void(const Box4& tile_box, std::span<const std::byte> texels)>;
     explicit Decoder(std::unique_ptr<State> state);
-    Status decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions& options,
-                        const TakeTile& take) const;
+    // A box of views that lie so in the grid.
+    Status decode_views(const AlignedViews& views, const Box4& box, std::span<std::byte> out,
+                        const ReadOptions& options) const;
     std::unique_ptr<State> state_;
 };
 

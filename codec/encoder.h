@@ -57,11 +57,11 @@ struct EncodeOptions {
     // Coding tools to switch on (+) or off (-) on top of the effort, for experiments: "-copies,+refine";
     // "none" and "all" stand for every tool, later words win. Their names: coding_tools_help().
     std::string tools;
-    unsigned threads = 0;                  // 0: all cores. Never changes the bytes.
-    std::uint64_t slab_bytes = 512u << 20; // most texels of `source` that a slab holds at a time
-        // (pictures; sources of Locality::any hold none). Does not
-        // change the bytes, but that the views of larger pictures
-        // than half of it are not aligned, for which all are held.
+    unsigned threads = 0; // 0: all cores. Never changes the bytes.
+    // Most texels of `source` that a slab holds at a time (pictures; sources of Locality::any hold none). Does not
+    // change the bytes, but that the views of pictures larger than half of it, of which all would have to be
+    // held, are not aligned.
+    std::uint64_t slab_bytes = 512u << 20;
     bool verify = true;                  // decode every tile again and compare before it is written
     bool strict = false;                 // refuse NaN and infinities instead of replacing them
     Extent4 tile_extent = tile_by_trial; // largest tile: 1..64 along u and v, 1..32 along s and t

@@ -96,8 +96,7 @@ struct OpenOptions {
 
 struct FileHeader; // format/container/syntax.h
 struct GroupIndex; // format/container/index.h
-
-class LevelTable; // format/container/level_table.h
+class LevelTable;  // format/container/level_table.h
 class OpenContainer;
 
 // An open container. All const members are thread-safe; they share small caches (at most about
@@ -147,7 +146,7 @@ public:
 
     // For those who know the format's records (headers of format/container).
     const FileHeader& header() const;
-    const AlignedViews& aligned_views() const;
+    AlignedViews aligned_views() const;
     const LevelTable& level_table() const;
     // Index of group `group` (tiles 256 * group ..), one read when it is not cached.
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;

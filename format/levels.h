@@ -78,6 +78,7 @@ public:
         : texture_(texture), alignment_(alignment) {}
 
     bool any() const { return alignment_.any(); }
+    ViewAlignment alignment() const { return alignment_; }
     const Extent4& texture_size() const { return texture_; }
     Extent4 grid_size() const;
 

@@ -12,8 +12,9 @@ namespace {
 // order, twice as many each time. A reader that jumps about gets what it asks for and no more.
 class SlabAhead {
 public:
-    SlabAhead(const ContainerReader& container, bool of_grid)
-        : container_(container), of_grid_(of_grid) {}
+    // Boxes are those of `views`.
+    SlabAhead(const ContainerReader& container, const AlignedViews& views)
+        : container_(container), views_(views) {}
 
     void begin(const Box4& box) {
         const std::lock_guard lock(mutex_);
@@ -43,14 +44,14 @@ public:
 
 private:
     std::vector<std::uint64_t> touched(const Box4& box) const {
-        return of_grid_ ? container_.grid().tiles_touched(box) : container_.tiles_touched(box);
+        return views_.tiles_touched(container_.grid(), box);
     }
     std::size_t place_of(std::uint64_t tile) const {
         return static_cast<std::size_t>(std::ranges::lower_bound(tiles_, tile) - tiles_.begin());
     }
 
     const ContainerReader& container_;
-    const bool of_grid_; // whether boxes are of the grid, not of the texture
+    const AlignedViews views_;
     std::mutex mutex_;
     std::vector<std::uint64_t> tiles_; // of the slab
     std::size_t ready_end_ = 0;        // of them: those before have been brought, or passed over
@@ -60,11 +61,9 @@ private:
 class DecodedSource : public TexelSource {
 public:
     DecodedSource(const Decoder& decoder, bool of_grid)
-        : decoder_(decoder), of_grid_(of_grid), desc_(decoder.desc()),
-          ahead_(decoder.container(), of_grid) {
-        if (of_grid)
-            desc_.size = decoder.container().grid().size();
-    }
+        : DecodedSource(decoder, of_grid,
+                        of_grid ? AlignedViews(decoder.container().grid().size(), {})
+                                : decoder.container().aligned_views()) {}
     const TextureDesc& desc() const override { return desc_; }
     Status begin_slab(const Box4& box) override {
         if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
@@ -80,6 +79,12 @@ public:
     }
 
 private:
+    DecodedSource(const Decoder& decoder, bool of_grid, const AlignedViews& views)
+        : decoder_(decoder), of_grid_(of_grid), desc_(decoder.desc()),
+          ahead_(decoder.container(), views) {
+        desc_.size = views.texture_size();
+    }
+
     const Decoder& decoder_;
     const bool of_grid_;
     TextureDesc desc_;

@@ -116,18 +116,11 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
                                to_string(box) + ")");
 }
 
-} // namespace
-
-namespace {
-
-Status check_room(const ContainerReader& container, const Box4& box, const Extent4& size,
-                  std::size_t bytes) {
-    if (!is_inside(box, size))
-        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
-                                             " does not lie inside " + to_string(size)};
-    if (bytes != container.desc().box_bytes(box))
-        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
-    return {};
+Status check_inside(const ContainerReader& container, const Box4& box, const Extent4& size) {
+    return is_inside(box, size)
+               ? Status()
+               : Status(ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
+                                                     " does not lie inside " + to_string(size));
 }
 
 } // namespace
@@ -139,35 +132,22 @@ Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned t
 
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
                            const ReadOptions& options) const {
-    const ContainerReader& container = state_->container;
-    TESSERA_TRY(check_room(container, box, desc().size, out.size()));
-    const AlignedViews& views = container.aligned_views();
-    return decode_tiles(container.tiles_touched(box), options,
-                        [&](const Box4& tile_box, std::span<const std::byte> texels) {
-                            if (views.any())
-                                views.copy_from_grid(tile_box, texels, box, out,
-                                                     desc().texel_bytes());
-                            else
-                                copy_box(intersect(tile_box, box), tile_box, texels, box, out,
-                                         desc().texel_bytes());
-                        });
+    return decode_views(state_->container.aligned_views(), box, out, options);
 }
 
 Status Decoder::decode_grid_box(const Box4& box, std::span<std::byte> out,
                                 const ReadOptions& options) const {
-    const TileGrid& grid = state_->container.grid();
-    TESSERA_TRY(check_room(state_->container, box, grid.size(), out.size()));
-    return decode_tiles(grid.tiles_touched(box), options,
-                        [&](const Box4& tile_box, std::span<const std::byte> texels) {
-                            copy_box(intersect(tile_box, box), tile_box, texels, box, out,
-                                     desc().texel_bytes());
-                        });
+    return decode_views({state_->container.grid().size(), {}}, box, out, options);
 }
 
-Status Decoder::decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions& options,
-                             const TakeTile& take) const {
+Status Decoder::decode_views(const AlignedViews& views, const Box4& box, std::span<std::byte> out,
+                             const ReadOptions& options) const {
     const ContainerReader& container = state_->container;
+    TESSERA_TRY(check_inside(container, box, views.texture_size()));
+    if (out.size() != desc().box_bytes(box))
+        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
     const TileGrid& grid = container.grid();
+    const std::vector<std::uint64_t> tiles = views.tiles_touched(grid, box);
     std::vector<Worker> workers =
         make_workers(options.threads, tiles.size(), *state_->codings[0], state_->colour);
     const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
@@ -176,7 +156,7 @@ Status Decoder::decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions
         const Box4 tile_box = grid.box(tile);
         TESSERA_TRY(
             decode_tile(container, *state_->fill, tile, tile_box, options.integrity, worker));
-        take(tile_box, worker.texels);
+        views.copy_from_grid(tile_box, worker.texels, box, out, desc().texel_bytes());
         return {};
     };
     const auto tell = [&](std::size_t done) {
@@ -205,11 +185,9 @@ Status Decoder::decode_tiles(std::vector<std::uint64_t> tiles, const ReadOptions
 Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                        const ProgressFunction& progress, std::uint64_t slab_bytes) const {
     const ContainerReader& container = state_->container;
-    if (!is_inside(box, desc().size))
-        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
-                                             " does not lie inside " + to_string(desc().size)};
+    TESSERA_TRY(check_inside(container, box, desc().size));
     const TileGrid& grid = container.grid();
-    const AlignedViews& views = container.aligned_views();
+    const AlignedViews views = container.aligned_views();
     // A tile has a little of each of many rows of aligned views: slabs are as large as may be, and gathered
     // here before they are written.
     const bool gathers = views.any();

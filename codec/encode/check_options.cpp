@@ -174,8 +174,7 @@ Status check_reuse(const TextureDesc& desc, const EncodeOptions& options) {
         return refused("the file to reuse is not whole").with_context(file.name());
     if (file.alignment().any() && (options.layers || options.description.proxy != Proxy::none))
         return refused("the views of the file to reuse are aligned, with which neither coarse "
-                       "levels nor a "
-                       "surface go")
+                       "levels nor a surface go")
             .with_context(file.name());
     return options.tools.empty() ? Status()
                                  : refused("the coding tools are those of the file to reuse, none "

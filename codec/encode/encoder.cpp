@@ -80,7 +80,7 @@ ContainerContents contents_of(const FileParts& parts) {
     ContainerContents contents;
     contents.desc = plan.colour.desc;
     contents.desc.size = plan.views.texture_size();
-    contents.alignment = plan.alignment;
+    contents.alignment = plan.views.alignment();
     contents.tile_extent = plan.grid.tile_extent();
     contents.description = plan.options.description;
     contents.metadata = recorded_metadata(plan);
@@ -109,8 +109,8 @@ ContainerContents contents_of(const FileParts& parts) {
 
 // An encode up to its file.
 struct Attempt {
-    std::unique_ptr<TexelSource> held;      // the texels of pictures whose views are aligned
-    std::unique_ptr<AlignedTexels> aligned; // nullptr: views are not
+    // Of aligned views, nullptr of others: texels that had to be held, texels and mask in the grid.
+    std::unique_ptr<TexelSource> held, texels, mask;
     EncodePlan plan;
     RateOutcome outcome;
     LatestLevels latest;
@@ -145,7 +145,9 @@ Result<std::unique_ptr<Attempt>> begin_attempt(TexelSource& source, const Encode
     TESSERA_TRY_ASSIGN(const std::uint64_t matter,
                        count_texels_that_matter(options.mask, size, options.threads));
     const EncodePlan plain = plan_of(source, options, tools, matter);
-    std::unique_ptr<Attempt> made(new Attempt{nullptr, nullptr, plain, {}, {}});
+    const auto attempt_by = [](const EncodePlan& plan) {
+        return std::unique_ptr<Attempt>(new Attempt{nullptr, nullptr, nullptr, plan, {}, {}});
+    };
     ViewAlignment alignment;
     if (options.reuse != nullptr) {
         alignment = options.reuse->container().alignment();
@@ -153,22 +155,24 @@ Result<std::unique_ptr<Attempt>> begin_attempt(TexelSource& source, const Encode
         TESSERA_TRY_ASSIGN(alignment, alignment_by_motion(plain));
     }
     if (!alignment.any())
-        return made;
-    TESSERA_TRY_ASSIGN(TexelSource * texels,
-                       in_any_order(source, options.threads, options.slab_bytes, made->held));
+        return attempt_by(plain);
+    TESSERA_TRY_ASSIGN(auto held, hold_slabs(source, options.threads, options.slab_bytes));
+    TexelSource& any_order = held ? *held : source;
     if (options.reuse == nullptr) {
-        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, *texels, alignment));
+        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, any_order, alignment));
         if (!pays)
-            return made;
+            return attempt_by(plain);
     }
     const AlignedViews views(size, alignment);
-    std::unique_ptr<AlignedTexels> aligned = AlignedTexels::make(*texels, views, options.mask);
-    EncodePlan plan = plan_of(aligned->texels(), options, tools, matter);
-    plan.mask = &aligned->mask();
+    auto texels = texels_in_grid(any_order, views), mask = mask_of_grid(options.mask, views);
+    EncodePlan plan = plan_of(*texels, options, tools, matter);
+    plan.mask = mask.get();
     plan.views = views;
-    plan.alignment = alignment;
-    return std::unique_ptr<Attempt>(
-        new Attempt{std::move(made->held), std::move(aligned), plan, {}, {}});
+    std::unique_ptr<Attempt> made = attempt_by(plan);
+    made->held = std::move(held);
+    made->texels = std::move(texels);
+    made->mask = std::move(mask);
+    return made;
 }
 
 // Finds the pass that meets the rate. `source` and `options` outlive what comes back; `journal` may be

@@ -120,9 +120,9 @@ JournalFacts facts_of(const EncodePlan& plan) {
 
 JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
     JournalFacts facts = facts_of(plan);
-    if (plan.alignment.any())
-        facts.emplace_back("alignment of views", std::to_string(plan.alignment.u) + ", " +
-                                                     std::to_string(plan.alignment.v));
+    if (const ViewAlignment alignment = plan.views.alignment(); alignment.any())
+        facts.emplace_back("alignment of views",
+                           std::to_string(alignment.u) + ", " + std::to_string(alignment.v));
     facts.emplace_back("largest tile", to_string(plan.grid.tile_extent()));
     std::uint32_t crc = 0;
     for (const TileTexels& tile : sample.tiles)

@@ -37,7 +37,6 @@ struct EncodePlan {
         nullptr; // tiles that this file decodes to are taken over (tile_reuse.h)
     // Where views are aligned, `source`, `mask` and `grid` are of the grid of tiles, and so is colour.desc.
     AlignedViews views = {};
-    ViewAlignment alignment = {};
 };
 
 struct PassResult {

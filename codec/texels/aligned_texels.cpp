@@ -140,32 +140,23 @@ private:
     MemorySource source_;
 };
 
-class Aligned final : public AlignedTexels {
-public:
-    Aligned(TexelSource& source, const AlignedViews& views, TexelSource* matters)
-        : grid_(source, views), mask_(views, matters) {}
-    TexelSource& texels() override { return grid_; }
-    TexelSource& mask() override { return mask_; }
-
-private:
-    GridSource grid_;
-    ViewMask mask_;
-};
-
 } // namespace
 
-Result<TexelSource*> in_any_order(TexelSource& source, unsigned threads, std::uint64_t slab_bytes,
-                                  std::unique_ptr<TexelSource>& held) {
+Result<std::unique_ptr<TexelSource>> hold_slabs(TexelSource& source, unsigned threads,
+                                                std::uint64_t slab_bytes) {
     if (source.locality() == Locality::any)
-        return &source;
+        return std::unique_ptr<TexelSource>();
     TESSERA_TRY_ASSIGN(std::vector<std::byte> texels, read_all(source, threads, slab_bytes));
-    held = std::make_unique<HeldTexels>(source.desc(), std::move(texels));
-    return held.get();
+    return std::unique_ptr<TexelSource>(
+        std::make_unique<HeldTexels>(source.desc(), std::move(texels)));
 }
 
-std::unique_ptr<AlignedTexels> AlignedTexels::make(TexelSource& source, const AlignedViews& views,
-                                                   TexelSource* matters) {
-    return std::make_unique<Aligned>(source, views, matters);
+std::unique_ptr<TexelSource> texels_in_grid(TexelSource& source, const AlignedViews& views) {
+    return std::make_unique<GridSource>(source, views);
+}
+
+std::unique_ptr<TexelSource> mask_of_grid(TexelSource* mask, const AlignedViews& views) {
+    return std::make_unique<ViewMask>(views, mask);
 }
 
 } // namespace tessera

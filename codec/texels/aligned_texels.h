@@ -9,23 +9,17 @@
 
 namespace tessera {
 
-// `source` itself where its boxes can be read in any order, else nothing but what was read of it into `held`, all
-// of it. Errors: those of `source`; over_budget (a slab of it is above slab_bytes).
-Result<TexelSource*> in_any_order(TexelSource& source, unsigned threads, std::uint64_t slab_bytes,
-                                  std::unique_ptr<TexelSource>& held);
+// All of `source`, held, where it is walked in slabs, which are no slabs of the grid; nullptr where its boxes can be
+// read in any order. Errors: those of `source`; over_budget (a slab of it is above slab_bytes).
+Result<std::unique_ptr<TexelSource>> hold_slabs(TexelSource& source, unsigned threads,
+                                                std::uint64_t slab_bytes);
 
-class AlignedTexels {
-public:
-    // `source`, of Locality::any, and `matters`, a mask of it or nullptr, outlive what comes back.
-    static std::unique_ptr<AlignedTexels> make(TexelSource& source, const AlignedViews& views,
-                                               TexelSource* matters);
-    virtual ~AlignedTexels() = default;
+// The texels of `source`, of Locality::any, in the grid; it outlives what comes back. Where no view is, the nearest
+// texel of the view: a start that has no edge of its own.
+std::unique_ptr<TexelSource> texels_in_grid(TexelSource& source, const AlignedViews& views);
 
-    // Of the grid's size, in boxes of any order. Where no view is, the nearest texel of the view: a start that
-    // has no edge of its own.
-    virtual TexelSource& texels() = 0;
-    // Which of them matter, of those that the texture has, as EncodeOptions::mask says it.
-    virtual TexelSource& mask() = 0;
-};
+// Which texels of the grid matter, as EncodeOptions::mask says it: those of the texture that do by `mask`, which
+// outlives what comes back, or is nullptr.
+std::unique_ptr<TexelSource> mask_of_grid(TexelSource* mask, const AlignedViews& views);
 
 } // namespace tessera

@@ -1,7 +1,6 @@
 #include "codec/trials/alignment_choice.h"
 
 #include "codec/texels/aligned_texels.h"
-#include "codec/texels/texel_mask.h"
 #include "codec/trials/tile_shapes.h"
 #include "codec/trials/trial_plan.h"
 #include "format/levels.h"
@@ -9,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <span>
 #include <vector>
@@ -162,7 +160,7 @@ constexpr std::uint64_t parts_of_trial = 12;
 // show the same in the middle of their views.
 Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const AlignedViews& views,
                              const std::vector<Box4>& boxes) {
-    const auto aligned = AlignedTexels::make(source, views, plan.mask);
+    const auto texels = texels_in_grid(source, views), mask = mask_of_grid(plan.mask, views);
     EncodePlan cut = plan;
     cut.views = views;
     cut.colour.desc.size = views.grid_size();
@@ -174,7 +172,7 @@ Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const 
             corner[axis_u] += u;
             corner[axis_v] += v;
         }
-        TESSERA_TRY_ASSIGN(TileTexels tile, read_finite(aligned->texels(), &aligned->mask(), box));
+        TESSERA_TRY_ASSIGN(TileTexels tile, read_finite(*texels, mask.get(), box));
         sample.boxes.push_back(box);
         sample.tiles.push_back(std::move(tile));
     }

@@ -133,6 +133,9 @@ std::vector<std::uint64_t> AlignedViews::tiles_touched(const TileGrid& grid,
 void AlignedViews::copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
                                   const Box4& texture_box, std::span<std::byte> to,
                                   std::size_t texel_bytes) const {
+    if (!any()) // whole runs of texels
+        return copy_box(intersect(grid_box, texture_box), grid_box, from, texture_box, to,
+                        texel_bytes);
     with_texel_bytes(texel_bytes, [&](auto bytes) {
         for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
             std::memcpy(to.data() + texture * bytes, from.data() + grid * bytes, bytes);

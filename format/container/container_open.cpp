@@ -179,13 +179,12 @@ Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& r
 
 Status OpenContainer::load_levels() {
     const std::span<const std::byte> bytes = section_bytes("LEVL");
-    views_ = AlignedViews(header_.desc.size, header_.alignment);
     if (bytes.size() != header_.level_count * level_entry_bytes)
         return invalid("section LEVL has " + std::to_string(bytes.size()) + " bytes for " +
                        std::to_string(header_.level_count) + " level");
     TESSERA_TRY_ASSIGN(const std::vector<LevelEntry> entries,
                        read_levels(bytes).with_context(name()));
-    if (entries.front().size != views_.grid_size())
+    if (entries.front().size != aligned_views().grid_size())
         return invalid("section LEVL does not start with the texture itself");
     TESSERA_TRY_ASSIGN(table_, LevelTable::make(entries, header_.tile_extent).with_context(name()));
     return {};

@@ -99,7 +99,7 @@ Result<TileSummary> ContainerReader::summarise_tiles() const {
 const FileHeader& ContainerReader::header() const {
     return container_->header();
 }
-const AlignedViews& ContainerReader::aligned_views() const {
+AlignedViews ContainerReader::aligned_views() const {
     return container_->aligned_views();
 }
 const LevelTable& ContainerReader::level_table() const {

@@ -20,7 +20,7 @@ public:
 
     const FileHeader& header() const { return header_; }
     const Metadata& metadata() const { return metadata_; }
-    const AlignedViews& aligned_views() const { return views_; }
+    AlignedViews aligned_views() const { return {header_.desc.size, header_.alignment}; }
     const LevelTable& level_table() const { return table_; }
     std::uint64_t tile_count() const { return table_.tile_count(); }
     std::uint32_t group_count() const { return table_.group_count(); }
@@ -96,7 +96,6 @@ private:
     std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
     std::vector<SectionInfo> sections_;
     Metadata metadata_;
-    AlignedViews views_;
     LevelTable table_;
     std::span<const std::byte> root_; // into head_
     std::unique_ptr<ContainerCaches> caches_;

@@ -5,8 +5,6 @@
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
 #include "tests/support/moving_views.h"
-#include "tests/support/round_trips.h"
-#include "tests/support/test_folder.h"
 
 #include <gtest/gtest.h>
 #include <mutex>

@@ -62,7 +62,7 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
         const auto check = [&](const std::string& name) {
             EncodeOptions options = all;
             options.tools =
-                (name == "-dense-tables" ? "+dense-tables,-align" : all.tools + "," + name);
+                name == "-dense-tables" ? "+dense-tables,-align" : all.tools + "," + name;
             const Encoded encoded = encode(texture, options);
             // Whether copies are smoothed and tiles have base pictures is left to trials, a tree may be
             // right as it is, and this grain is not to be filtered: prediction_test.cpp,

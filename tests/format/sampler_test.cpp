@@ -195,7 +195,7 @@ double arc_error(double y, double x) {
 
 TEST(Shader, ArcTangent) {
     double worst = 0;
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < 500000; ++i) {
         const double angle = 2 * pi * i / 1000000, length = std::exp((i % 41 - 20) / 2.0);
         worst = std::max(worst, arc_error(length * std::sin(angle), length * std::cos(angle)));
     }

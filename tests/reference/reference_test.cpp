@@ -296,7 +296,6 @@ TEST(Reference, ScenesOfTheCorpus) {
         expect_decodes(encode(rgba, rate, extents[1]), "RGBA" + describe(rate, extents[1]));
 }
 
-// Blocks longer than the frequencies that are coded of them.
 // Views that move by two texels each, one along v by two the other way, are moved back in the grid of tiles.
 TEST(Reference, AlignedViews) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
@@ -312,6 +311,7 @@ TEST(Reference, AlignedViews) {
             }
 }
 
+// Blocks longer than the frequencies that are coded of them.
 TEST(Reference, TilesOfUpTo64Texels) {
     for (const char* name : {"waves", "coloured", "noise"})
         for (const auto& [size, extent] : {std::pair{Extent4{70, 66, 5, 3}, Extent4{64, 64, 4, 4}},
