@@ -64,19 +64,23 @@ private:
                 return {};
             }
             const auto train = [&] {
+                to_mend = {};
                 return run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend);
             };
+            // Smooth copies mostly pay, but not beside base pictures.
+            parameters.smooth_copies = smooth_.value_or(true);
             TESSERA_TRY_ASSIGN(PassResult trained, train());
             if (!base_) {
                 TESSERA_TRY_ASSIGN(base_, choose_base_pictures(plan, sample_, trained));
                 parameters.base = *base_;
                 if (base_->on) {
+                    smooth_ = parameters.smooth_copies = false;
                     TESSERA_TRY_ASSIGN(trained, train());
                 }
             }
             if (!smooth_) {
-                TESSERA_TRY_ASSIGN(const bool pays, smooth_copies_pay(plan, sample_, trained));
-                smooth_ = parameters.smooth_copies = pays;
+                TESSERA_TRY_ASSIGN(const bool harm, smooth_copies_harm(plan, sample_, trained));
+                smooth_ = parameters.smooth_copies = !harm;
             }
             if (!filter_)
                 filter_ = parameters.filter = fit_filter(to_mend);

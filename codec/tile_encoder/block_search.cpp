@@ -98,6 +98,7 @@ bool BlockSearch::set_texels(std::span<const std::byte> texels, const ColourCodi
 
 float BlockSearch::choose_blocks(TileLevels& out) {
     displacements_.forget_likely();
+    has_matches_ = false;
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (auto& plane : coefficients_)
         plane.resize(texels);

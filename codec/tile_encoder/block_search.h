@@ -194,7 +194,9 @@ private:
     BlockShape cut_shape_; // of what grids_ cut
     std::array<int, 2> cut_depths_{};
     DisplacementSearch displacements_;
-    std::array<std::vector<std::vector<Match>>, copy_directions> matches_;
+    // [angular depth][direction][spatial depth][cell]
+    std::vector<std::array<std::vector<std::vector<Match>>, copy_directions>> matches_;
+    bool has_matches_ = false; // of the tile in hand, from a round of choose_copies before
     BaseMatches base_matches_;
     std::vector<std::int32_t> predicted_;
     std::vector<float> residual_;

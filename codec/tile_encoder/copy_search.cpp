@@ -42,8 +42,10 @@ bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out
     reset_choices();
     displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
                          coding_.parameters.smooth_copies);
+    matches_.resize(static_cast<std::size_t>(angular_depths_) + 1);
     for (int a = angular_depths_; a >= 1; --a) // single views say best what is likely
         try_copies(a, reconstructed);
+    has_matches_ = options_.copies.likely != 0; // else every round searches in full
     if (coding_.parameters.base.on)
         for (Grid& grid : grids_) {
             grid.copied_cost = grid.cost;
@@ -117,10 +119,15 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
         spatial.push_back({grid.segments[0], grid.segments[1]});
     }
     const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
-    for (int direction = 0; direction < copy_directions; ++direction)
-        displacements_.match(direction, {finest.segments[2], finest.segments[3]}, spatial,
-                             options_.copies, costs_, bit_cost,
-                             matches_[static_cast<std::size_t>(direction)]);
+    const DisplacementSearch::Axes views{finest.segments[2], finest.segments[3]};
+    auto& matches = matches_[static_cast<std::size_t>(angular)];
+    for (int direction = 0; direction < copy_directions; ++direction) {
+        auto& own = matches[static_cast<std::size_t>(direction)];
+        if (has_matches_)
+            displacements_.match_again(direction, views, spatial, costs_, bit_cost, own);
+        else
+            displacements_.match(direction, views, spatial, options_.copies, costs_, bit_cost, own);
+    }
     for (int s = 0; s <= spatial_depths_; ++s) {
         Grid& grid = grids_[grid_index(s, angular)];
         if (!is_tried(s, angular))
@@ -128,8 +135,8 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
         grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
             if (!is_flat(grid, i))
                 try_copies(grid, c,
-                           {matches_[0][static_cast<std::size_t>(s)][i],
-                            matches_[1][static_cast<std::size_t>(s)][i]},
+                           {matches[0][static_cast<std::size_t>(s)][i],
+                            matches[1][static_cast<std::size_t>(s)][i]},
                            reconstructed);
         });
     }

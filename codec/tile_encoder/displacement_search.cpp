@@ -45,6 +45,27 @@ std::size_t place_of_least(const std::vector<float>& values) {
                                     values.begin());
 }
 
+// Calls visit(u, v, cell, known) for the cells in the order of the split tree, which returns the displacement
+// that the cell takes; known: the last two that differ.
+template <class Visit>
+void visit_in_tree_order(const DisplacementSearch::Axes& cells, const Visit& visit) {
+    const auto width = cells[0].size(), height = cells[1].size();
+    std::array<Displacement, 2> known{};
+    for (std::size_t place = 0; place < std::max(width, height) * std::max(width, height);
+         ++place) {
+        std::size_t cu = 0, cv = 0;
+        for (std::size_t bit = 0; place >> (2 * bit) != 0; ++bit) {
+            cu |= (place >> (2 * bit) & 1) << bit;
+            cv |= (place >> (2 * bit + 1) & 1) << bit;
+        }
+        if (cu >= width || cv >= height || cells[0][cu].size == 0 || cells[1][cv].size == 0)
+            continue;
+        const Displacement taken = visit(cells[0][cu], cells[1][cv], cv * width + cu, known);
+        if (taken != known[0])
+            known = {taken, known[0]};
+    }
+}
+
 } // namespace
 
 void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>& source,
@@ -263,55 +284,61 @@ void DisplacementSearch::total_candidates(const float* own,
     }
 }
 
-// Cells in the order of the split tree: each may repeat the displacement of one of the two before.
+void DisplacementSearch::attempt(const Displacement& d, Best& best) const {
+    const float bits = bits_of(d, best.known);
+    if (best.bit_cost * bits >= best.least)
+        return;
+    const float error = error_of(d, best.u, best.v, best.least - best.bit_cost * bits);
+    if (error + best.bit_cost * bits < best.least) {
+        best.least = error + best.bit_cost * bits;
+        best.match = {d, error, bits};
+    }
+}
+
+// Each cell may repeat the displacement of one of the two before.
 void DisplacementSearch::choose(const Axes& cells, const float* errors, bool half, float bit_cost,
                                 Match* matches) {
-    const auto width = cells[0].size(), height = cells[1].size();
     const std::size_t count = candidates_.size();
-    std::array<Displacement, 2> known{};
-    for (std::size_t place = 0; place < std::max(width, height) * std::max(width, height);
-         ++place) {
-        std::size_t cu = 0, cv = 0;
-        for (std::size_t bit = 0; place >> (2 * bit) != 0; ++bit) {
-            cu |= (place >> (2 * bit) & 1) << bit;
-            cv |= (place >> (2 * bit + 1) & 1) << bit;
-        }
-        if (cu >= width || cv >= height || cells[0][cu].size == 0 || cells[1][cv].size == 0)
-            continue;
-        const Segment &u = cells[0][cu], &v = cells[1][cv];
-        const float* own = errors + (cv * width + cu) * count;
+    visit_in_tree_order(cells, [&](const Segment& u, const Segment& v, std::size_t cell,
+                                   const std::array<Displacement, 2>& known) {
+        const float* own = errors + cell * count;
         if (candidates_u_ != 0)
             total_candidates(own, known, bit_cost);
         else
             total_likely(own, known, bit_cost);
-        const std::size_t place_of_best = place_of_least(totals_);
-        Match best{candidates_[place_of_best], own[place_of_best], 0};
-        float least = totals_[place_of_best];
-        const auto attempt = [&](const Displacement& d) {
-            const float bits = bits_of(d, known);
-            if (bit_cost * bits >= least)
-                return;
-            const float error = error_of(d, u, v, least - bit_cost * bits);
-            if (error + bit_cost * bits < least) {
-                least = error + bit_cost * bits;
-                best = {d, error, 0};
-            }
-        };
-        const Displacement whole = best.displacement;
+        const std::size_t place = place_of_least(totals_);
+        const Displacement whole = candidates_[place];
         vote(whole, u.size * v.size);
-        for (int dv = -1; half && dv <= 1; ++dv)
-            for (int du = -1; du <= 1; ++du)
-                if (du != 0 || dv != 0)
-                    attempt({static_cast<std::int8_t>(whole.u + du),
-                             static_cast<std::int8_t>(whole.v + dv)});
+        Best best{
+            u, v, known, bit_cost, {whole, own[place], bits_of(whole, known)}, totals_[place]};
+        // Those first that cost no bits: where they fit, the others are not measured to their ends.
         for (const Displacement& d : known)
-            if (!half || d == whole || std::abs(d.u - whole.u) > 1 || std::abs(d.v - whole.v) > 1)
-                attempt(d);
-        best.bits = bits_of(best.displacement, known);
-        matches[cv * width + cu] = best;
-        if (!(best.displacement == known[0]))
-            known = {best.displacement, known[0]};
-    }
+            if (d != whole)
+                attempt(d, best);
+        for (int dv = -1; half && dv <= 1; ++dv)
+            for (int du = -1; du <= 1; ++du) {
+                const Displacement d{static_cast<std::int8_t>(whole.u + du),
+                                     static_cast<std::int8_t>(whole.v + dv)};
+                if (d != whole && d != known[0] && d != known[1])
+                    attempt(d, best);
+            }
+        matches[cell] = best.match;
+        return best.match.displacement;
+    });
+}
+
+void DisplacementSearch::choose_again(const Axes& cells, float bit_cost, Match* matches) const {
+    visit_in_tree_order(cells, [&](const Segment& u, const Segment& v, std::size_t cell,
+                                   const std::array<Displacement, 2>& known) {
+        const Displacement before = matches[cell].displacement;
+        Best best{u, v, known, bit_cost, {}, std::numeric_limits<float>::infinity()};
+        attempt(before, best);
+        for (const Displacement& d : known)
+            if (d != before)
+                attempt(d, best);
+        matches[cell] = best.match;
+        return best.match.displacement;
+    });
 }
 
 void DisplacementSearch::match_angular_cell(const std::vector<Axes>& spatial,
@@ -324,6 +351,17 @@ void DisplacementSearch::match_angular_cell(const std::vector<Axes>& spatial,
         const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
         choose(spatial[depth], errors, range.half, bit_cost, matches[depth].data() + angle * cells);
         errors += cells * candidates_.size();
+    }
+}
+
+template <class Visit>
+void DisplacementSearch::for_each_angle(const Axes& angular, const Visit& visit) {
+    const std::size_t count = angular[0].size() * angular[1].size();
+    for (std::size_t angle = 0; angle < count; ++angle) {
+        s_ = angular[0][angle % angular[0].size()];
+        t_ = angular[1][angle / angular[0].size()];
+        if (s_.size != 0 && t_.size != 0 && (direction_ == 0 ? s_.begin : t_.begin) != 0)
+            visit(angle);
     }
 }
 
@@ -344,16 +382,13 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
                               {{}, std::numeric_limits<float>::infinity(), 0});
     }
     errors_.resize(all_cells * candidates_.size());
-    // Of the cells with views before them, every one that is a multiple of `step`, or every other.
+    // Every one that is a multiple of `step`, or every other.
     const auto match_cells = [&](std::size_t step, bool multiples) {
         std::size_t number = 0;
-        for (std::size_t angle = 0; angle < angular_cells; ++angle) {
-            s_ = angular[0][angle % angular[0].size()];
-            t_ = angular[1][angle / angular[0].size()];
-            if (s_.size != 0 && t_.size != 0 && (direction == 0 ? s_.begin : t_.begin) != 0 &&
-                (number++ % step == 0) == multiples)
+        for_each_angle(angular, [&](std::size_t angle) {
+            if ((number++ % step == 0) == multiples)
                 match_angular_cell(spatial, range, bit_cost, angle, matches);
-        }
+        });
     };
     if (range.likely == 0)
         return match_cells(1, true);
@@ -362,6 +397,19 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
         match_cells(searched_in_full, true);
     set_likely_candidates(range);
     match_cells(knows_likely ? 1 : searched_in_full, knows_likely);
+}
+
+void DisplacementSearch::match_again(int direction, const Axes& angular,
+                                     const std::vector<Axes>& spatial, const BitCosts& costs,
+                                     float bit_cost, std::vector<std::vector<Match>>& matches) {
+    direction_ = direction;
+    set_bits(direction, costs);
+    for_each_angle(angular, [&](std::size_t angle) {
+        for (std::size_t depth = 0; depth < spatial.size(); ++depth) {
+            const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
+            choose_again(spatial[depth], bit_cost, matches[depth].data() + angle * cells);
+        }
+    });
 }
 
 } // namespace tessera

@@ -46,8 +46,22 @@ public:
     void match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
                const DisplacementRange& range, const BitCosts& costs, float bit_cost,
                std::vector<std::vector<Match>>& matches);
+    // The same of cells that were matched before, when the views looked nearly alike: each has
+    // what it had or what one of the two cells before it has.
+    void match_again(int direction, const Axes& angular, const std::vector<Axes>& spatial,
+                     const BitCosts& costs, float bit_cost,
+                     std::vector<std::vector<Match>>& matches);
 
 private:
+    // The best displacement of a cell so far.
+    struct Best {
+        const Segment &u, &v;
+        const std::array<Displacement, 2>& known;
+        float bit_cost;
+        Match match;
+        float least;
+    };
+    void attempt(const Displacement& d, Best& best) const;
     void make_phases(const std::vector<std::int32_t>& reconstructed, float unit, bool smooth);
     void set_candidates(const DisplacementRange& range);
     void set_likely_candidates(const DisplacementRange& range);
@@ -57,6 +71,9 @@ private:
                             float bit_cost, std::size_t angle,
                             std::vector<std::vector<Match>>& matches);
     void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
+    void choose_again(const Axes& cells, float bit_cost, Match* matches) const;
+    // Calls visit(angle) for every angular cell that has views before it, in hand then.
+    template <class Visit> void for_each_angle(const Axes& angular, const Visit& visit);
     void vote(const Displacement& whole, int texels);
     void total_likely(const float* own, const std::array<Displacement, 2>& known, float bit_cost);
     void total_candidates(const float* own, const std::array<Displacement, 2>& known,

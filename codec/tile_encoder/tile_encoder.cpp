@@ -21,7 +21,7 @@ constexpr int smallest_to_split = 8;     // side of a block, as the search goes 
 constexpr int most_base_rounds = 3; // of making a base picture; a fourth brings nothing
 
 // Rounds of coding a tile again. What costs less comes first.
-constexpr std::array<double, 2> balancing_gains = {2, 8};
+constexpr std::array<double, 3> balancing_gains = {2, 8, 16};
 // Rounds of moving first levels: flat blocks are rounded, dark ones clamped.
 constexpr int level_rounds = 4;
 constexpr double balanced_mean = 0.015; // codes by which no channel matters

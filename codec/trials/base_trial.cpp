@@ -24,6 +24,7 @@ Result<BasePictures> cheapest(const HeavyTiles& tiles, CodingParameters paramete
         if (!tiles.can_have(pictures))
             continue;
         parameters.base = pictures;
+        parameters.smooth_copies = false;
         TESSERA_TRY_ASSIGN(const double cost, tiles.cost(parameters));
         if (cost < least) {
             least = cost;

@@ -11,7 +11,7 @@ bool may_have_base_pictures(const EncodePlan& plan);
 
 // Encodes the tiles of the sample that took most bytes again: with base pictures in both directions, and
 // with margins where these pay. What costs least, error and bits together, is chosen. `plain` is a pass
-// over the sample without any.
+// over the sample without any. Copies beside base pictures are not smoothed.
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain);
 

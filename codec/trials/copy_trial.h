@@ -5,10 +5,10 @@
 
 namespace tessera {
 
-// Encodes the tiles of the sample that took most bytes again, with smooth copies, and says whether
-// they cost less so: error and bits together, as the encoder weighs them in a tile. `plain` is a pass
-// over the sample with plain copies.
-Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
-                               const PassResult& plain);
+// Encodes the tiles of the sample that took most bytes again, with plain copies, and says whether
+// they cost clearly less so: error and bits together, as the encoder weighs them in a tile. `smooth` is a
+// pass over the sample with smooth copies.
+Result<bool> smooth_copies_harm(const EncodePlan& plan, const Sample& sample,
+                                const PassResult& smooth);
 
 } // namespace tessera

@@ -9,7 +9,7 @@ namespace tessera {
 
 class HeavyTiles {
 public:
-    // `plain`: a pass over the sample without the tool. `plan` outlives this.
+    // `plain`: a pass over the sample with the usual parameters. `plan` outlives this.
     HeavyTiles(const EncodePlan& plan, const Sample& sample, const PassResult& plain,
                std::size_t most);
 

@@ -17,7 +17,7 @@ namespace {
 // More would not leave the root of the index room in the first 8 KiB of a file: any texel could no
 // longer be read in three reads, the head, a record of the index and a page.
 constexpr std::uint64_t most_short_tiles = std::uint64_t{1} << 17;
-constexpr std::uint64_t fewest_patches = 4, most_patches = 16;
+constexpr std::uint64_t fewest_patches = 2, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles are worth a trial
 // A first look at a low effort, which takes a third of the time, settles what is clear: it favours
@@ -70,13 +70,6 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
         patches.tiles.push_back(std::move(sample.tiles[i]));
     }
     return patches;
-}
-
-// The first of the patches, as many as the others.
-Sample half_of(const Sample& patches) {
-    const auto count = static_cast<std::ptrdiff_t>((patches.boxes.size() + 1) / 2);
-    return {{patches.boxes.begin(), patches.boxes.begin() + count},
-            {patches.tiles.begin(), patches.tiles.begin() + count}};
 }
 
 // Of patches with colours the green alone, as textures of one channel: tiles of two shapes compare by it as by
@@ -166,17 +159,15 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     const Extent4& smallest = plan.options.layers ? wide_tile : usual;
     TESSERA_TRY_ASSIGN(Sample patches,
                        read_patches(plan, patch_of(patch_of(usual, other), smallest)));
+    const EncodePlan green = keep_green(plan, patches);
     if (plan.effort.quick) {
-        const EncodePlan green = keep_green(plan, patches);
         TESSERA_TRY_ASSIGN(const double ratio, estimated_ratio(green, patches, other, usual));
         return ratio < 1;
     }
     double ratio = 1;
     for (const int most_effort : {quick_effort_of_trial, most_effort_of_trial}) {
         const int effort = std::min(plan.options.effort, most_effort);
-        TESSERA_TRY_ASSIGN(
-            ratio, cost_ratio(plan, effort == plan.options.effort ? patches : half_of(patches),
-                              effort, other, usual));
+        TESSERA_TRY_ASSIGN(ratio, cost_ratio(green, patches, effort, other, usual));
         if (std::abs(ratio - 1) > clear_difference || effort == plan.options.effort)
             break;
     }
@@ -188,13 +179,12 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
 Result<bool> is_better_with_bases(const EncodePlan& plan, const Extent4& wider,
                                   const Extent4& narrow) {
     TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, patch_of(wider, narrow)));
-    const Sample few = half_of(patches); // of all: a tenth more time, the same choices
     const int quick = std::min(plan.options.effort, quick_effort_of_trial);
-    TESSERA_TRY_ASSIGN(double least, cost_in_tiles(plan, few, quick, narrow));
+    TESSERA_TRY_ASSIGN(double least, cost_in_tiles(plan, patches, quick, narrow));
     BasePictures best;
     for (const bool v_against_u : {false, true}) {
         const BasePictures base{.on = true, .margin = usual_margin, .v_against_u = v_against_u};
-        TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, few, quick, narrow, base));
+        TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, quick, narrow, base));
         if (cost < least) {
             least = cost;
             best = base;
@@ -203,8 +193,9 @@ Result<bool> is_better_with_bases(const EncodePlan& plan, const Extent4& wider,
     if (!best.on)
         return false;
     const int effort = std::min(plan.options.effort, most_effort_of_trial);
-    TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, few, effort, wider, best));
-    TESSERA_TRY_ASSIGN(const double narrow_cost, cost_in_tiles(plan, few, effort, narrow, best));
+    TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, effort, wider, best));
+    TESSERA_TRY_ASSIGN(const double narrow_cost,
+                       cost_in_tiles(plan, patches, effort, narrow, best));
     return cost < narrow_cost;
 }
 

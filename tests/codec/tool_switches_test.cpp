@@ -17,7 +17,7 @@ using Kind = RateTarget::Kind;
 
 // Coloured noise, smooth over two texels, that moves half a texel a view along s and one along t.
 MemoryTexture texture_with_parallax(SampleType type) {
-    Random random(11);
+    Random random(12);
     std::vector<double> lattice;
     for (int i = 0; i < 3 * 64 * 64; ++i)
         lattice.push_back(random.unit());
