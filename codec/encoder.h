@@ -128,7 +128,9 @@ struct EncodeReport {
     std::uint64_t infinity_count = 0;        // replaced by +-65504
     bool target_met = true;                  // false: a PSNR that no quantiser reaches
     std::string note;                        // why a target was missed, or met by a lossless file
-    std::vector<CodedLevel> coarse_levels;   // finest first; only with `layers`
+    // Views that move as if rows and columns of their cameras were swapped; in order they may take half.
+    bool looks_transposed = false;
+    std::vector<CodedLevel> coarse_levels; // finest first; only with `layers`
 };
 
 // The coding tools that EncodeOptions::tools may name, one a line, each with what it does. What they

@@ -114,6 +114,7 @@ struct Attempt {
     EncodePlan plan;
     RateOutcome outcome;
     LatestLevels latest;
+    bool looks_transposed = false;
 };
 
 EncodePlan plan_of(TexelSource& source, const EncodeOptions& options, const ToolSwitches& tools,
@@ -145,15 +146,17 @@ Result<std::unique_ptr<Attempt>> begin_attempt(TexelSource& source, const Encode
     TESSERA_TRY_ASSIGN(const std::uint64_t matter,
                        count_texels_that_matter(options.mask, size, options.threads));
     const EncodePlan plain = plan_of(source, options, tools, matter);
-    const auto attempt_by = [](const EncodePlan& plan) {
-        return std::unique_ptr<Attempt>(new Attempt{nullptr, nullptr, nullptr, plan, {}, {}});
-    };
-    ViewAlignment alignment;
+    ViewMotion motion;
     if (options.reuse != nullptr) {
-        alignment = options.reuse->container().alignment();
+        motion.alignment = options.reuse->container().alignment();
     } else {
-        TESSERA_TRY_ASSIGN(alignment, alignment_by_motion(plain));
+        TESSERA_TRY_ASSIGN(motion, motion_between_views(plain));
     }
+    const auto attempt_by = [&motion](const EncodePlan& plan) {
+        return std::unique_ptr<Attempt>(
+            new Attempt{nullptr, nullptr, nullptr, plan, {}, {}, motion.looks_transposed});
+    };
+    const ViewAlignment& alignment = motion.alignment;
     if (!alignment.any())
         return attempt_by(plain);
     TESSERA_TRY_ASSIGN(auto held, hold_slabs(source, options.threads, options.slab_bytes));
@@ -259,6 +262,7 @@ EncodeReport report_on(const Attempt& made, const FileParts& parts, std::uint64_
     report.passes = made.outcome.passes;
     report.target_met = !made.outcome.is_missed;
     report.note = made.outcome.note;
+    report.looks_transposed = made.looks_transposed;
     for (const CoarseLevel& level : parts.levels)
         report.coarse_levels.push_back(
             {level.entry.size, level.entry.step_shift, level.payload_bytes()});

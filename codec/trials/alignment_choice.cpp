@@ -21,6 +21,17 @@ constexpr int block_side = 8, farthest = 16; // texels; of parallax from one vie
 // What is left to move from view to view, weighed by detail, over what moved before. Of what is to gain, edges
 // of views that are cut by the grid take a part back.
 constexpr double least_motion_left = 0.6;
+// What differs between neighbouring views whose blocks are moved along the other axes, over what does along their
+// own: 1.1 to 17 of light fields, 0.94 to 1.3 of baked textures.
+constexpr double least_difference_transposed = 0.8;
+constexpr std::size_t patches_of_order = 4;
+
+// From one view to the next along `angular`, what views show moves along `spatial`.
+struct Path {
+    Axis spatial, angular;
+    Axis across() const { return spatial == axis_u ? axis_v : axis_u; }
+    Axis other() const { return angular == axis_s ? axis_t : axis_s; }
+};
 
 // One channel of a patch, in codes.
 class MotionPatch {
@@ -33,21 +44,24 @@ public:
             codes_.push_back(sample_code(load_sample(texels.data() + at, desc.type), desc.type));
     }
     int side(Axis axis) const { return static_cast<int>(extent_[axis]); }
-    int at(int along, int across, Axis spatial, int view, int other_view) const {
-        return codes_[index(along, across, spatial, view, other_view)];
+    int at(int along, int across, const Path& path, int view, int other_view) const {
+        return codes_[index(along, across, path, view, other_view)];
     }
-    bool is_free(int along, int across, Axis spatial, int view, int other_view) const {
-        return tessera::is_free(matters_, index(along, across, spatial, view, other_view));
+    bool is_free(int along, int across, const Path& path, int view, int other_view) const {
+        return tessera::is_free(matters_, index(along, across, path, view, other_view));
     }
 
 private:
-    std::size_t index(int along, int across, Axis spatial, int view, int other_view) const {
-        const bool u = spatial == axis_u;
-        const auto i = [](int x) { return static_cast<std::size_t>(x); };
-        const std::size_t place =
-            u ? i(across) * extent_[axis_u] + i(along) : i(along) * extent_[axis_u] + i(across);
-        return (place * extent_[axis_t] + i(u ? other_view : view)) * extent_[axis_s] +
-               i(u ? view : other_view);
+    std::size_t index(int along, int across, const Path& path, int view, int other_view) const {
+        std::array<int, 4> c;
+        c[path.spatial] = along;
+        c[path.across()] = across;
+        c[path.angular] = view;
+        c[path.other()] = other_view;
+        const auto at = [&](Axis axis) { return static_cast<std::size_t>(c[axis]); };
+        return ((at(axis_v) * extent_[axis_u] + at(axis_u)) * extent_[axis_t] + at(axis_t)) *
+                   extent_[axis_s] +
+               at(axis_s);
     }
 
     Extent4 extent_;
@@ -59,16 +73,16 @@ private:
 class Motion {
 public:
     // Matches blocks of neighbouring views. Those that fit best as far as is looked may be anywhere.
-    void add(const MotionPatch& patch, Axis spatial, Axis angular) {
-        const Axis across = spatial == axis_u ? axis_v : axis_u;
-        const Axis other = angular == axis_s ? axis_t : axis_s;
-        const int reach = std::min(farthest, (patch.side(spatial) - block_side) / 2);
-        for (int view = 0; view + 1 < patch.side(angular); ++view)
-            for (int a = std::max(reach, 0); a + block_side + reach <= patch.side(spatial);
-                 a += block_side)
-                for (int b = 0; b + block_side <= patch.side(across); b += block_side)
-                    add_block(patch, spatial, reach, a, b, view, patch.side(other) / 2);
+    void add(const MotionPatch& patch, const Path& path) {
+        const int side = patch.side(path.spatial);
+        const int reach = std::min(farthest, (side - block_side) / 2);
+        for (int view = 0; view + 1 < patch.side(path.angular); ++view)
+            for (int a = std::max(reach, 0); a + block_side + reach <= side; a += block_side)
+                for (int b = 0; b + block_side <= patch.side(path.across()); b += block_side)
+                    add_block(patch, path, reach, a, b, view, patch.side(path.other()) / 2);
     }
+    // Of all blocks where they fit best.
+    double difference() const { return difference_; }
     // What is left to move, times its detail, where views are moved by so much.
     double left(int by) const {
         double sum = 0;
@@ -78,11 +92,11 @@ public:
     }
 
 private:
-    void add_block(const MotionPatch& patch, Axis spatial, int reach, int along, int across,
+    void add_block(const MotionPatch& patch, const Path& path, int reach, int along, int across,
                    int view, int other_view) {
         for (int a = along; a < along + block_side; ++a)
             for (int b = across; b < across + block_side; ++b)
-                if (patch.is_free(a, b, spatial, view, other_view))
+                if (patch.is_free(a, b, path, view, other_view))
                     return;
         std::int64_t least = -1, detail = 0;
         int best = 0;
@@ -90,8 +104,8 @@ private:
             std::int64_t difference = 0;
             for (int a = along; a < along + block_side; ++a)
                 for (int b = across; b < across + block_side; ++b)
-                    difference += std::abs(patch.at(a, b, spatial, view, other_view) -
-                                           patch.at(a + d, b, spatial, view + 1, other_view));
+                    difference += std::abs(patch.at(a, b, path, view, other_view) -
+                                           patch.at(a + d, b, path, view + 1, other_view));
             // Of those that fit alike the shortest.
             if (least < 0 || difference < least ||
                 (difference == least && std::abs(d) < std::abs(best))) {
@@ -99,16 +113,18 @@ private:
                 best = d;
             }
         }
+        difference_ += static_cast<double>(least);
         if (std::abs(best) == reach)
             return;
         for (int a = along; a < along + block_side; ++a)
             for (int b = across; b < across + block_side; ++b)
-                detail += std::abs(patch.at(a, b, spatial, view, other_view) -
-                                   patch.at(a - 1, b, spatial, view, other_view));
+                detail += std::abs(patch.at(a, b, path, view, other_view) -
+                                   patch.at(a - 1, b, path, view, other_view));
         weight_[static_cast<std::size_t>(best + farthest)] += static_cast<double>(detail);
     }
 
     std::array<double, 2 * farthest + 1> weight_{};
+    double difference_ = 0;
 };
 
 bool may_be_aligned(const EncodePlan& plan) {
@@ -120,26 +136,14 @@ bool may_be_aligned(const EncodePlan& plan) {
             desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
 }
 
-Motion motion_along(const std::vector<MotionPatch>& patches, Axis spatial, Axis angular) {
+Motion motion_along(std::span<const MotionPatch> patches, Axis spatial, Axis angular) {
     Motion motion;
     for (const MotionPatch& patch : patches)
-        motion.add(patch, spatial, angular);
+        motion.add(patch, {spatial, angular});
     return motion;
 }
 
-} // namespace
-
-Result<ViewAlignment> alignment_by_motion(const EncodePlan& plan) {
-    if (!may_be_aligned(plan))
-        return ViewAlignment{};
-    EncodePlan cut = plan;
-    cut.grid = TileGrid(plan.colour.desc.size, motion_extent);
-    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(cut, patches_of_motion));
-    std::vector<MotionPatch> patches;
-    for (std::size_t i = 0; i < sample.boxes.size(); ++i)
-        patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
-    const Motion along_u = motion_along(patches, axis_u, axis_s);
-    const Motion along_v = motion_along(patches, axis_v, axis_t);
+ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     // Cameras are as far apart along s as along t, and base pictures need them to stay so.
     ViewAlignment best;
     double least = least_motion_left * (along_u.left(0) + along_v.left(0));
@@ -150,6 +154,31 @@ Result<ViewAlignment> alignment_by_motion(const EncodePlan& plan) {
                 best = {static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)};
             }
     return best;
+}
+
+bool look_transposed(std::span<const MotionPatch> patches) {
+    const auto difference = [&](Axis of_s, Axis of_t) {
+        return motion_along(patches, of_s, axis_s).difference() +
+               motion_along(patches, of_t, axis_t).difference();
+    };
+    return difference(axis_v, axis_u) < least_difference_transposed * difference(axis_u, axis_v);
+}
+
+} // namespace
+
+Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
+    if (!may_be_aligned(plan))
+        return ViewMotion{};
+    EncodePlan cut = plan;
+    cut.grid = TileGrid(plan.colour.desc.size, motion_extent);
+    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(cut, patches_of_motion));
+    std::vector<MotionPatch> patches;
+    for (std::size_t i = 0; i < sample.boxes.size(); ++i)
+        patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
+    const std::span<const MotionPatch> all(patches);
+    return ViewMotion{
+        alignment_by(motion_along(all, axis_u, axis_s), motion_along(all, axis_v, axis_t)),
+        look_transposed(all.first(std::min(all.size(), patches_of_order)))};
 }
 
 namespace {

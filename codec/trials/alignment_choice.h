@@ -6,10 +6,16 @@
 
 namespace tessera {
 
-// By the parallax between neighbouring views in some patches of the texture. None for surfaces, with layers, at
-// quick efforts, for pictures of more than half of slab_bytes, which would have to be held, and where views
-// move about as much without it. Errors: those of the source.
-Result<ViewAlignment> alignment_by_motion(const EncodePlan& plan);
+struct ViewMotion {
+    ViewAlignment alignment;
+    // What views show moves along v from one s to the next, and along u from one t to the next.
+    bool looks_transposed = false;
+};
+
+// By the parallax between neighbouring views in some patches of the texture. No alignment for surfaces, with
+// layers, at quick efforts, for pictures of more than half of slab_bytes, which would have to be held, and where
+// views move about as much without it. Errors: those of the source.
+Result<ViewMotion> motion_between_views(const EncodePlan& plan);
 
 // Whether parts of the texture code better so, at a quick effort. `source` has the plan's texels in any order.
 Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAlignment alignment);

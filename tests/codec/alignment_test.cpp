@@ -52,6 +52,29 @@ TEST(Alignment, IsTheOppositeOfTheParallax) {
     EXPECT_EQ(alignment_of(still, views_options()), ViewAlignment{});
 }
 
+// What moves along the other axes is no parallax of cameras in order.
+TEST(Alignment, NoticesViewsThatAreTransposed) {
+    const auto looks_transposed = [](MemoryTexture texture, const EncodeOptions& options) {
+        Bytes file;
+        const auto report = encode_memory(texture, file, options);
+        EXPECT_TRUE(report) << report.status().message();
+        return report && report->looks_transposed;
+    };
+    const auto swapped = [](int u, int v) {
+        return MemoryTexture(views_colour, [=](int x, int y, int s, int t, int c) {
+            return moving_picture(x - u * t, y - v * s, c);
+        });
+    };
+    EXPECT_TRUE(looks_transposed(swapped(2, 2), views_options()));
+    EXPECT_TRUE(looks_transposed(swapped(1, -3), views_options()));
+    EXPECT_FALSE(looks_transposed(moving_views(views_colour, 2, 2), views_options()));
+    EXPECT_FALSE(looks_transposed(moving_views(views_colour, 0, 0), views_options()));
+    EncodeOptions sphere = views_options();
+    sphere.description.proxy = Proxy::sphere;
+    sphere.description.sphere_radius = 1;
+    EXPECT_FALSE(looks_transposed(swapped(2, 2), sphere)) << "directions are no cameras";
+}
+
 TEST(Alignment, NoneOfWhatHasNoCameras) {
     MemoryTexture texture = moving_views(views_colour, 2, 2);
     EncodeOptions options = views_options();

@@ -87,6 +87,11 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
                      static_cast<unsigned long long>(r.infinity_count));
     if (!r.note.empty())
         std::fprintf(to, "  note   %s\n", r.note.c_str());
+    if (r.looks_transposed)
+        std::fprintf(
+            to, "  note   what the views show moves along v from one s to the next, and along u "
+                "from one t to the next:\n         if these are rows and columns of cameras "
+                "that were swapped, they take far fewer bytes in order\n");
 }
 
 Json report_json(const std::string& path, const TextureDesc& desc, const EncodeOptions& options,
@@ -108,6 +113,7 @@ Json report_json(const std::string& path, const TextureDesc& desc, const EncodeO
                  {"passes", r.passes},
                  {"target_met", r.target_met},
                  {"note", r.note},
+                 {"looks_transposed", r.looks_transposed},
                  {"nan_count", r.nan_count},
                  {"infinity_count", r.infinity_count},
                  {"levels", Json::array()}};
