@@ -2,7 +2,7 @@
 // that do not fit, on what opening gave, which may be nothing.
 #include "codec/encoder.h"
 #include "codec/tessera.h"
-#include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/container_mend.h"
 #include "tests/support/memory_texture.h"
 
 #include <cstring>
@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t calls = 8;
 
 void call(unsigned which, tessera_decoder* decoder) {
-    const std::uint32_t begin[4] = {0, 0, 0, 0}, end[4] = {which % 9 + 1, 3, 2, which % 4};
+    const std::uint32_t begin[4] = {which / 64, 0, which / 32 % 2, 0},
+                        end[4] = {which % 9 + 1, 3, 2, which % 4 + which / 128};
     std::vector<std::byte> texels(4096);
     const std::uint32_t levels = tessera_level_count(decoder);
     switch (which % calls) {
@@ -69,6 +70,14 @@ void call(unsigned which, tessera_decoder* decoder) {
 
 } // namespace
 
+void mend(Bytes& input) {
+    if (input.size() < calls)
+        return;
+    Bytes file(input.begin() + calls, input.end());
+    mend_container(file);
+    std::ranges::copy(file, input.begin() + calls);
+}
+
 std::vector<Bytes> seeds() {
     test::MemoryTexture texture =
         test::named_texture({{9, 6, 5, 4}, SampleType::unorm8, 3}, "smooth");
@@ -78,9 +87,13 @@ std::vector<Bytes> seeds() {
     options.metadata = {{"Author", "someone"}};
     Bytes file;
     require(encode_memory(texture, file, options).ok(), "a seed does not encode");
-    const Bytes all = bytes_of(std::string("\1\11\2\3\4\5\6\7", 8));
-    file.insert(file.begin(), all.begin(), all.end());
-    return {file};
+    const auto with_calls = [](const std::string& which, const Bytes& opened) {
+        Bytes input = bytes_of(which);
+        append_bytes(input, opened);
+        return input;
+    };
+    return {with_calls("\1\11\2\3\4\5\6\7", file),
+            with_calls("\1\301\101\4\5\2\3\6", test::with_alignment(file, {1, -1}))};
 }
 
 } // namespace tessera::fuzz

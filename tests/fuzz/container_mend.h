@@ -1,0 +1,109 @@
+// Makes all checksums of a damaged file right again, and what follows from its header, for the targets that open files.
+#pragma once
+
+#include "format/container/index.h"
+#include "format/container/level_table.h"
+#include "format/container/syntax.h"
+#include "format/container_reader.h"
+#include "format/io/bytes.h"
+#include "format/io/crc32c.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/support/forged_alignment.h"
+
+#include <tuple>
+
+namespace tessera::fuzz {
+
+// Makes texture and grid of tiles go together where views are aligned: the texture's sides, so that tiles stay
+// what they are, or the grid's, where no texture has that alignment there.
+inline void mend_grid(FileHeader& header, const SectionEntry& entry, std::span<std::byte> file) {
+    if (!header.alignment.any() || entry.name() != "LEVL" || entry.length < level_entry_bytes)
+        return;
+    for (const auto [axis, views, step] : {std::tuple(axis_u, axis_s, header.alignment.u),
+                                           std::tuple(axis_v, axis_t, header.alignment.v)}) {
+        std::byte* const stored = file.data() + entry.offset + 4 * axis;
+        const auto grid = load_le<std::uint32_t>(stored);
+        const std::uint32_t farthest =
+            static_cast<std::uint32_t>(std::abs(step)) * (header.desc.size[views] - 1);
+        if (farthest < grid)
+            header.desc.size[axis] = grid - farthest;
+        else
+            store_le(stored, header.desc.size[axis] + farthest);
+    }
+}
+
+inline void mend_head(Bytes& file) {
+    if (file.size() < header_bytes)
+        return;
+    FileHeader header = load_header(std::span(file).first<header_bytes>());
+    const std::size_t table = std::size_t{header.section_count} * section_entry_bytes;
+    if (file.size() - header_bytes < table)
+        return;
+    for (std::size_t at = header_bytes; at < header_bytes + table; at += section_entry_bytes) {
+        SectionEntry entry = load_section(std::span(file).subspan(at).first<section_entry_bytes>());
+        if (entry.crc == 0 || entry.offset > file.size() ||
+            entry.length > file.size() - entry.offset)
+            continue; // DATA and INDX have their own
+        mend_grid(header, entry, file);
+        entry.crc = crc32c(std::span(file).subspan(entry.offset, entry.length));
+        const auto stored = store_section(entry);
+        std::copy(stored.begin(), stored.end(), file.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+    std::ranges::copy(store_header(header), file.begin());
+    test::seal_header(file);
+}
+
+// The record of a group, at `at` in the file: its own checksum, then those of its pages that are there.
+inline void mend_record(Bytes& file, std::span<std::byte> record, const GroupKey& key) {
+    const auto mend_own = [&] {
+        Bytes seed;
+        append_le(seed, key.identity);
+        append_le(seed, key.group);
+        const auto body = record.first(record.size() - 4);
+        store_le(record.data() + body.size(), crc32c(body, crc32c(seed)));
+    };
+    if (record.size() <= 4)
+        return;
+    mend_own();
+    const Result<GroupIndex> index = read_index_record(record, key);
+    if (!index)
+        return;
+    std::byte* crc = record.data() + record.size() - 4 - 4 * index->pages.size();
+    for (std::size_t page = 0; page < index->pages.size(); ++page, crc += 4) {
+        const auto& [offset, length, _] = index->pages[page];
+        if (offset + length <= file.size())
+            store_le(crc, page_crc(key.identity, key.group, static_cast<std::uint32_t>(page),
+                                   std::span(file).subspan(offset, length)));
+    }
+    mend_own();
+}
+
+inline void mend_groups(Bytes& file) {
+    const auto source = wrap_memory(file);
+    const Result<ContainerReader> reader = ContainerReader::open(*source, OpenOptions{true});
+    if (!reader)
+        return;
+    const FileHeader header = reader->header();
+    const LevelTable table = reader->level_table();
+    const auto bytes = reader->section_bytes("ROOT");
+    const Bytes root(bytes.begin(), bytes.end());
+    for (std::uint32_t group = 0; group < std::min(table.group_count(), 64u); ++group) {
+        const std::byte* entry = root.data() + std::size_t{12} * group;
+        const std::uint64_t begin =
+                                header.head_size + std::uint64_t{load_le<std::uint32_t>(entry + 8)},
+                            end = header.head_size +
+                                  std::uint64_t{load_le<std::uint32_t>(entry + 20)};
+        if (begin < end && end <= file.size())
+            mend_record(file, std::span(file).subspan(begin, end - begin),
+                        {header.identity, group, table.tiles_of(group).count,
+                         load_le<std::uint64_t>(entry), load_le<std::uint64_t>(entry + 12),
+                         header.page_bytes(), header.max_tile_bytes()});
+    }
+}
+
+inline void mend_container(Bytes& file) {
+    mend_head(file);
+    mend_groups(file);
+}
+
+} // namespace tessera::fuzz
