@@ -19,8 +19,8 @@ namespace tessera::fuzz {
 inline void mend_grid(FileHeader& header, const SectionEntry& entry, std::span<std::byte> file) {
     if (!header.alignment.any() || entry.name() != "LEVL" || entry.length < level_entry_bytes)
         return;
-    for (const auto [axis, views, step] : {std::tuple(axis_u, axis_s, header.alignment.u),
-                                           std::tuple(axis_v, axis_t, header.alignment.v)}) {
+    for (const auto& [axis, views, step] : {std::tuple(axis_u, axis_s, header.alignment.u),
+                                            std::tuple(axis_v, axis_t, header.alignment.v)}) {
         std::byte* const stored = file.data() + entry.offset + 4 * axis;
         const auto grid = load_le<std::uint32_t>(stored);
         const std::uint32_t farthest =
@@ -99,6 +99,19 @@ inline void mend_groups(Bytes& file) {
                          load_le<std::uint64_t>(entry), load_le<std::uint64_t>(entry + 12),
                          header.page_bytes(), header.max_tile_bytes()});
     }
+}
+
+// Aligns the views of a file in another way, by less than 16 texels each or by anything.
+inline void align_views(std::span<std::byte> file, unsigned random) {
+    if (file.size() < header_bytes)
+        return;
+    FileHeader header = load_header(file.first<header_bytes>());
+    const auto step = [&](unsigned bits) {
+        return static_cast<std::int8_t>(random % 2 ? bits & 255u : (bits & 31u) - 16u);
+    };
+    header.alignment = {step(random >> 1), step(random >> 9)};
+    header.required_features |= feature_aligned;
+    std::ranges::copy(store_header(header), file.begin());
 }
 
 inline void mend_container(Bytes& file) {

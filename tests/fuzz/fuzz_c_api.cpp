@@ -78,6 +78,11 @@ void mend(Bytes& input) {
     std::ranges::copy(file, input.begin() + calls);
 }
 
+void alter(Bytes& input, unsigned random) {
+    if (input.size() >= calls)
+        align_views(std::span(input).subspan(calls), random);
+}
+
 std::vector<Bytes> seeds() {
     test::MemoryTexture texture =
         test::named_texture({{9, 6, 5, 4}, SampleType::unorm8, 3}, "smooth");

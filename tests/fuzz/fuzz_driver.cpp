@@ -37,9 +37,11 @@ void run_corpus(int rounds) {
             for (unsigned n = random() % 6; n > 0 && !input.empty(); --n)
                 input[random() % input.size()] ^=
                     static_cast<std::byte>(random() % 2 ? 1u << random() % 8 : random() & 255);
+            if (tessera::fuzz::is_there(tessera::fuzz::alter) && round % 8 == 1)
+                tessera::fuzz::alter(input, static_cast<unsigned>(random()));
         }
         run(input);
-        if (tessera::fuzz::mend != nullptr) {
+        if (tessera::fuzz::is_there(tessera::fuzz::mend)) {
             tessera::fuzz::mend(input);
             run(input);
         }

@@ -9,13 +9,18 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {
-    constexpr unsigned left_damaged = 8; // one in so many
-    size = LLVMFuzzerMutate(data, size, most);
-    if (tessera::fuzz::mend == nullptr || seed % left_damaged == 0)
+    using namespace tessera::fuzz;
+    constexpr unsigned left_damaged = 8, altered = 16; // one in so many
+    const bool alters = is_there(alter) && seed % altered == 1;
+    if (!alters)
+        size = LLVMFuzzerMutate(data, size, most);
+    if (!is_there(mend) || seed % left_damaged == 0)
         return size;
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    tessera::fuzz::Bytes input(bytes, bytes + size);
-    tessera::fuzz::mend(input);
+    Bytes input(bytes, bytes + size);
+    if (alters)
+        alter(input, seed / altered);
+    mend(input);
     size = std::min(input.size(), most);
     std::memcpy(data, input.data(), size);
     return size;

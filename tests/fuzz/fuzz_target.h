@@ -25,6 +25,15 @@ std::vector<Bytes> seeds();
 // in the target's file, inputs have no checksums.
 [[gnu::weak]] void mend(Bytes& input);
 
+// Changes what damage to single bytes hits too rarely, by the bits of `random`. Without one in the target's file,
+// there is nothing of that kind.
+[[gnu::weak]] void alter(Bytes& input, unsigned random);
+
+// Whether the target's file has one of these two.
+template <class Function> bool is_there(Function* function) {
+    return function != nullptr;
+}
+
 // Stores the seeds in a folder.
 inline void write_seeds(const std::string& folder) {
     int number = 0;
