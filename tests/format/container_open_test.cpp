@@ -105,6 +105,44 @@ TEST(Hostile, FieldsOutOfRange) {
     field(patched(120, u32{1}), "reserved");
 }
 
+// Everything that does not go with aligned views, and grids of tiles beyond what a texture may be.
+TEST(Hostile, AlignmentsOutOfPlace) {
+    const auto aligned = [](const Extent4& size, u32 alignment, u64 features = u64{1} << 6) {
+        Bytes file = patched(16, features);
+        for (std::size_t axis = 0; axis < 4; ++axis)
+            store_le(file.data() + 48 + 4 * axis, size[axis]);
+        store_le(file.data() + 72, u8{0}); // no proxy
+        store_le(file.data() + 78, static_cast<u16>(alignment));
+        seal_header(file);
+        return file;
+    };
+    const auto field = [](const Bytes& file, const char* word) {
+        expect_refused(file, ContainerRule::header_field, word);
+    };
+    constexpr u32 most = 1u << 20;
+    field(aligned({most, 1, 2, 1}, 0x0001), "align_v: extent u is 1048577");
+    field(aligned({1, most, 1, 2}, 0x8000), "align_v: extent v is 1048704");
+    field(aligned({most, 1, most, 1}, 0x0080), "align_v: extent u is 135266176");
+    field(aligned({1, 1, 8192, 8192}, 0x7F7F), "2^48"); // 2^20 each, but not together
+    // A grid that may be is not the one that section LEVL has.
+    for (const u32 alignment : {0x0001u, 0x7FFFu, 0x8080u, 0x0100u})
+        expect_refused(aligned({258, 2, 2, 2}, alignment), ContainerRule::levels, "LEVL");
+    Bytes file = aligned({258, 1, 1, 1}, 0x0101);
+    EXPECT_TRUE(open_status(file))
+        << open_status(file).message(); // one view: the grid is the texture
+    for (const u8 proxy : {1, 2, 3, 200}) {
+        store_le(file.data() + 72, proxy);
+        store_le(file.data() + 92,
+                 std::bit_cast<u32>(proxy % 2 == 1 ? 1.0f : 0.0f)); // a sphere's radius
+        seal_header(file);
+        field(file, "neither coarse levels nor a proxy");
+    }
+    file = aligned({258, 1, 1, 1}, 0x0101, (u64{1} << 6) + 1);
+    store_le(file.data() + 77, u8{2});
+    seal_header(file);
+    field(file, "neither coarse levels nor a proxy");
+}
+
 TEST(Hostile, GeometryOutOfRange) {
     const auto field = [](const Bytes& file, const char* word) {
         expect_refused(file, ContainerRule::header_field, word);
