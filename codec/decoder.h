@@ -43,7 +43,7 @@ struct FillReport {
     static constexpr std::size_t most_listed = 100;
     std::uint64_t missing_tiles = 0; // not received
     std::uint64_t damaged_tiles = 0;
-    std::uint64_t texels = 0;             // of both
+    std::uint64_t texels = 0;             // of both; of the texture
     std::vector<std::uint64_t> damaged{}; // the first of them, ascending
 };
 

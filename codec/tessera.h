@@ -383,10 +383,13 @@ TESSERA_API int tessera_get_description(const tessera_decoder* decoder,
 /* The Draco mesh of a file with TESSERA_PROXY_MESH, to be freed with the decoder; else null, 0. */
 TESSERA_API int tessera_get_mesh(const tessera_decoder* decoder, const void** bytes, size_t* count);
 
-/* The texture is level 0; levels 1, 2, ... are coarser copies of it, if the file has any. */
+/* The texture is level 0; levels 1, 2, ... are coarser copies of it, if the file has any. Of a file whose views
+ * are aligned (format/FORMAT.md, part 2), which has no coarse levels, size and tiles of level 0 are those of the
+ * grid that the views are moved in, which is larger than the texture along u and v: boxes to decode are of the
+ * texture (tessera_get_texture) all the same. */
 typedef struct {
     size_t struct_size;
-    uint32_t size[4];     /* texels along u, v, s, t */
+    uint32_t size[4];     /* texels along u, v, s, t; level 0: see above */
     uint32_t spatial_lod; /* a texel stands for 2^spatial_lod texels of level 0 along u and v, */
     uint32_t angular_lod; /* and 2^angular_lod along s and t */
     uint32_t largest_tile[4]; /* texels */
@@ -412,7 +415,7 @@ typedef struct {
     uint64_t tiles;          /* of all levels */
     uint64_t missing_tiles;  /* filled because they have not been received */
     uint64_t damaged_tiles;  /* filled because they are damaged */
-    uint64_t filled_texels;  /* of both */
+    uint64_t filled_texels;  /* of both; of the texture, not of the grid of aligned views */
     int32_t is_partial;      /* 1: received_bytes < file_bytes */
     int32_t reserved;
 } tessera_file_state;

@@ -96,6 +96,9 @@ public:
         return {u + shift_u(s), v + shift_v(t), s, t};
     }
 
+    // How many texels of the texture lie in a box of the grid.
+    std::uint64_t texels_in(const Box4& grid_box) const;
+
     // The tiles of `grid` that a box of the texture touches, ascending.
     // Preconditions: `grid` is of grid_size(), is_inside(texels, texture_size()).
     std::vector<std::uint64_t> tiles_touched(const TileGrid& grid, const Box4& texels) const;

@@ -155,10 +155,11 @@ void CoarseFill::note(std::uint64_t tile) {
 
 FillReport CoarseFill::report() const {
     const std::lock_guard lock(mutex_);
+    const AlignedViews views = container_.aligned_views(); // only tiles of level 0 are noted
     FillReport report;
     for (const auto& [tile, missing] : filled_) {
         ++(missing ? report.missing_tiles : report.damaged_tiles);
-        report.texels += container_.level_table().box(tile).texels();
+        report.texels += views.texels_in(container_.level_table().box(tile));
         if (!missing && report.damaged.size() < FillReport::most_listed)
             report.damaged.push_back(tile);
     }

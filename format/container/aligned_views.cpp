@@ -85,6 +85,22 @@ Extent4 AlignedViews::grid_size() const {
     return size;
 }
 
+std::uint64_t AlignedViews::texels_in(const Box4& grid_box) const {
+    // Columns depend on s alone, rows on t.
+    const auto along = [&](Axis spatial, Axis angular, const auto& shift) {
+        std::uint64_t sum = 0;
+        for (std::uint32_t view = grid_box.begin[angular]; view < grid_box.end[angular]; ++view) {
+            const std::uint32_t first = shift(view), end = first + texture_[spatial];
+            const std::uint32_t from = std::max(first, grid_box.begin[spatial]);
+            const std::uint32_t to = std::min(end, grid_box.end[spatial]);
+            sum += to - std::min(from, to);
+        }
+        return sum;
+    };
+    return along(axis_u, axis_s, [&](std::uint32_t s) { return shift_u(s); }) *
+           along(axis_v, axis_t, [&](std::uint32_t t) { return shift_v(t); });
+}
+
 std::vector<std::uint64_t> AlignedViews::tiles_touched(const TileGrid& grid,
                                                        const Box4& texels) const {
     if (!any())

@@ -16,7 +16,8 @@ Finding finding(ContainerRule rule, bool fatal, std::string text) {
 }
 
 // "tiles 3..4; tile 3 is texels 0:4,..., tile 4 is texels 4:8,..."
-std::string describe_tiles(const LevelTable& table, std::uint64_t first, std::uint64_t count) {
+std::string describe_tiles(const LevelTable& table, bool aligned, std::uint64_t first,
+                           std::uint64_t count) {
     std::string text = "tiles " + std::to_string(first) + ".." + std::to_string(first + count - 1);
     for (std::uint64_t i = 0; i < std::min(count, max_listed_boxes); ++i)
         text += (i == 0 ? "; tile " : ", tile ") + std::to_string(first + i) + " is texels " +
@@ -26,6 +27,8 @@ std::string describe_tiles(const LevelTable& table, std::uint64_t first, std::ui
     const Level& level = table.level_of(first);
     if (level.first_tile > 0)
         text += " of the coarse level " + to_string(level.size);
+    if (aligned)
+        text += " of the grid of aligned views";
     return text;
 }
 
@@ -76,8 +79,9 @@ void OpenContainer::validate_group(std::uint32_t group, std::vector<Finding>& ou
                                    std::uint64_t& missing) const {
     const auto add = [&](ContainerRule rule, const Status& status, std::uint64_t first,
                          std::uint64_t count) {
-        Finding result = finding(
-            rule, true, status.message() + "; lost are " + describe_tiles(table_, first, count));
+        Finding result = finding(rule, true,
+                                 status.message() + "; lost are " +
+                                     describe_tiles(table_, header_.alignment.any(), first, count));
         result.first_tile = first;
         result.tile_count = count;
         out.push_back(std::move(result));

@@ -4,6 +4,7 @@
 #include "format/texture.h"
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
+#include "tests/support/forged_alignment.h"
 #include "tests/support/moving_views.h"
 
 #include <gtest/gtest.h>
@@ -249,6 +250,33 @@ TEST(Alignment, ReuseKeepsIt) {
     options.layers = true;
     EXPECT_EQ(encode_memory(decoded, decoded.texels, options).status().code(),
               ErrorCode::bad_argument);
+}
+
+// What is filled is counted in texels of the texture, and where tiles are is said to be of the grid.
+TEST(Alignment, FilledTexelsAreTheTextures) {
+    MemoryTexture texture = moving_views(views_colour, 0, 0);
+    EncodeOptions options = views_options();
+    options.effort = 0;
+    Bytes file = with_alignment(encode_file_of(texture, options).file, {-3, 5});
+    const auto last = file.end() - 1;
+    *last ^= std::byte{1};
+    const auto damaged = wrap_memory(file);
+    const std::vector<Finding> findings = validate_container(*damaged);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_NE(findings[0].text.find("of the grid of aligned views"), std::string::npos);
+    *last ^= std::byte{1};
+    const auto sound = wrap_memory(file);
+    const Result<ContainerReader> reader = ContainerReader::open(*sound);
+    ASSERT_TRUE(reader) << reader.status().message();
+    const Extent4 size = reader->desc().size;
+    EXPECT_EQ(size, (Extent4{39, 30, 4, 3}));
+    file.resize(static_cast<std::size_t>(reader->sections().back().offset)); // DATA's
+    const auto cut = wrap_memory(file);
+    const Result<Decoder> decoder = Decoder::open(*cut, DecodeOptions{.allow_partial = true});
+    ASSERT_TRUE(decoder) << decoder.status().message();
+    Bytes texels(decoder->desc().box_bytes(Box4::whole(size)));
+    ASSERT_TRUE(decoder->decode_box(Box4::whole(size), texels, 1));
+    EXPECT_EQ(decoder->fill_report().texels, texel_count(size));
 }
 
 // The texel that a message names is the texture's.

@@ -128,6 +128,11 @@ TEST(AlignedViews, CopiesBothWays) {
                 Bytes copied = texture;
                 views.copy_from_grid(in_grid, grid, in_texture, copied, bytes);
                 EXPECT_EQ(copied, to_texture);
+                std::uint64_t inside = 0;
+                for_each_aligned(c, [&](const Extent4& place, const Extent4&) {
+                    inside += holds(in_grid, place);
+                });
+                EXPECT_EQ(views.texels_in(in_grid), inside);
                 copied = grid;
                 views.copy_to_grid(in_texture, texture, in_grid, copied, bytes);
                 EXPECT_EQ(copied, to_grid);

@@ -42,7 +42,8 @@ std::string fill_text(const Decoder& decoder, const std::string& indent) {
             std::to_string(tiles) + " tiles are damaged and " + instead + "\n";
     for (std::size_t i = 0; i < std::min(most_causes_named, report.damaged.size()); ++i)
         text += indent + "       tile " + std::to_string(report.damaged[i]) + " is texels " +
-                to_string(container.grid().box(report.damaged[i])) + "\n";
+                to_string(container.grid().box(report.damaged[i])) +
+                (container.alignment().any() ? " of the grid of aligned views" : "") + "\n";
     if (report.damaged_tiles > most_causes_named)
         text += indent + "       and so on; tessera validate lists them all\n";
     return text;
@@ -65,9 +66,9 @@ Json fill_json(const Decoder& decoder) {
                  {"damaged_tiles", report.damaged_tiles},
                  {"filled_texels", report.texels},
                  {"damaged", Json::array()}};
+    const char* where = container.alignment().any() ? "grid" : "texels";
     for (const std::uint64_t tile : report.damaged)
-        json["damaged"].push_back(
-            {{"tile", tile}, {"texels", to_string(container.grid().box(tile))}});
+        json["damaged"].push_back({{"tile", tile}, {where, to_string(container.grid().box(tile))}});
     return json;
 }
 

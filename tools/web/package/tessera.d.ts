@@ -27,6 +27,13 @@ export interface Info {
     bytes: number;
     tile: Extent4;
     tiles: Extent4;
+    /**
+     * How many texels further along u (of each next s) and v (of each next t) views lie in the grid of tiles, -128
+     * to 127; [0, 0]: texels lie where the texture has them. Then coarse is 0 and the proxy none or planar.
+     */
+    alignment: [number, number];
+    /** Texels of the grid that `tiles` cut; without an alignment those of the texture, `size`. */
+    gridSize: Extent4;
     /** The texture first, then coarser and coarser copies. */
     levels: Level[];
     /** Number of the coarsest level; 0 where there is only the texture. */
@@ -73,6 +80,13 @@ export class TessFile {
     /** The same for openSource() and openUrl(): missing bytes are fetched first. */
     fetchAtlas(places: Places, out?: Uint8Array, level?: number): Promise<Uint8Array>;
     fetchBox(box: Box, out?: Uint8Array, level?: number): Promise<Uint8Array>;
+    /**
+     * Like fetchBox() of level 0, but a box of the grid of tiles, info.gridSize texels large: the box of a tile needs
+     * no other. Texel (u, v, s, t) of the texture lies there at u + shift(alignment[0], s, S),
+     * v + shift(alignment[1], t, T), s, t with shift(a, x, n) = a >= 0 ? a * x : -a * (n - 1 - x). What lies in no
+     * view may be anything.
+     */
+    fetchGridBox(box: Box, out?: Uint8Array): Promise<Uint8Array>;
     /** Brings the bytes of these texels, so that atlas() and box() need not wait. */
     fetch(box: Box, level?: number): Promise<void>;
     /** The coarsest level whole; null where there is none. */
