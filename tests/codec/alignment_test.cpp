@@ -1,6 +1,7 @@
 // Views that move alike are aligned by their parallax, and decode as if they were not.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "codec/tessera.h"
 #include "format/texture.h"
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
@@ -277,6 +278,28 @@ TEST(Alignment, FilledTexelsAreTheTextures) {
     Bytes texels(decoder->desc().box_bytes(Box4::whole(size)));
     ASSERT_TRUE(decoder->decode_box(Box4::whole(size), texels, 1));
     EXPECT_EQ(decoder->fill_report().texels, texel_count(size));
+}
+
+// The C interface's level 0 is the grid, its texture and boxes are not.
+TEST(Alignment, LevelZeroOfTheCInterfaceIsTheGrid) {
+    MemoryTexture source = moving_views(views_colour, 0, 0);
+    EncodeOptions options = views_options();
+    options.effort = 0;
+    const Bytes file = with_alignment(encode_file_of(source, options).file, {-3, 5});
+    tessera_decoder* decoder = nullptr;
+    ASSERT_EQ(tessera_open_memory(file.data(), file.size(), nullptr, &decoder), TESSERA_OK);
+    tessera_texture texture;
+    ASSERT_EQ(tessera_get_texture(decoder, &texture), TESSERA_OK);
+    EXPECT_EQ(std::vector(texture.size, texture.size + 4), (std::vector<uint32_t>{39, 30, 4, 3}));
+    tessera_level level;
+    tessera_level_init(&level);
+    ASSERT_EQ(tessera_get_level(decoder, 0, &level), TESSERA_OK);
+    EXPECT_EQ(std::vector(level.size, level.size + 4), (std::vector<uint32_t>{48, 40, 4, 3}));
+    const uint32_t begin[4] = {38, 29, 3, 2}, end[4] = {39, 30, 4, 3}, beyond[4] = {40, 30, 4, 3};
+    std::uint8_t texel[6];
+    EXPECT_EQ(tessera_decode_box(decoder, begin, end, texel, 3, nullptr), TESSERA_OK);
+    EXPECT_EQ(tessera_decode_box(decoder, begin, beyond, texel, 6, nullptr), TESSERA_BAD_ARGUMENT);
+    tessera_close(decoder);
 }
 
 // The texel that a message names is the texture's.
