@@ -440,6 +440,49 @@ TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
     }
 }
 
+// However many blocks a batch says that there is room for.
+TEST(ShaderCore, BlocksAreNoMoreThanTheFormatAllows) {
+    ShaderOracle file = file_of_one_tile({31, 31, 8, 8}, 1);
+    HandMadeTile tile(shape_of(31, 31, 8, 8));
+    const int left = tile.split(1365, 4, Split::spatial);
+    ASSERT_EQ(tile.split(left, 4, Split::angular), 0);
+    ASSERT_EQ(tile.split(1, 2, Split::spatial), 0); // 4,097 blocks
+    const std::vector<Bytes> payload{payload_of_tree(tile, file)};
+    const auto make_room = [](auto words) {
+        words[words[shaders::tsr_b_tile_at] + shaders::tsr_tile_block_room] = 0xFFFFFFFFu;
+    };
+    EXPECT_EQ(file.check_changed(payload, {}, make_room, 300000), "");
+    EXPECT_NE(Machine::damage(0), 0u);
+}
+
+// Of blocks larger than any, in a tile of as many as it may have: no file has such shapes.
+TEST(ShaderCore, AnInvocationCutsNoMoreItemsThanATileHas) {
+    using namespace shaders;
+    const ShaderOracle file = file_of_one_tile({8, 8, 8, 8}, 4);
+    const auto tables = DecodeTables::make(file.reader());
+    ASSERT_TRUE(tables);
+    std::vector<std::uint32_t> words(tables->words().begin(), tables->words().end());
+    words[words[tsr_t_shapes] + tsr_s_sides] = 64u | 64u << 8 | 32u << 16 | 32u << 24;
+    Machine machine;
+    machine.load_tables(words);
+    BatchBuilder builder(*tables, file.reader().grid(), {}, {});
+    ASSERT_TRUE(builder.add(0, Bytes{}, {}));
+    const DecodeBatch batch = builder.finish();
+    machine.decode_levels(batch);
+    const std::uint32_t state = tsr_state_at(0), blocks = tsr_max_blocks;
+    tsr_work.assign(tsr_batch[tsr_b_blocks_at] + blocks * tsr_block_words, 0);
+    tsr_batch[tsr_batch[tsr_b_tile_at] + tsr_tile_block_room] = blocks;
+    for (const std::uint32_t said : {blocks, 0xFFFFFFFFu}) {
+        tsr_work[state + tsr_st_blocks] = said;
+        for (std::uint32_t block = 0; block < blocks; ++block)
+            tsr_work[tsr_block_at(0, block) + tsr_k_rest] = 31u << 8 | 31u << 16;
+        tsr_work[tsr_w_items] = 0;
+        machine.invoke([] { tsr_cut_tile(0, 63); });
+        EXPECT_EQ(tsr_work[tsr_w_items], static_cast<std::uint32_t>(tsr_max_items));
+    }
+    EXPECT_LE(machine.most_rounds, shader_round_limit);
+}
+
 // Every side cut until all blocks are single texels: 11 levels, the deepest that a tree can have.
 TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
     for (const bool spatial_first : {true, false}) {
