@@ -1,5 +1,6 @@
 // A decoded file, or one of its levels, as a source of texels.
 #include "codec/decoder.h"
+#include "format/io/claim_cache.h"
 
 #include <algorithm>
 #include <mutex>
@@ -58,6 +59,40 @@ private:
     std::size_t ahead_ = 0;            // tiles
 };
 
+// Boxes of aligned views cut through many tiles, and so do the next ones: what was decoded last stays, a row of
+// tiles of a thousand texels along u or so.
+class DecodedTiles {
+public:
+    // `decoder` must outlive it. `views` are those of its file.
+    DecodedTiles(const Decoder& decoder, const AlignedViews& views)
+        : decoder_(decoder), views_(views) {}
+
+    // Precondition: `box` lies inside the texture and `out` has its size. Errors: those of decode_grid_box().
+    Status read(const Box4& box, std::span<std::byte> out, const ReadOptions& options) {
+        const TileGrid& grid = decoder_.container().grid();
+        for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
+            const Box4 tile_box = grid.box(tile);
+            TESSERA_TRY_ASSIGN(
+                const auto texels, tiles_.get(tile, [&]() -> Result<std::vector<std::byte>> {
+                    std::vector<std::byte> decoded(
+                        static_cast<std::size_t>(decoder_.desc().box_bytes(tile_box)));
+                    TESSERA_TRY(decoder_.decode_grid_box(tile_box, decoded, options));
+                    return decoded;
+                }));
+            views_.copy_from_grid(tile_box, *texels, box, out, decoder_.desc().texel_bytes());
+        }
+        return {};
+    }
+
+private:
+    static constexpr std::uint64_t most_bytes = std::uint64_t{16} << 20;
+
+    const Decoder& decoder_;
+    const AlignedViews views_;
+    ClaimCache<std::vector<std::byte>> tiles_{
+        most_bytes, [](const std::vector<std::byte>& tile) { return std::uint64_t{tile.size()}; }};
+};
+
 class DecodedSource : public TexelSource {
 public:
     DecodedSource(const Decoder& decoder, bool of_grid)
@@ -71,24 +106,28 @@ public:
         return {};
     }
     Status read(const Box4& box, std::span<std::byte> out) override {
-        if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
+        const bool inside = is_inside(box, desc().size) && out.size() == desc().box_bytes(box);
+        if (decoder_.container().wants_prefetch() && inside)
             TESSERA_TRY(ahead_.want(box));
         const ReadOptions options{1, Integrity::page, {}, {}}; // its callers are threads already
+        if (aligned_ && inside)
+            return tiles_.read(box, out, options);
         return of_grid_ ? decoder_.decode_grid_box(box, out, options)
                         : decoder_.decode_box(box, out, options);
     }
 
 private:
     DecodedSource(const Decoder& decoder, bool of_grid, const AlignedViews& views)
-        : decoder_(decoder), of_grid_(of_grid), desc_(decoder.desc()),
-          ahead_(decoder.container(), views) {
+        : decoder_(decoder), of_grid_(of_grid), aligned_(views.any()), desc_(decoder.desc()),
+          ahead_(decoder.container(), views), tiles_(decoder, views) {
         desc_.size = views.texture_size();
     }
 
     const Decoder& decoder_;
-    const bool of_grid_;
+    const bool of_grid_, aligned_;
     TextureDesc desc_;
     SlabAhead ahead_;
+    DecodedTiles tiles_; // where views are aligned
 };
 
 class DecodedLevel : public TexelSource {
