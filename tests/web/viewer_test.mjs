@@ -18,27 +18,37 @@ const folder = mkdtempSync(join(tmpdir(), 'tessera-viewer-'));
 const inFolder = name => join(folder, name);
 const tessera = (...args) => execFileSync(tool, args, {stdio: ['ignore', 'pipe', 'pipe']});
 
-// Views of 5x5 cameras: a pattern far away and a square nearer, which moves by two texels from camera to camera.
-function planarTexels([U, V, S, T]) {
+// colour(u, v, s, t): red, green, blue
+function texelsOf([U, V, S, T], colour) {
     const out = Buffer.alloc(U * V * S * T * 3);
     let at = 0;
     for (let v = 0; v < V; ++v)
         for (let u = 0; u < U; ++u)
             for (let t = 0; t < T; ++t)
-                for (let s = 0; s < S; ++s, at += 3) {
-                    const x = u - 2 * (s - 2), y = v - 2 * (t - 2), isNear = x >= 18 && x < 30 && y >= 10 && y < 22;
-                    out.set(isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60], at);
-                }
+                for (let s = 0; s < S; ++s, at += 3)
+                    out.set(colour(u, v, s, t), at);
     return out;
 }
+// Views of 5x5 cameras: a pattern far away and a square nearer, which moves by two texels from camera to camera.
+const planarTexels = size => texelsOf(size, (u, v, s, t) => {
+    const x = u - 2 * (s - 2), y = v - 2 * (t - 2), isNear = x >= 18 && x < 30 && y >= 10 && y < 22;
+    return isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60];
+});
+// All of it moves by two texels, along v the other way.
+const movingTexels = size => texelsOf(size, (u, v, s, t) => {
+    const x = u - 2 * s, y = v + 2 * t;
+    return [0, 1, 2].map(c => 128 + 50 * Math.sin(0.3 * x + c) + 50 * Math.cos(0.3 * y - 0.01 * x * y));
+});
 
 function makeTextures() {
     const quick = ['--spp', '1', '--effort', '0', '-q'];
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
     tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size', '64x32x8x8', ...quick);
     tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick);
-    writeFileSync(inFolder('planar.rgb'), planarTexels([48, 36, 5, 5]));
-    tessera('encode', inFolder('planar.rgb'), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder('planar.tess'), '--effort', '0', '-q');
+    for (const [name, texels, ...more] of [['planar', planarTexels, '0'], ['aligned', movingTexels, '2', '--tile', '16x16x3x5']]) {
+        writeFileSync(inFolder(`${name}.rgb`), texels([48, 36, 5, 5]));
+        tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder(`${name}.tess`), '-q', '--effort', ...more);
+    }
 }
 
 const options = pose => ['eye', 'look', 'fov', 'focus', 'rays'].map(name => [`--${name}`, pose[name]]).flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
@@ -99,9 +109,12 @@ const tests = {
         if (spawnSync(renderer, ['render', inFolder('planar.tess'), '-o', inFolder('v.png'), '-q']).status === 5)
             console.log('        (this tool renders no planar views: not compared)');
         else
-            for (const at of [{eye: (await pose()).eye.join()}, {eye: '0.2,-0.1,2.5', look: '0.1,0.05,0', fov: 35, focus: 3}]) {
-                await browser.open(`file://${inFolder('planar.html')}${hash(at)}`, 200, 150);
-                agrees(await browser.picture(), rendered('planar.tess', at), `planar views ${JSON.stringify(at)}`);
+            for (const [name, at] of [['planar', {eye: (await pose()).eye.join()}],
+                                      ['aligned', {eye: '0.2,-0.1,2.5', look: '0.1,0.05,0', fov: 35, focus: 3}]]) {
+                tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
+                await browser.open(`file://${inFolder(name)}.html${hash(at)}`, 200, 150);
+                agrees(await browser.picture(), rendered(`${name}.tess`, at), `${name} views ${JSON.stringify(at)}`);
+                assert.deepEqual(await browser.evaluate('tessera.info.alignment'), name === 'aligned' ? [-2, 2] : [0, 0]);
             }
         await browser.open(`file://${inFolder('planar.html')}${hash({})}`, 200, 150);
         await browser.picture();
