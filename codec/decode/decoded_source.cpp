@@ -95,10 +95,12 @@ private:
 
 class DecodedSource : public TexelSource {
 public:
-    DecodedSource(const Decoder& decoder, bool of_grid)
-        : DecodedSource(decoder, of_grid,
-                        of_grid ? AlignedViews(decoder.container().grid().size(), {})
-                                : decoder.container().aligned_views()) {}
+    // Boxes are those of `views`: the file's own, or the grid as a texture.
+    DecodedSource(const Decoder& decoder, const AlignedViews& views)
+        : decoder_(decoder), is_grid_(!views.any()), desc_(decoder.desc()),
+          ahead_(decoder.container(), views), tiles_(decoder, views) {
+        desc_.size = views.texture_size();
+    }
     const TextureDesc& desc() const override { return desc_; }
     Status begin_slab(const Box4& box) override {
         if (decoder_.container().wants_prefetch() && is_inside(box, desc().size))
@@ -110,24 +112,18 @@ public:
         if (decoder_.container().wants_prefetch() && inside)
             TESSERA_TRY(ahead_.want(box));
         const ReadOptions options{1, Integrity::page, {}, {}}; // its callers are threads already
-        if (aligned_ && inside)
-            return tiles_.read(box, out, options);
-        return of_grid_ ? decoder_.decode_grid_box(box, out, options)
-                        : decoder_.decode_box(box, out, options);
+        if (is_grid_)
+            return decoder_.decode_grid_box(box, out, options);
+        return inside ? tiles_.read(box, out, options)
+                      : decoder_.decode_box(box, out, options); // says what is wrong
     }
 
 private:
-    DecodedSource(const Decoder& decoder, bool of_grid, const AlignedViews& views)
-        : decoder_(decoder), of_grid_(of_grid), aligned_(views.any()), desc_(decoder.desc()),
-          ahead_(decoder.container(), views), tiles_(decoder, views) {
-        desc_.size = views.texture_size();
-    }
-
     const Decoder& decoder_;
-    const bool of_grid_, aligned_;
+    const bool is_grid_; // texels lie where the grid of tiles has them
     TextureDesc desc_;
     SlabAhead ahead_;
-    DecodedTiles tiles_; // where views are aligned
+    DecodedTiles tiles_; // where they do not
 };
 
 class DecodedLevel : public TexelSource {
@@ -156,11 +152,12 @@ std::unique_ptr<TexelSource> decoded_level(const Decoder& decoder, std::size_t l
 }
 
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder) {
-    return std::make_unique<DecodedSource>(decoder, false);
+    return std::make_unique<DecodedSource>(decoder, decoder.container().aligned_views());
 }
 
 std::unique_ptr<TexelSource> decoded_grid(const Decoder& decoder) {
-    return std::make_unique<DecodedSource>(decoder, true);
+    const Extent4& size = decoder.container().grid().size();
+    return std::make_unique<DecodedSource>(decoder, AlignedViews(size, {}));
 }
 
 } // namespace tessera

@@ -136,12 +136,19 @@ bool may_be_aligned(const EncodePlan& plan) {
             desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
 }
 
-Motion motion_along(std::span<const MotionPatch> patches, Axis spatial, Axis angular) {
-    Motion motion;
-    for (const MotionPatch& patch : patches)
-        motion.add(patch, {spatial, angular});
-    return motion;
-}
+// What is along s and what is along t.
+struct ViewMotions {
+    Path path_s, path_t;
+    Motion of_s{}, of_t{};
+
+    void add(std::span<const MotionPatch> patches) {
+        for (const MotionPatch& patch : patches) {
+            of_s.add(patch, path_s);
+            of_t.add(patch, path_t);
+        }
+    }
+    double difference() const { return of_s.difference() + of_t.difference(); }
+};
 
 ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     // Cameras are as far apart along s as along t, and base pictures need them to stay so.
@@ -156,14 +163,6 @@ ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     return best;
 }
 
-bool look_transposed(std::span<const MotionPatch> patches) {
-    const auto difference = [&](Axis of_s, Axis of_t) {
-        return motion_along(patches, of_s, axis_s).difference() +
-               motion_along(patches, of_t, axis_t).difference();
-    };
-    return difference(axis_v, axis_u) < least_difference_transposed * difference(axis_u, axis_v);
-}
-
 } // namespace
 
 Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
@@ -175,10 +174,15 @@ Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
     std::vector<MotionPatch> patches;
     for (std::size_t i = 0; i < sample.boxes.size(); ++i)
         patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
-    const std::span<const MotionPatch> all(patches);
-    return ViewMotion{
-        alignment_by(motion_along(all, axis_u, axis_s), motion_along(all, axis_v, axis_t)),
-        look_transposed(all.first(std::min(all.size(), patches_of_order)))};
+    const auto few = std::span(patches).first(std::min(patches.size(), patches_of_order));
+    ViewMotions straight{{axis_u, axis_s}, {axis_v, axis_t}};
+    ViewMotions transposed{{axis_v, axis_s}, {axis_u, axis_t}};
+    straight.add(few);
+    transposed.add(few);
+    const bool looks_transposed =
+        transposed.difference() < least_difference_transposed * straight.difference();
+    straight.add(std::span(patches).subspan(few.size()));
+    return ViewMotion{alignment_by(straight.of_s, straight.of_t), looks_transposed};
 }
 
 namespace {

@@ -226,14 +226,14 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
     w.r = tsr_begin(tsr_segment(segment, tsr_seg_byte), tsr_segment(segment, tsr_seg_size));
     int rounds = tsr_max_work;
     if (segment_of_tile == 0u) { // go on behind the tree
-        uint left = tsr_work_word(state + uint(tsr_st_left)); // of the words that the segment has
+        uint left = min(tsr_work_word(state + uint(tsr_st_left)), tsr_segment(segment, tsr_seg_size));
         w.r.state = tsr_work_word(state + uint(tsr_st_rans));
         w.r.at = tsr_segment(segment, tsr_seg_byte) +
                  2u * (tsr_segment(segment, tsr_seg_size) - left);
         w.r.left = left;
         rounds -= int(min(tsr_work_word(state + uint(tsr_st_nodes)), uint(tsr_max_nodes)));
     }
-    uint blocks = tsr_work_word(state + uint(tsr_st_blocks)); // the tree sees to it that it has no more
+    uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
     uint end = tsr_segment(segment, tsr_seg_end);
     if (end == tsr_none)
         end = blocks;

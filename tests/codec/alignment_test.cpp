@@ -7,6 +7,7 @@
 #include "tests/support/encoded_file.h"
 #include "tests/support/forged_alignment.h"
 #include "tests/support/moving_views.h"
+#include "tests/support/random_box.h"
 
 #include <atomic>
 #include <gtest/gtest.h>
@@ -42,6 +43,14 @@ ViewAlignment alignment_of(TexelSource& source, const EncodeOptions& options) {
     const auto report = encode_memory(source, file, options);
     EXPECT_TRUE(report) << report.status().message();
     return OpenViews(file).decoder.container().alignment();
+}
+
+// A file whose views are said to lie three texels apart along u and five along v: not what the encoder found.
+Bytes forged_file(int u, int v) {
+    MemoryTexture texture = moving_views(views_colour, u, v);
+    EncodeOptions options = views_options();
+    options.effort = 0;
+    return with_alignment(encode_file_of(texture, options).file, {-3, 5});
 }
 
 TEST(Alignment, IsTheOppositeOfTheParallax) {
@@ -126,12 +135,7 @@ TEST(Alignment, DecodesToTheTexture) {
         }
         Random random(4);
         for (int i = 0; i < 20; ++i) {
-            Box4 box;
-            for (std::size_t a = 0; a < 4; ++a) {
-                const int n = static_cast<int>(views_size[a]), first = random.range(0, n - 1);
-                box.begin[a] = static_cast<std::uint32_t>(first);
-                box.end[a] = static_cast<std::uint32_t>(random.range(first + 1, n));
-            }
+            const Box4 box = random_box(random, views_size);
             Bytes part(views_colour.box_bytes(box)), expected(part.size());
             ASSERT_TRUE(open.decoder.decode_box(box, part, 1));
             copy_box(box, whole, texels, box, expected, 3);
@@ -142,10 +146,7 @@ TEST(Alignment, DecodesToTheTexture) {
 
 // A source keeps tiles that it decoded: any box, on several threads, and of a part of the file.
 TEST(Alignment, SourcesHaveTheTexture) {
-    MemoryTexture texture = moving_views(views_colour, -2, 2);
-    EncodeOptions options = views_options();
-    options.effort = 0;
-    Bytes file = with_alignment(encode_file_of(texture, options).file, {-3, 5});
+    Bytes file = forged_file(-2, 2);
     const OpenViews open(file);
     const TextureDesc& desc = open.decoder.desc();
     const auto source = decoded_source(open.decoder);
@@ -159,12 +160,7 @@ TEST(Alignment, SourcesHaveTheTexture) {
         threads.emplace_back([&, seed] {
             Random random(seed);
             for (int i = 0; i < 20; ++i) {
-                Box4 box;
-                for (std::size_t a = 0; a < 4; ++a) {
-                    const int n = static_cast<int>(desc.size[a]), first = random.range(0, n - 1);
-                    box.begin[a] = static_cast<std::uint32_t>(first);
-                    box.end[a] = static_cast<std::uint32_t>(random.range(first + 1, n));
-                }
+                const Box4 box = random_box(random, desc.size);
                 Bytes part(desc.box_bytes(box)), expected(part.size());
                 wrong += !source->read(box, part).ok();
                 copy_box(box, whole, texels, box, expected, 3);
@@ -305,10 +301,7 @@ TEST(Alignment, ReuseKeepsIt) {
 
 // What is filled is counted in texels of the texture, and where tiles are is said to be of the grid.
 TEST(Alignment, FilledTexelsAreTheTextures) {
-    MemoryTexture texture = moving_views(views_colour, 0, 0);
-    EncodeOptions options = views_options();
-    options.effort = 0;
-    Bytes file = with_alignment(encode_file_of(texture, options).file, {-3, 5});
+    Bytes file = forged_file(0, 0);
     const auto last = file.end() - 1;
     *last ^= std::byte{1};
     const auto damaged = wrap_memory(file);
@@ -332,10 +325,7 @@ TEST(Alignment, FilledTexelsAreTheTextures) {
 
 // The C interface's level 0 is the grid, its texture and boxes are not.
 TEST(Alignment, LevelZeroOfTheCInterfaceIsTheGrid) {
-    MemoryTexture source = moving_views(views_colour, 0, 0);
-    EncodeOptions options = views_options();
-    options.effort = 0;
-    const Bytes file = with_alignment(encode_file_of(source, options).file, {-3, 5});
+    const Bytes file = forged_file(0, 0);
     tessera_decoder* decoder = nullptr;
     ASSERT_EQ(tessera_open_memory(file.data(), file.size(), nullptr, &decoder), TESSERA_OK);
     tessera_texture texture;

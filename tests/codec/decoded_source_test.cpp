@@ -4,7 +4,7 @@
 #include "corpus/bake.h"
 #include "format/container/syntax.h"
 #include "tests/reference/spec_decoder.h"
-#include "tests/support/random.h"
+#include "tests/support/random_box.h"
 
 #include <atomic>
 #include <gtest/gtest.h>
@@ -63,13 +63,7 @@ TEST(DecodedLevel, AgreesWithTheSecondDecoder) {
                 threads.emplace_back([&, seed] {
                     Random random(seed);
                     for (int i = 0; i < 20; ++i) {
-                        Box4 box;
-                        for (std::size_t a = 0; a < 4; ++a) {
-                            const int n = static_cast<int>(desc.size[a]);
-                            const int begin = random.range(0, n - 1);
-                            box.begin[a] = static_cast<std::uint32_t>(begin);
-                            box.end[a] = static_cast<std::uint32_t>(random.range(begin + 1, n));
-                        }
+                        const Box4 box = random_box(random, desc.size);
                         Bytes got(desc.box_bytes(box)), want(got.size());
                         wrong += !source->read(box, got).ok();
                         copy_box(box, Box4::whole(desc.size), whole, box, want, desc.texel_bytes());

@@ -5,6 +5,7 @@
 #include "codec/tile_encoder/tool_switches.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
+#include "tests/support/random_box.h"
 #include "tests/support/round_trips.h"
 
 #include <gtest/gtest.h>

@@ -9,6 +9,7 @@
 #include "tests/support/memory_texture.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
+#include "tests/support/random_box.h"
 #include "tests/support/round_trips.h"
 #include "tests/support/test_folder.h"
 

@@ -1,6 +1,7 @@
 // Cutting a texture into slabs.
 #include "codec/texels/slabs.h"
 #include "tests/support/random.h"
+#include "tests/support/random_box.h"
 #include "tests/support/round_trips.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Where the texels of aligned views lie in the grid of tiles, by the words of FORMAT.md part 2.
 #include "format/levels.h"
-#include "tests/support/random.h"
+#include "tests/support/random_box.h"
 
 #include <gtest/gtest.h>
 #include <set>
@@ -38,16 +38,6 @@ template <class Visit> void for_each_aligned(const AlignedCase& c, const Visit& 
                                   v + static_cast<std::uint32_t>(by_v), s, t},
                           Extent4{u, v, s, t});
                 }
-}
-
-Box4 random_box(Random& random, const Extent4& size) {
-    Box4 box;
-    for (std::size_t a = 0; a < 4; ++a) {
-        const int n = static_cast<int>(size[a]), first = random.range(0, n - 1);
-        box.begin[a] = static_cast<std::uint32_t>(first);
-        box.end[a] = static_cast<std::uint32_t>(random.range(first + 1, n));
-    }
-    return box;
 }
 
 bool holds(const Box4& box, const Extent4& texel) {

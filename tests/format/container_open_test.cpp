@@ -5,6 +5,7 @@
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
 #include "tests/support/container_samples.h"
+#include "tests/support/forged_alignment.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -16,12 +17,6 @@ namespace {
 using namespace tessera::test;
 
 using Bytes = std::vector<std::byte>;
-
-void seal_header(Bytes& file) {
-    const std::size_t count = load_le<std::uint16_t>(file.data() + 44);
-    const auto table = std::span(file).subspan(128, count * 24);
-    store_le(file.data() + 124, crc32c(table, crc32c(std::span(file).first(124))));
-}
 
 // A valid file with other bytes in its header or section table, and a right header checksum.
 template <class T> Bytes patched(std::size_t offset, T value) {

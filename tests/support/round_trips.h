@@ -81,17 +81,6 @@ inline Bytes crop(const MemoryTexture& texture, const Bytes& texels, const Box4&
     return out;
 }
 
-inline Box4 random_box(Random& random, const Extent4& size) {
-    Box4 box;
-    for (std::size_t axis = 0; axis < 4; ++axis) {
-        const int a = random.range(0, static_cast<int>(size[axis]) - 1);
-        const int b = random.range(0, static_cast<int>(size[axis]) - 1);
-        box.begin[axis] = static_cast<std::uint32_t>(std::min(a, b));
-        box.end[axis] = static_cast<std::uint32_t>(std::max(a, b) + 1);
-    }
-    return box;
-}
-
 inline constexpr SampleType types[] = {SampleType::unorm8, SampleType::half16};
 
 inline TextureDesc describe(const Extent4& size, SampleType type = SampleType::unorm8,

@@ -8,6 +8,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {Worker} from 'node:worker_threads';
+import {movingColour, texelsOf} from './textures.mjs';
 
 const [modulePath, wasmPath, tool, goldenFolder, scratch] = process.argv.slice(2);
 const moduleUrl = pathToFileURL(path.resolve(modulePath)).href;
@@ -59,23 +60,16 @@ function bake(name, ...words) {
 }
 const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
-// Views of cameras that see one picture move by two texels a view, along v the other way.
-function movingViews(name, [U, V, S, T]) {
-    const texels = [];
+// Noise beside it: more bytes than are read at once.
+function movingViews(name, size) {
     let seed = 1;
-    for (let v = 0; v < V; ++v)
-        for (let u = 0; u < U; ++u)
-            for (let t = 0; t < T; ++t)
-                for (let s = 0; s < S; ++s) {
-                    const x = u - 2 * s, y = v + 2 * t;
-                    for (let c = 0; c < 3; ++c) {
-                        seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; // noise: more than is read at once
-                        texels.push(128 + 50 * Math.sin(0.3 * x + c) + 50 * Math.cos(0.3 * y - 0.01 * x * y) + (seed >>> 28) / 2);
-                    }
-                }
+    const texels = texelsOf(size, (...place) => movingColour(...place).map(x => {
+        seed = (Math.imul(seed, 1103515245) + 12345) >>> 0;
+        return x + (seed >>> 28) / 2;
+    }));
     const raw = path.join(scratch, 'views.rgb'), file = path.join(scratch, name);
-    fs.writeFileSync(raw, Uint8Array.from(texels));
-    run('encode', raw, '--size', [U, V, S, T].join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file, '-q');
+    fs.writeFileSync(raw, texels);
+    run('encode', raw, '--size', size.join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file, '-q');
     return file;
 }
 const aligned = movingViews('aligned.tess', [48, 40, 4, 3]);

@@ -9,6 +9,7 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {Browser} from './browser.mjs';
 import {compared, readPng} from './png.mjs';
+import {movingColour, texelsOf} from './textures.mjs';
 
 const [tool, program = 'chromium', only = ''] = process.argv.slice(2);
 const renderer = process.env.TESSERA_RENDERER || tool; // another build to compare with
@@ -18,35 +19,19 @@ const folder = mkdtempSync(join(tmpdir(), 'tessera-viewer-'));
 const inFolder = name => join(folder, name);
 const tessera = (...args) => execFileSync(tool, args, {stdio: ['ignore', 'pipe', 'pipe']});
 
-// colour(u, v, s, t): red, green, blue
-function texelsOf([U, V, S, T], colour) {
-    const out = Buffer.alloc(U * V * S * T * 3);
-    let at = 0;
-    for (let v = 0; v < V; ++v)
-        for (let u = 0; u < U; ++u)
-            for (let t = 0; t < T; ++t)
-                for (let s = 0; s < S; ++s, at += 3)
-                    out.set(colour(u, v, s, t), at);
-    return out;
-}
 // Views of 5x5 cameras: a pattern far away and a square nearer, which moves by two texels from camera to camera.
-const planarTexels = size => texelsOf(size, (u, v, s, t) => {
+function planarColour(u, v, s, t) {
     const x = u - 2 * (s - 2), y = v - 2 * (t - 2), isNear = x >= 18 && x < 30 && y >= 10 && y < 22;
     return isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60];
-});
-// All of it moves by two texels, along v the other way.
-const movingTexels = size => texelsOf(size, (u, v, s, t) => {
-    const x = u - 2 * s, y = v + 2 * t;
-    return [0, 1, 2].map(c => 128 + 50 * Math.sin(0.3 * x + c) + 50 * Math.cos(0.3 * y - 0.01 * x * y));
-});
+}
 
 function makeTextures() {
     const quick = ['--spp', '1', '--effort', '0', '-q'];
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
     tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size', '64x32x8x8', ...quick);
     tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick);
-    for (const [name, texels, ...more] of [['planar', planarTexels, '0'], ['aligned', movingTexels, '2', '--tile', '16x16x3x5']]) {
-        writeFileSync(inFolder(`${name}.rgb`), texels([48, 36, 5, 5]));
+    for (const [name, colour, ...more] of [['planar', planarColour, '0'], ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
+        writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
         tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder(`${name}.tess`), '-q', '--effort', ...more);
     }
 }
@@ -93,7 +78,7 @@ const tests = {
         await browser.open(`file://${inFolder('planar.html')}${hash({})}`, 200, 150);
         const middle = await browser.picture();
         // The middle camera, one texel for 25 / 6 pixels: those of the view at their places.
-        const texels = planarTexels([48, 36, 5, 5]);
+        const texels = texelsOf([48, 36, 5, 5], planarColour);
         let wrong = 0;
         for (let v = 1; v < 35; ++v)
             for (let u = 1; u < 47; ++u) {
@@ -108,14 +93,16 @@ const tests = {
         assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'dragging shows parallax');
         if (spawnSync(renderer, ['render', inFolder('planar.tess'), '-o', inFolder('v.png'), '-q']).status === 5)
             console.log('        (this tool renders no planar views: not compared)');
-        else
-            for (const [name, at] of [['planar', {eye: (await pose()).eye.join()}],
-                                      ['aligned', {eye: '0.2,-0.1,2.5', look: '0.1,0.05,0', fov: 35, focus: 3}]]) {
+        else {
+            const far = {eye: '0.2,-0.1,2.5', look: '0.1,0.05,0', fov: 35, focus: 3};
+            for (const [name, at, alignment] of [['planar', {eye: (await pose()).eye.join()}, [0, 0]],
+                                                 ['planar', far, [0, 0]], ['aligned', far, [-2, 2]]]) {
                 tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
                 await browser.open(`file://${inFolder(name)}.html${hash(at)}`, 200, 150);
                 agrees(await browser.picture(), rendered(`${name}.tess`, at), `${name} views ${JSON.stringify(at)}`);
-                assert.deepEqual(await browser.evaluate('tessera.info.alignment'), name === 'aligned' ? [-2, 2] : [0, 0]);
+                assert.deepEqual(await browser.evaluate('tessera.info.alignment'), alignment);
             }
+        }
         await browser.open(`file://${inFolder('planar.html')}${hash({})}`, 200, 150);
         await browser.picture();
         await browser.mouse('mouseWheel', 100, 75, {deltaX: 0, deltaY: 2000});
