@@ -110,6 +110,9 @@ public:
                         std::size_t texel_bytes) const;
     void copy_to_grid(const Box4& texture_box, std::span<const std::byte> from,
                       const Box4& grid_box, std::span<std::byte> to, std::size_t texel_bytes) const;
+    // As copy_from_grid() where all texels of the grid's box are `texel`.
+    void fill_from_grid(const Box4& grid_box, std::span<const std::byte> texel,
+                        const Box4& texture_box, std::span<std::byte> to) const;
 
 private:
     static std::uint32_t shift(int step, std::uint32_t view, std::uint32_t views) {

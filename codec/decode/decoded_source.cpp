@@ -72,25 +72,39 @@ public:
         const TileGrid& grid = decoder_.container().grid();
         for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
             const Box4 tile_box = grid.box(tile);
-            TESSERA_TRY_ASSIGN(
-                const auto texels, tiles_.get(tile, [&]() -> Result<std::vector<std::byte>> {
-                    std::vector<std::byte> decoded(
-                        static_cast<std::size_t>(decoder_.desc().box_bytes(tile_box)));
-                    TESSERA_TRY(decoder_.decode_grid_box(tile_box, decoded, options));
-                    return decoded;
-                }));
+            const Result<TileLocation> place = decoder_.container().locate(tile);
+            if (place && place->length == 0) { // all are the same; one texel is kept
+                const Extent4& at = tile_box.begin;
+                const Box4 first{at, {at[0] + 1, at[1] + 1, at[2] + 1, at[3] + 1}};
+                TESSERA_TRY_ASSIGN(const auto texel, decoded(of_empty_tiles, first, options));
+                views_.fill_from_grid(tile_box, *texel, box, out);
+                continue;
+            }
+            TESSERA_TRY_ASSIGN(const auto texels, decoded(tile, tile_box, options));
             views_.copy_from_grid(tile_box, *texels, box, out, decoder_.desc().texel_bytes());
         }
         return {};
     }
 
 private:
+    using Texels = std::vector<std::byte>;
+    static constexpr std::uint64_t of_empty_tiles = ~std::uint64_t{0}; // no tile has that number
+
+    Result<ClaimCache<Texels>::Value> decoded(std::uint64_t key, const Box4& grid_box,
+                                              const ReadOptions& options) {
+        return tiles_.get(key, [&]() -> Result<Texels> {
+            Texels texels(static_cast<std::size_t>(decoder_.desc().box_bytes(grid_box)));
+            TESSERA_TRY(decoder_.decode_grid_box(grid_box, texels, options));
+            return texels;
+        });
+    }
+
     static constexpr std::uint64_t most_bytes = std::uint64_t{16} << 20;
 
     const Decoder& decoder_;
     const AlignedViews views_;
-    ClaimCache<std::vector<std::byte>> tiles_{
-        most_bytes, [](const std::vector<std::byte>& tile) { return std::uint64_t{tile.size()}; }};
+    ClaimCache<Texels> tiles_{most_bytes,
+                              [](const Texels& tile) { return std::uint64_t{tile.size()}; }};
 };
 
 class DecodedSource : public TexelSource {

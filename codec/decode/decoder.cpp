@@ -93,6 +93,12 @@ const TextureDesc& Decoder::desc() const {
 
 namespace {
 
+// Whether the index says so; false where it cannot be read.
+bool is_empty(const ContainerReader& container, std::uint64_t tile) {
+    const Result<TileLocation> place = container.locate(tile);
+    return place && place->length == 0;
+}
+
 Status decode_payload(const ContainerReader& container, std::uint64_t tile, const Box4& box,
                       Integrity integrity, Worker& worker) {
     if (integrity == Integrity::tile) {
@@ -114,6 +120,24 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
     }
     return status.with_context(container.name() + ": tile " + std::to_string(tile) + " (texels " +
                                to_string(box) + ")");
+}
+
+// Decodes one tile and copies what of it lies in `box`. Aligned views may leave most places of the grid to nothing,
+// so that empty tiles, which take no bytes of a file, would take longer than the texels that are asked for.
+Status decode_part(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
+                   const AlignedViews& views, const Box4& box, std::span<std::byte> out,
+                   Integrity integrity, Worker& worker) {
+    const Box4 tile_box = container.grid().box(tile);
+    if (views.any() && is_empty(container, tile)) {
+        worker.texels.resize(container.desc().texel_bytes());
+        TESSERA_TRY(
+            worker.decoder.decode({}, tile_shape(Box4::whole({1, 1, 1, 1})), worker.texels));
+        views.fill_from_grid(tile_box, worker.texels, box, out);
+        return {};
+    }
+    TESSERA_TRY(decode_tile(container, fill, tile, tile_box, integrity, worker));
+    views.copy_from_grid(tile_box, worker.texels, box, out, container.desc().texel_bytes());
+    return {};
 }
 
 Status check_inside(const ContainerReader& container, const Box4& box, const Extent4& size) {
@@ -153,11 +177,8 @@ Status Decoder::decode_views(const AlignedViews& views, const Box4& box, std::sp
     const auto decode_one = [&](Worker& worker, std::uint64_t tile) -> Status {
         if (options.cancelled && options.cancelled())
             return {ErrorCode::runtime, "interrupted"};
-        const Box4 tile_box = grid.box(tile);
-        TESSERA_TRY(
-            decode_tile(container, *state_->fill, tile, tile_box, options.integrity, worker));
-        views.copy_from_grid(tile_box, worker.texels, box, out, desc().texel_bytes());
-        return {};
+        return decode_part(container, *state_->fill, tile, views, box, out, options.integrity,
+                           worker);
     };
     const auto tell = [&](std::size_t done) {
         if (options.progress)
@@ -222,14 +243,12 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
             TESSERA_TRY(parallel_for(
                 workers, tiles.size(),
                 [&](Worker& worker, std::size_t i) -> Status {
+                    if (gathers)
+                        return decode_part(container, *state_->fill, tiles[i], views, slab.box,
+                                           gathered, Integrity::page, worker);
                     const Box4 tile_box = grid.box(tiles[i]);
                     TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
                                             Integrity::page, worker));
-                    if (gathers) {
-                        views.copy_from_grid(tile_box, worker.texels, slab.box, gathered,
-                                             desc().texel_bytes());
-                        return {};
-                    }
                     const Box4 part = intersect(tile_box, slab.box);
                     if (part == tile_box)
                         return sink.write(part, worker.texels);

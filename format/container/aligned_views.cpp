@@ -17,17 +17,24 @@ public:
     Places(const Box4& grid, const Box4& texture, Axis spatial, Axis angular, const Shift& shift)
         : begin_(std::max(grid.begin[angular], texture.begin[angular])),
           end_(std::min(grid.end[angular], texture.end[angular])) {
-        for (std::uint32_t x = grid.begin[spatial]; x < grid.end[spatial]; ++x)
+        for (std::uint32_t x = grid.begin[spatial]; x < grid.end[spatial]; ++x) {
+            bool any = false;
             for (std::uint32_t view = begin_; view < end_; ++view) {
                 const std::int64_t texel = std::int64_t{x} - shift(view);
                 const bool inside = texel >= texture.begin[spatial] && texel < texture.end[spatial];
                 places_.push_back(
                     inside ? static_cast<std::uint32_t>(texel - texture.begin[spatial]) : none);
+                any |= inside;
             }
+            if (any)
+                taken_.push_back(x - grid.begin[spatial]);
+        }
     }
 
     std::uint32_t begin() const { return begin_; } // views that both boxes have
     std::uint32_t end() const { return end_; }
+    // Those texels of the grid's box that have a place in some view; of tiles of views that lie far apart, few.
+    const std::vector<std::uint32_t>& taken() const { return taken_; }
     // Of the i-th texel of the grid's box.
     const std::uint32_t* row(std::size_t i) const {
         return places_.data() + i * (std::max(end_, begin_) - begin_);
@@ -35,7 +42,7 @@ public:
 
 private:
     std::uint32_t begin_, end_;
-    std::vector<std::uint32_t> places_;
+    std::vector<std::uint32_t> places_, taken_;
 };
 
 // Calls visit(texel in grid_box, texel in texture_box), both counted as dense texels are.
@@ -47,8 +54,8 @@ void for_each_texel(const AlignedViews& views, const Box4& grid_box, const Box4&
     const Places along_v(grid_box, texture_box, axis_v, axis_t,
                          [&](std::uint32_t t) { return views.shift_v(t); });
     const Extent4 g = grid_box.extent(), x = texture_box.extent();
-    for (std::size_t v = 0; v < g[axis_v]; ++v)
-        for (std::size_t u = 0; u < g[axis_u]; ++u)
+    for (const std::size_t v : along_v.taken())
+        for (const std::size_t u : along_u.taken())
             for (std::uint32_t t = along_v.begin(); t < along_v.end(); ++t) {
                 const std::size_t to_v = along_v.row(v)[t - along_v.begin()];
                 if (to_v == Places::none)
@@ -165,6 +172,15 @@ void AlignedViews::copy_to_grid(const Box4& texture_box, std::span<const std::by
     with_texel_bytes(texel_bytes, [&](auto bytes) {
         for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
             std::memcpy(to.data() + grid * bytes, from.data() + texture * bytes, bytes);
+        });
+    });
+}
+
+void AlignedViews::fill_from_grid(const Box4& grid_box, std::span<const std::byte> texel,
+                                  const Box4& texture_box, std::span<std::byte> to) const {
+    with_texel_bytes(texel.size(), [&](auto bytes) {
+        for_each_texel(*this, grid_box, texture_box, [&](std::size_t, std::size_t texture) {
+            std::memcpy(to.data() + texture * bytes, texel.data(), bytes);
         });
     });
 }

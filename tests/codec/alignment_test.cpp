@@ -2,6 +2,9 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/tessera.h"
+#include "format/container/container_writer.h"
+#include "format/container/syntax.h"
+#include "format/io/bytes.h"
 #include "format/texture.h"
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
@@ -223,6 +226,54 @@ TEST(Alignment, StreamsInSlabsOfEveryKind) {
         EXPECT_EQ(sink.texels, texels);
         EXPECT_GE(sink.slabs, 3);
     }
+}
+
+// The same file with every other tile empty.
+Bytes with_empty_tiles(const Bytes& file, const std::array<std::uint16_t, 4>& background) {
+    const auto source = wrap_memory(file);
+    const auto reader = ContainerReader::open(*source);
+    const FileHeader& header = reader->header();
+    ContainerContents contents;
+    contents.desc = reader->desc();
+    contents.tile_extent = header.tile_extent;
+    contents.colour = header.colour;
+    contents.background = background;
+    contents.required_features = header.required_features;
+    contents.codec_parameters = reader->codec_parameters();
+    std::vector<Bytes> tiles(reader->tile_count());
+    for (std::size_t i = 0; i < tiles.size(); i += 2)
+        EXPECT_TRUE(reader->read_tile(i, tiles[i]));
+    contents.tile = [&](std::uint64_t i) { return std::span<const std::byte>(tiles[i]); };
+    Bytes out;
+    VectorSink sink(out);
+    EXPECT_TRUE(write_container(contents, sink).ok());
+    return out;
+}
+
+// Empty tiles are not decoded for views, but have the texels that they have in the grid: -0 becomes +0.
+TEST(Alignment, EmptyTilesAreTheBackground) {
+    const TextureDesc colour{views_size, SampleType::half16, 3};
+    MemoryTexture texture = moving_views(colour, 0, 0);
+    EncodeOptions options = views_options();
+    options.effort = 0;
+    const Bytes whole_file = encode_file_of(texture, options).file;
+    const Bytes file =
+        with_alignment(with_empty_tiles(whole_file, {0x8000, 0x3C00, 0x1234}), {-3, 5});
+    const OpenViews open(file);
+    const TextureDesc& desc = open.decoder.desc();
+    const Box4 in_grid = Box4::whole(views_size), whole = Box4::whole(desc.size);
+    Bytes grid(colour.box_bytes(in_grid)), expected(desc.box_bytes(whole)), texels(expected.size());
+    ASSERT_TRUE(open.decoder.decode_grid_box(in_grid, grid, {}));
+    EXPECT_EQ(load_le<std::uint16_t>(grid.data() + 6 * 12 * 20), 0); // of tile 1, (20, 0, 0, 0)
+    open.decoder.container().aligned_views().copy_from_grid(in_grid, grid, whole, expected, 6);
+    ASSERT_TRUE(open.decoder.decode_box(whole, texels));
+    EXPECT_EQ(texels, expected);
+    texels.assign(texels.size(), std::byte{1});
+    ASSERT_TRUE(decoded_source(open.decoder)->read(whole, texels));
+    EXPECT_EQ(texels, expected);
+    SlabCollector sink(desc, Locality::any);
+    ASSERT_TRUE(open.decoder.decode(whole, sink));
+    EXPECT_EQ(sink.texels, expected);
 }
 
 TEST(Alignment, SavesBytes) {

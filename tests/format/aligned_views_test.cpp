@@ -118,6 +118,13 @@ TEST(AlignedViews, CopiesBothWays) {
                 Bytes copied = texture;
                 views.copy_from_grid(in_grid, grid, in_texture, copied, bytes);
                 EXPECT_EQ(copied, to_texture);
+                copied = texture;
+                views.fill_from_grid(in_grid, std::span(grid).first(bytes), in_texture, copied);
+                Bytes same(grid.size()), expected = texture;
+                for (std::size_t i = 0; i < same.size(); ++i)
+                    same[i] = grid[i % bytes];
+                views.copy_from_grid(in_grid, same, in_texture, expected, bytes);
+                EXPECT_EQ(copied, expected);
                 std::uint64_t inside = 0;
                 for_each_aligned(c, [&](const Extent4& place, const Extent4&) {
                     inside += holds(in_grid, place);

@@ -4,6 +4,7 @@
 #include "format/container/syntax.h"
 #include "format/tile/coding_parameters.h"
 #include "tests/support/cli_fixture.h"
+#include "tests/support/forged_alignment.h"
 
 namespace {
 
@@ -45,6 +46,20 @@ TEST_F(ValidateVerb, EmptyTilesTakeNoTime) {
     const Outcome o = run("validate empty.tess", two_seconds);
     EXPECT_EQ(o.code, 0) << o.err;
     EXPECT_EQ(run("info empty.tess", two_seconds).code, 0);
+}
+
+// Aligned views of 13 MB, in a grid of 49 GB that has nothing.
+TEST_F(ValidateVerb, EmptyTilesOfAlignedViewsTakeNoTime) {
+    write_empty("plain.tess", {64 + 31 * 127, 64 + 31 * 127, 32, 32});
+    const std::string plain = slurp(at("plain.tess"));
+    const auto bytes = std::as_bytes(std::span(plain));
+    const std::vector<std::byte> file = with_alignment({bytes.begin(), bytes.end()}, {127, -127});
+    spit(at("x.tess"), std::string(reinterpret_cast<const char*>(file.data()), file.size()));
+    EXPECT_LT(file.size(), 60'000u);
+    EXPECT_EQ(run("validate x.tess", two_seconds).code, 0);
+    EXPECT_EQ(run("decode x.tess -o x.rgb -q", two_seconds).code, 0);
+    EXPECT_EQ(fs::file_size(at("x.rgb")), 64u * 64 * 32 * 32 * 3);
+    EXPECT_EQ(run("compare x.tess x.tess --no-ssim -q", two_seconds).code, 0);
 }
 
 TEST_F(ValidateVerb, ManyKeysOfMetadataAreListedInTheirOrder) {
