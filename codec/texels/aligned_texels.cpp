@@ -13,16 +13,21 @@ namespace {
 
 constexpr Extent4 read_extent{64, 64, 32, 32}; // boxes that are read at a time
 
-// The texels of the texture that lie in a box of the grid or next to it, and perhaps others; at least one.
+// The texels of a view that are nearest to places of the grid: where `shift` is that of the view.
+std::uint32_t nearest(std::uint32_t place, std::uint32_t shift, std::uint32_t size) {
+    return std::min(place - std::min(place, shift), size - 1);
+}
+
+// The texels of the texture that are nearest to the places of a box of the grid, and what lies between them.
 Box4 texels_around(const AlignedViews& views, const Box4& grid_box) {
     Box4 box = grid_box;
-    const auto widen = [&](Axis axis, std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t farthest = std::max(a, b), size = views.texture_size()[axis];
-        box.begin[axis] = std::min(box.begin[axis] - std::min(box.begin[axis], farthest), size - 1);
-        box.end[axis] = std::min(box.end[axis], size);
+    const auto move = [&](Axis axis, std::uint32_t a, std::uint32_t b) {
+        const std::uint32_t size = views.texture_size()[axis];
+        box.begin[axis] = nearest(box.begin[axis], std::max(a, b), size);
+        box.end[axis] = nearest(box.end[axis] - 1, std::min(a, b), size) + 1;
     };
-    widen(axis_u, views.shift_u(box.begin[axis_s]), views.shift_u(box.end[axis_s] - 1));
-    widen(axis_v, views.shift_v(box.begin[axis_t]), views.shift_v(box.end[axis_t] - 1));
+    move(axis_u, views.shift_u(box.begin[axis_s]), views.shift_u(box.end[axis_s] - 1));
+    move(axis_v, views.shift_v(box.begin[axis_t]), views.shift_v(box.end[axis_t] - 1));
     return box;
 }
 
@@ -90,11 +95,6 @@ public:
     }
 
 private:
-    // The texel of a view that is nearest to a place of the grid.
-    static std::uint32_t nearest(std::uint32_t place, std::uint32_t shift, std::uint32_t size) {
-        return std::min(place - std::min(place, shift), size - 1);
-    }
-
     TexelSource& source_;
     AlignedViews views_;
     TextureDesc desc_;
