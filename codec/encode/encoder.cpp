@@ -1,5 +1,6 @@
 #include "codec/encoder.h"
 
+#include "codec/decoder.h"
 #include "codec/encode/coarse_levels.h"
 #include "codec/encode/rate_control.h"
 #include "codec/pass/encode_facts.h"
