@@ -57,6 +57,21 @@ TEST(Damage, PageFindingNamesTheTiles) {
         EXPECT_NE(findings[1].text.find(words), std::string::npos) << findings[1].text;
 }
 
+TEST(Damage, ProgressGoesFromGroupToGroup) {
+    const Bytes file = rich_sample()->write();
+    double last = 0, all = 0;
+    int steps = 0;
+    EXPECT_FALSE(any_fatal(validate_container(*wrap_memory(file), [&](double done, double total) {
+        EXPECT_GE(done, last);
+        last = done;
+        all = total;
+        ++steps;
+    })));
+    EXPECT_GT(steps, 1);
+    EXPECT_GT(all, 0);
+    EXPECT_EQ(last, all);
+}
+
 // What a later version may mean is no damage, and is said.
 TEST(Damage, UnknownValuesAreNoted) {
     const auto noted = [](int beyond) {
