@@ -104,15 +104,13 @@ public:
     std::vector<std::uint64_t> tiles_touched(const TileGrid& grid, const Box4& texels) const;
 
     // Copies all texels that lie in both, a box of the grid and one of the texture, from the dense texels of
-    // the first to those of the second, or the other way.
+    // the first to those of the second, or the other way. Where views are aligned, one texel as `from` stands
+    // for a box of the grid that is alike everywhere.
     void copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
                         const Box4& texture_box, std::span<std::byte> to,
                         std::size_t texel_bytes) const;
     void copy_to_grid(const Box4& texture_box, std::span<const std::byte> from,
                       const Box4& grid_box, std::span<std::byte> to, std::size_t texel_bytes) const;
-    // As copy_from_grid() where all texels of the grid's box are `texel`.
-    void fill_from_grid(const Box4& grid_box, std::span<const std::byte> texel,
-                        const Box4& texture_box, std::span<std::byte> to) const;
 
 private:
     static std::uint32_t shift(int step, std::uint32_t view, std::uint32_t views) {

@@ -50,6 +50,9 @@ struct Box4 {
     Extent4 end{0, 0, 0, 0};
 
     static Box4 whole(const Extent4& e) { return {{0, 0, 0, 0}, e}; }
+    static Box4 of_texel(const Extent4& at) {
+        return {at, {at[0] + 1, at[1] + 1, at[2] + 1, at[3] + 1}};
+    }
     Extent4 extent() const {
         return {end[0] - begin[0], end[1] - begin[1], end[2] - begin[2], end[3] - begin[3]};
     }

@@ -73,14 +73,11 @@ public:
         for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
             const Box4 tile_box = grid.box(tile);
             const Result<TileLocation> place = decoder_.container().locate(tile);
-            if (place && place->length == 0) { // all are the same; one texel is kept
-                const Extent4& at = tile_box.begin;
-                const Box4 first{at, {at[0] + 1, at[1] + 1, at[2] + 1, at[3] + 1}};
-                TESSERA_TRY_ASSIGN(const auto texel, decoded(of_empty_tiles, first, options));
-                views_.fill_from_grid(tile_box, *texel, box, out);
-                continue;
-            }
-            TESSERA_TRY_ASSIGN(const auto texels, decoded(tile, tile_box, options));
+            const bool is_empty = place && place->length == 0; // one texel is kept for all
+            TESSERA_TRY_ASSIGN(
+                const auto texels,
+                is_empty ? decoded(of_empty_tiles, Box4::of_texel(tile_box.begin), options)
+                         : decoded(tile, tile_box, options));
             views_.copy_from_grid(tile_box, *texels, box, out, decoder_.desc().texel_bytes());
         }
         return {};

@@ -122,20 +122,16 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
                                to_string(box) + ")");
 }
 
-// Decodes one tile and copies what of it lies in `box`. Aligned views may leave most places of the grid to nothing,
-// so that empty tiles, which take no bytes of a file, would take longer than the texels that are asked for.
+// Decodes one tile and copies what of it lies in `box`. Aligned views may leave most places of the grid to nothing:
+// of empty tiles, which take no bytes of a file, one texel is decoded for all, lest they take longer than what is
+// asked for.
 Status decode_part(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
                    const AlignedViews& views, const Box4& box, std::span<std::byte> out,
                    Integrity integrity, Worker& worker) {
     const Box4 tile_box = container.grid().box(tile);
-    if (views.any() && is_empty(container, tile)) {
-        worker.texels.resize(container.desc().texel_bytes());
-        TESSERA_TRY(
-            worker.decoder.decode({}, tile_shape(Box4::whole({1, 1, 1, 1})), worker.texels));
-        views.fill_from_grid(tile_box, worker.texels, box, out);
-        return {};
-    }
-    TESSERA_TRY(decode_tile(container, fill, tile, tile_box, integrity, worker));
+    const Box4 decoded =
+        views.any() && is_empty(container, tile) ? Box4::of_texel(tile_box.begin) : tile_box;
+    TESSERA_TRY(decode_tile(container, fill, tile, decoded, integrity, worker));
     views.copy_from_grid(tile_box, worker.texels, box, out, container.desc().texel_bytes());
     return {};
 }

@@ -159,9 +159,11 @@ void AlignedViews::copy_from_grid(const Box4& grid_box, std::span<const std::byt
     if (!any()) // whole runs of texels
         return copy_box(intersect(grid_box, texture_box), grid_box, from, texture_box, to,
                         texel_bytes);
+    const bool are_same = from.size() == texel_bytes;
     with_texel_bytes(texel_bytes, [&](auto bytes) {
         for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
-            std::memcpy(to.data() + texture * bytes, from.data() + grid * bytes, bytes);
+            std::memcpy(to.data() + texture * bytes, from.data() + (are_same ? 0 : grid * bytes),
+                        bytes);
         });
     });
 }
@@ -172,15 +174,6 @@ void AlignedViews::copy_to_grid(const Box4& texture_box, std::span<const std::by
     with_texel_bytes(texel_bytes, [&](auto bytes) {
         for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
             std::memcpy(to.data() + grid * bytes, from.data() + texture * bytes, bytes);
-        });
-    });
-}
-
-void AlignedViews::fill_from_grid(const Box4& grid_box, std::span<const std::byte> texel,
-                                  const Box4& texture_box, std::span<std::byte> to) const {
-    with_texel_bytes(texel.size(), [&](auto bytes) {
-        for_each_texel(*this, grid_box, texture_box, [&](std::size_t, std::size_t texture) {
-            std::memcpy(to.data() + texture * bytes, texel.data(), bytes);
         });
     });
 }

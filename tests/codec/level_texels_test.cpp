@@ -16,8 +16,7 @@ using namespace test;
 double mean_of(const MemoryTexture& texture, const LevelEntry& level, const Extent4& at, int c) {
     const TextureDesc& desc = texture.desc();
     double sum = 0, count = 0;
-    Box4 box = covered_by({at, {at[0] + 1, at[1] + 1, at[2] + 1, at[3] + 1}}, level,
-                          LevelEntry{desc.size, 0, 0, 0});
+    Box4 box = covered_by(Box4::of_texel(at), level, LevelEntry{desc.size, 0, 0, 0});
     Bytes texels(desc.box_bytes(box));
     MemoryTexture copy = texture;
     EXPECT_TRUE(copy.read(box, texels).ok());

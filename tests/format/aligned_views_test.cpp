@@ -119,7 +119,8 @@ TEST(AlignedViews, CopiesBothWays) {
                 views.copy_from_grid(in_grid, grid, in_texture, copied, bytes);
                 EXPECT_EQ(copied, to_texture);
                 copied = texture;
-                views.fill_from_grid(in_grid, std::span(grid).first(bytes), in_texture, copied);
+                views.copy_from_grid(in_grid, std::span(grid).first(bytes), in_texture, copied,
+                                     bytes);
                 Bytes same(grid.size()), expected = texture;
                 for (std::size_t i = 0; i < same.size(); ++i)
                     same[i] = grid[i % bytes];
