@@ -34,5 +34,19 @@ TEST(TableFit, FittedTablesBeatOthers) {
     EXPECT_LT(fitted, size_with(random_parameters(random)));
 }
 
+TEST(TableFit, CountsAddUp) {
+    Statistics sum, more;
+    for (std::size_t i = 0; i < parameter_count; ++i) {
+        sum.stops[i] = i;
+        more.stops[i] = 3 * i + 1;
+        more.goes[i] = 5;
+    }
+    sum.add(more);
+    for (std::size_t i = 0; i < parameter_count; ++i) {
+        ASSERT_EQ(sum.stops[i], 4 * i + 1);
+        ASSERT_EQ(sum.goes[i], 5u);
+    }
+}
+
 } // namespace
 } // namespace tessera::test

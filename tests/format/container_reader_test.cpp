@@ -62,6 +62,17 @@ TEST(Container, LongHeadTakesASecondRead) {
     EXPECT_TRUE(std::ranges::equal(reader->codec_parameters(), sample.code));
 }
 
+TEST(Container, HeadsAreHeldUpToABound) {
+    const Bytes file = rich_sample()->write();
+    const auto memory = wrap_memory(file);
+    const auto reader = ContainerReader::open(*memory);
+    ASSERT_TRUE(reader);
+    const std::uint64_t head = reader->header().head_size;
+    EXPECT_TRUE(ContainerReader::open(*memory, {.most_head_bytes = head}));
+    EXPECT_EQ(ContainerReader::open(*memory, {.most_head_bytes = head - 1}).status().code(),
+              ErrorCode::over_budget);
+}
+
 TEST(Container, WhatTheFirstReadBringsIsNotReadAgain) {
     const Sample sample(random_tiles(5, 12));
     const Bytes file = sample.write();
