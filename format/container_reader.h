@@ -158,6 +158,10 @@ public:
     // index record if it is not cached. Errors: as those of locate.
     Result<bool> is_received(std::uint64_t tile) const;
 
+    // Whether the index says that the tile has no bytes, so that all its texels are alike; false where it cannot
+    // be read.
+    bool is_empty(std::uint64_t tile) const;
+
     // Errors of the four below: bad_argument (no such tile), io, invalid_file.
     Result<TileLocation> locate(std::uint64_t tile) const;
     // Reads exactly the tile's bytes; no checksum is checked.

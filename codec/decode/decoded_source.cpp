@@ -72,12 +72,12 @@ public:
         const TileGrid& grid = decoder_.container().grid();
         for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
             const Box4 tile_box = grid.box(tile);
-            const Result<TileLocation> place = decoder_.container().locate(tile);
-            const bool is_empty = place && place->length == 0; // one texel is kept for all
+            // Of empty tiles one texel is kept for all.
             TESSERA_TRY_ASSIGN(
                 const auto texels,
-                is_empty ? decoded(of_empty_tiles, Box4::of_texel(tile_box.begin), options)
-                         : decoded(tile, tile_box, options));
+                decoder_.container().is_empty(tile)
+                    ? decoded(of_empty_tiles, Box4::of_texel(tile_box.begin), options)
+                    : decoded(tile, tile_box, options));
             views_.copy_from_grid(tile_box, *texels, box, out, decoder_.desc().texel_bytes());
         }
         return {};

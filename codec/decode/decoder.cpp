@@ -93,12 +93,6 @@ const TextureDesc& Decoder::desc() const {
 
 namespace {
 
-// Whether the index says so; false where it cannot be read.
-bool is_empty(const ContainerReader& container, std::uint64_t tile) {
-    const Result<TileLocation> place = container.locate(tile);
-    return place && place->length == 0;
-}
-
 Status decode_payload(const ContainerReader& container, std::uint64_t tile, const Box4& box,
                       Integrity integrity, Worker& worker) {
     if (integrity == Integrity::tile) {
@@ -130,7 +124,7 @@ Status decode_part(const ContainerReader& container, CoarseFill& fill, std::uint
                    Integrity integrity, Worker& worker) {
     const Box4 tile_box = container.grid().box(tile);
     const Box4 decoded =
-        views.any() && is_empty(container, tile) ? Box4::of_texel(tile_box.begin) : tile_box;
+        views.any() && container.is_empty(tile) ? Box4::of_texel(tile_box.begin) : tile_box;
     TESSERA_TRY(decode_tile(container, fill, tile, decoded, integrity, worker));
     views.copy_from_grid(tile_box, worker.texels, box, out, container.desc().texel_bytes());
     return {};

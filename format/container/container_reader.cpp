@@ -117,6 +117,11 @@ Result<bool> ContainerReader::is_received(std::uint64_t tile) const {
 Result<TileLocation> ContainerReader::locate(std::uint64_t tile) const {
     return container_->locate(tile);
 }
+
+bool ContainerReader::is_empty(std::uint64_t tile) const {
+    const Result<TileLocation> location = locate(tile);
+    return location && location->length == 0;
+}
 Status ContainerReader::read_tile(std::uint64_t tile, std::vector<std::byte>& out) const {
     return container_->read_tile(tile, out);
 }

@@ -1,8 +1,9 @@
 // A texture as its aligned views lie in the grid of tiles.
 #include "codec/texels/aligned_texels.h"
 #include "tests/support/memory_texture.h"
-#include "tests/support/random.h"
+#include "tests/support/random_box.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 namespace tessera::test {
@@ -45,14 +46,9 @@ TEST(AlignedTexels, AreTheNearestOfTheirViews) {
         const auto texels = texels_in_grid(source, views), mask = mask_of_grid(nullptr, views);
         EXPECT_EQ(texels->desc().size, views.grid_size());
         for (int round = 0; round < 40; ++round) {
-            Box4 box;
-            for (std::size_t a = 0; a < 4; ++a) {
-                const int n = static_cast<int>(views.grid_size()[a]),
-                          first = random.range(0, n - 1);
-                box.begin[a] = static_cast<std::uint32_t>(first);
-                box.end[a] =
-                    static_cast<std::uint32_t>(random.range(first + 1, std::min(n, first + 12)));
-            }
+            Box4 box = random_box(random, views.grid_size());
+            for (std::size_t a = 0; a < 4; ++a)
+                box.end[a] = std::min(box.end[a], box.begin[a] + 12);
             Bytes got(box.texels()), matters(got.size());
             ASSERT_TRUE(texels->read(box, got));
             ASSERT_TRUE(mask->read(box, matters));

@@ -2,6 +2,7 @@
 #include "decoder_glsl/gl_view_renderer.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/texture.h"
+#include "tests/support/rewritten_file.h"
 #include "tests/support/sample_probes.h"
 #include "tests/support/sampled_files.h"
 
@@ -275,38 +276,14 @@ TEST_F(GpuView, UpdatesThatDoNotWaitArriveALittleLater) {
               1.0 / 255);
 }
 
-// A file with tile 1 made of bytes that decode to nothing sound, its checksums right.
-Bytes with_bad_tile(const Bytes& good) {
-    const auto source = wrap_memory(good);
-    const auto decoder = Decoder::open(*source);
-    EXPECT_TRUE(decoder);
-    const ContainerReader& reader = decoder->container();
-    const FileHeader& header = reader.header();
-    ContainerContents contents;
-    contents.desc = header.desc;
-    contents.tile_extent = header.tile_extent;
-    contents.description = header.description;
-    contents.colour = header.colour;
-    contents.background = header.background;
-    contents.codec_parameters = reader.codec_parameters();
-    Random random(5);
-    std::vector<Bytes> tiles(reader.tile_count());
-    for (std::uint64_t i = 0; i < tiles.size(); ++i)
-        EXPECT_TRUE(reader.read_tile(i, tiles[i]));
-    tiles[1] = random.bytes(200);
-    contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
-    Bytes file;
-    VectorSink sink(file);
-    EXPECT_TRUE(write_container(contents, sink));
-    return file;
-}
-
 // Shares of sixteen texels add up to 1 but for their rounding.
 constexpr float most_colour = 1.000001f;
 
 TEST_F(GpuView, DamagedTilesAreCountedAndDrawnAsBackground) {
     const Bytes good = mixed_file(SampleType::unorm8, 3, 50);
-    const Bytes bad = with_bad_tile(good);
+    const Bytes bad = rewritten(good, [](ContainerContents&, std::vector<Bytes>& tiles) {
+        tiles[1] = Random(5).bytes(200); // decodes to nothing sound; its checksums are right
+    });
     const auto source = wrap_memory(bad);
     const auto reader = ContainerReader::open(*source);
     ASSERT_TRUE(reader) << reader.status().message();

@@ -2,8 +2,8 @@
 // asked for.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "format/container/container_writer.h"
 #include "format/texture.h"
+#include "tests/support/rewritten_file.h"
 #include "tests/support/test_folder.h"
 #include "tools/texture_io/raw_io.h"
 
@@ -89,14 +89,9 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     ASSERT_TRUE(coded_file);
     const ContainerReader& from = coded_file->container();
 
-    ContainerContents contents;
-    contents.desc = small;
+    ContainerContents contents = contents_of(from);
     contents.desc.size[axis_u] = (junk + real) * side;
     contents.tile_extent = {side, 64, 32, 8};
-    contents.colour = from.header().colour;
-    contents.background = from.header().background;
-    contents.required_features = from.header().required_features;
-    contents.codec_parameters = from.codec_parameters();
     const std::vector<std::byte> zeros((1u << 18) + (1u << 20));
     std::vector<std::byte> tile_bytes;
     // Tiles 10 to 3309 are junk.
