@@ -23,15 +23,15 @@ std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_
     return ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
 }
 
-// All views of the places that tiles read one after the other: a pread for every place of every tile
-// would take a sixth of the fastest encode. Thread-safe.
+// The views of the places that tiles read one after the other, all of them or, where those are many, whole rows
+// of views: a pread for every place of every tile would take up to a sixth of an encode. Thread-safe.
 class RecentPlaces {
 public:
     RecentPlaces(ByteSource& file, const TextureDesc& desc) : file_(file), desc_(desc) {}
 
     // False where a few texels had better be read alone: places that are asked for now and then.
     Result<bool> read(const Box4& box, std::span<std::byte> out) {
-        const Box4 wanted = all_views(box);
+        const Box4 wanted = views_around(box);
         const auto copy = [&] {
             copy_box(box, kept_, texels_, box, out, desc_.texel_bytes());
             return true;
@@ -44,17 +44,14 @@ public:
         const std::lock_guard lock(mutex_);
         if (kept_ == wanted) // since then
             return copy();
-        asked_ = wanted == latest_ ? asked_ + 1 : 1;
-        latest_ = wanted;
+        const Box4 places = with_all(axis_t, wanted);
+        asked_ = places == latest_ ? asked_ + 1 : 1;
+        latest_ = places;
         if (asked_ < worth_keeping || desc_.box_bytes(wanted) > most_bytes)
             return false;
         kept_ = {};
         texels_.resize(desc_.box_bytes(wanted));
-        const std::size_t run = texels_.size() / wanted.extent()[axis_v];
-        for (std::uint32_t v = wanted.begin[axis_v]; v < wanted.end[axis_v]; ++v)
-            TESSERA_TRY(
-                file_.read(file_offset(desc_, wanted.begin[axis_u], v, 0, 0),
-                           std::span(texels_).subspan((v - wanted.begin[axis_v]) * run, run)));
+        TESSERA_TRY(fill(wanted));
         kept_ = wanted;
         return copy();
     }
@@ -63,12 +60,29 @@ private:
     static constexpr int worth_keeping = 3; // times in a row
     static constexpr std::uint64_t most_bytes = 4u << 20;
 
-    Box4 all_views(Box4 box) const {
-        for (const Axis axis : {axis_s, axis_t}) {
-            box.begin[axis] = 0;
-            box.end[axis] = desc_.size[axis];
-        }
+    Box4 with_all(Axis axis, Box4 box) const {
+        box.begin[axis] = 0;
+        box.end[axis] = desc_.size[axis];
         return box;
+    }
+    Box4 views_around(const Box4& box) const {
+        const Box4 rows = with_all(axis_s, box), all = with_all(axis_t, rows);
+        return desc_.box_bytes(all) <= most_bytes ? all : rows;
+    }
+
+    Status fill(const Box4& wanted) {
+        const bool all = spans(wanted, desc_.size, axis_s, axis_t);
+        const std::uint32_t step = all ? wanted.extent()[axis_u] : 1;
+        const std::uint64_t run = desc_.texel_bytes() * wanted.extent()[axis_s] *
+                                  wanted.extent()[axis_t] * step;
+        std::span<std::byte> to(texels_);
+        for (std::uint32_t v = wanted.begin[axis_v]; v < wanted.end[axis_v]; ++v)
+            for (std::uint32_t u = wanted.begin[axis_u]; u < wanted.end[axis_u]; u += step) {
+                TESSERA_TRY(file_.read(file_offset(desc_, u, v, 0, wanted.begin[axis_t]),
+                                       to.subspan(0, run)));
+                to = to.subspan(run);
+            }
+        return {};
     }
 
     ByteSource& file_;
@@ -76,7 +90,7 @@ private:
     std::shared_mutex mutex_;
     Box4 kept_{}; // of texels_; empty: nothing
     std::vector<std::byte> texels_;
-    Box4 latest_{};
+    Box4 latest_{}; // all views of the places that were asked for
     int asked_ = 0;
 };
 
