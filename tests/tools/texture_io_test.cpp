@@ -1,4 +1,5 @@
 // Textures in files of every kind: what is written is read back, bad files are refused by name.
+#include "format/levels.h"
 #include "format/work.h"
 #include "tests/support/test_folder.h"
 #include "tools/picture/png_file.h"
@@ -153,6 +154,29 @@ TEST_F(ImageIo, ReadsBoxesOfSlabsFromSeveralThreads) {
         EXPECT_TRUE(status.ok()) << status.message();
         std::vector<std::byte> byte(3);
         EXPECT_FALSE(opened->source->read({{0, 0, 0, 0}, {1, 1, 1, 2}}, byte).ok());
+    }
+}
+
+// As the encoder reads: all views of some places, one tile after the other. All views of 20x13 places are kept, of
+// 40x26 rows of views, as those take more than 4 MiB.
+TEST_F(ImageIo, ReadsRawTilesOfTheSamePlacesInTurn) {
+    NoiseTexture texture(make_desc({47, 27, 70, 65}, SampleType::unorm8, 1), 11);
+    ASSERT_TRUE(write(texture, path("x.gray")).ok());
+    const auto opened = open_texture(path("x.gray"), hints_of(texture.desc()));
+    ASSERT_TRUE(opened.ok()) << opened.status().message();
+    for (const Extent4& part : {Extent4{20, 13, 70, 65}, Extent4{40, 26, 70, 65}}) {
+        const TileGrid places(texture.desc().size, part), views({1, 1, 70, 65}, {1, 1, 30, 30});
+        const Status status = parallel_for(places.tiles() * views.tiles(), 4, [&](std::uint64_t i) {
+            Box4 box = places.box(i / views.tiles());
+            const Box4 of_views = views.box(i % views.tiles());
+            for (const Axis axis : {axis_s, axis_t}) {
+                box.begin[axis] = of_views.begin[axis];
+                box.end[axis] = of_views.end[axis];
+            }
+            EXPECT_EQ(read_box(*opened->source, box), read_box(texture, box)) << to_string(box);
+            return Status();
+        });
+        EXPECT_TRUE(status.ok()) << status.message();
     }
 }
 
