@@ -44,6 +44,8 @@ int finest_cells(const BlockShape& tile, int spatial, int angular) {
     return cells;
 }
 
+constexpr int smallest_spatial = 4; // a side is not cut below this
+
 // Whether the deepest angular cut is left out. One that adds few cells, as the fourth of 9x9 views, is
 // not worth its time.
 bool too_many_cells(const BlockShape& tile, int spatial, int angular) {
@@ -53,10 +55,10 @@ bool too_many_cells(const BlockShape& tile, int spatial, int angular) {
            (cells > max_leaves && 2 * cells < 3 * finest_cells(tile, spatial, angular - 1));
 }
 
-// Halvings until both sides are at most `smallest`, or cannot be cut.
+// Halvings until both sides are at most `smallest`, which is 1 or more.
 int depths(int a, int b, int smallest) {
     int depth = 0;
-    for (int side = std::max(a, b); side > smallest && side > 1; side = (side + 1) / 2)
+    for (int side = std::max(a, b); side > smallest; side = (side + 1) / 2)
         ++depth;
     return std::min(depth, max_split_depth);
 }
@@ -102,7 +104,7 @@ float BlockSearch::choose_blocks(TileLevels& out) {
     const auto texels = static_cast<std::size_t>(shape_.texels());
     for (auto& plane : coefficients_)
         plane.resize(texels);
-    spatial_depths_ = depths(shape_.n[0], shape_.n[1], options_.smallest_spatial);
+    spatial_depths_ = depths(shape_.n[0], shape_.n[1], smallest_spatial);
     angular_depths_ = depths(shape_.n[2], shape_.n[3], 1);
     // More cells than a tile may have leaves are looked at: hardly a tile takes so many, and 64x32x5x5
     // without blocks of single views costs 5 % more. One that does is searched again without them.

@@ -24,7 +24,6 @@ namespace tessera {
 // Which block grids are tried: bit s * 8 + a stands for s spatial and a angular halvings.
 struct SearchOptions {
     std::uint64_t grids = ~std::uint64_t{0};
-    int smallest_spatial = 4;     // a side is not cut below this by the search
     float lambda = 0.11f;         // squared steps per bit
     bool skip_hollow = false;     // cells that are half blank are not tried as one block
     bool rotated_colours = false; // costs take rotations of the colour axes into account

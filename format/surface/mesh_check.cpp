@@ -39,7 +39,7 @@ Status check_counts(const SurfaceMesh& mesh, bool with_normals, ErrorCode code) 
     if (mesh.triangles.size() > max_mesh_triangles)
         return {code, "the mesh has " + std::to_string(mesh.triangles.size()) +
                           " triangles, more than 2^24"};
-    if (vertices > 3 * mesh.triangles.size() && vertices > 3 * max_mesh_triangles)
+    if (vertices > 3 * max_mesh_triangles)
         return {code, "the mesh has " + std::to_string(vertices) + " vertices, more than 3 * 2^24"};
     if (mesh.uv.size() != vertices)
         return {code, "the mesh has " + std::to_string(vertices) + " positions and " +
