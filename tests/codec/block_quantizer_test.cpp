@@ -38,8 +38,10 @@ struct BitCounter {
 // One block and one way to quantise it.
 class QuantizerTrial {
 public:
-    QuantizerTrial(const BlockShape& shape, int planes, bool dependent)
-        : coding_(parameters(dependent), SampleType::unorm8, planes), costs_(coding_.tables) {
+    QuantizerTrial(const BlockShape& shape, int planes, bool dependent,
+                   const ReconstructionOffsets& offsets = {})
+        : coding_(parameters(dependent, offsets), SampleType::unorm8, planes),
+          costs_(coding_.tables) {
         block_.shape = shape;
         for (auto& plane : block_.plane)
             plane.resize(static_cast<std::size_t>(shape.texels()));
@@ -81,7 +83,10 @@ public:
                     block_.plane[static_cast<std::size_t>(plane)][static_cast<std::size_t>(
                         ((k[3] * n[2] + k[2]) * n[1] + k[1]) * n[0] + k[0])] /
                     8;
-                const double value = nz.level * (coding_.parameters.dependent ? 0.5 : 1.0);
+                const double offset =
+                    coding_.parameters.offsets[0][std::abs(nz.level) > 1 ? 1 : 0] / 64.0;
+                const double value = std::copysign(std::abs(nz.level) - offset, nz.level) *
+                                     (coding_.parameters.dependent ? 0.5 : 1.0);
                 cost += (x - value) * (x - value) - x * x;
             }
         return cost;
@@ -123,11 +128,12 @@ public:
     }
 
 private:
-    static CodingParameters parameters(bool dependent) {
+    static CodingParameters parameters(bool dependent, const ReconstructionOffsets& offsets) {
         CodingParameters p;
         p.step.fill(StepCode::nearest(8));
         p.rotated_step = p.step[0];
         p.dependent = dependent;
+        p.offsets.fill(offsets);
         return p;
     }
     const TileCoding coding_;
@@ -142,7 +148,9 @@ TEST(BlockQuantizer, ReportsTheCostOfItsLevels) {
         Random random(31);
         double reported = 0, real = 0;
         for (int round = 0; round < 60; ++round) {
-            QuantizerTrial trial(shape_of(8, 6, 4, 3), 1 + round % 4, dependent);
+            const bool moved = round % 2 == 0; // the encoder leaves levels where they are
+            QuantizerTrial trial(shape_of(8, 6, 4, 3), 1 + round % 4, dependent,
+                                 moved ? ReconstructionOffsets{2, 30} : ReconstructionOffsets{});
             trial.fill(random, 4 << (round % 6));
             const double now = trial.run();
             const double cost = trial.cost_of(trial.tile());

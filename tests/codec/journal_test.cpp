@@ -257,17 +257,64 @@ TEST_F(Journals, WhatIsInTheWay) {
     EXPECT_EQ(encode(options_).status().code(), ErrorCode::io);
     EXPECT_EQ(slurp(journal_path(output())), "a file");
     fs::remove(journal_path(output()));
-    // A stranger's file in the folder survives, and so does what a link points to.
+    // A stranger's files in the folder survive, and so does what a link points to.
     fs::create_directory(journal_path(output()));
-    spit(inside("notes.txt"), "mine");
+    const auto strangers = {"notes.txt", "pass-", "pass-1b", "done-1234567890", "head.old"};
+    for (const char* name : strangers)
+        spit(inside(name), "mine");
     spit(folder_ / "precious", "mine");
     fs::create_symlink(folder_ / "precious", inside("pass-1"));
     ASSERT_TRUE(encode(options_));
-    EXPECT_EQ(slurp(inside("notes.txt")), "mine");
+    for (const char* name : strangers)
+        EXPECT_EQ(slurp(inside(name)), "mine") << name;
     EXPECT_EQ(slurp(folder_ / "precious"), "mine");
     fs::create_symlink(folder_ / "precious", inside("lock"));
     EXPECT_EQ(encode(options_).status().code(), ErrorCode::io);
     EXPECT_EQ(slurp(folder_ / "precious"), "mine");
+}
+
+// Encodes come out the same where they do not, later.
+TEST_F(Journals, GiveBackTheTotalsOfFinishedPasses) {
+    const auto journal = Journal::open(output());
+    ASSERT_TRUE(journal && (*journal)->begin({{"a", "b"}}, false));
+    CodingParameters parameters, others;
+    others.dependent = !parameters.dependent;
+    for (const double squared_error : {0.0, 0.25, 1e20}) { // none where nothing is lost
+        PassTotals totals{squared_error, 2, 3, 4, 5, {}};
+        totals.statistics.stops.back() = 6;
+        totals.statistics.goes.front() = 7;
+        ASSERT_TRUE((*journal)->finish(1, parameters, totals));
+        const auto found = (*journal)->finished(1, parameters);
+        ASSERT_TRUE(found) << squared_error;
+        EXPECT_EQ(found->squared_error, squared_error);
+        EXPECT_EQ(found->max_error, 2u);
+        EXPECT_EQ(found->nan_count, 3u);
+        EXPECT_EQ(found->infinity_count, 4u);
+        EXPECT_EQ(found->file_bytes, 5u);
+        EXPECT_EQ(found->statistics.stops, totals.statistics.stops);
+        EXPECT_EQ(found->statistics.goes, totals.statistics.goes);
+        EXPECT_FALSE((*journal)->finished(2, parameters));
+        EXPECT_FALSE((*journal)->finished(1, others));
+    }
+    ASSERT_TRUE((*journal)->finish(1, parameters, {-1.0, 2, 3, 4, 5, {}}));
+    EXPECT_FALSE((*journal)->finished(1, parameters)) << "no sum of squares";
+}
+
+TEST_F(Journals, StayForOneTile) {
+    for (const bool with_tile : {false, true}) {
+        {
+            const auto journal = Journal::open(output());
+            ASSERT_TRUE(journal && (*journal)->begin({{"a", "b"}}, false));
+            std::vector<CodedTile> figures(2);
+            const auto store = (*journal)->pass(1, {}, figures);
+            ASSERT_TRUE(store) << store.status().message();
+            if (with_tile)
+                ASSERT_TRUE((*store)->put(1, {}, make_texels(small, 1)));
+            EXPECT_EQ((*journal)->can_resume(), with_tile);
+        }
+        EXPECT_EQ(fs::exists(journal_path(output())), with_tile);
+        EXPECT_EQ(holds_finished_tiles(output()), with_tile);
+    }
 }
 
 TEST_F(Journals, AreHeldByOneAtATime) {

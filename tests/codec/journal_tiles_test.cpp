@@ -94,6 +94,25 @@ TEST_F(JournalFile, OfAnotherPassIsMadeAnew) {
     EXPECT_EQ(std::filesystem::file_size(path_), 8u + 4 + 21 + 4);
 }
 
+// A record that claims more than 16 MiB is not believed, so none is written.
+TEST_F(JournalFile, TilesHaveALongestLength) {
+    const std::size_t longest = 16u << 20;
+    Payload payload(longest + 1);
+    std::vector<CodedTile> figures(1);
+    {
+        const auto store = JournalTiles::create(path_, 1, pass_);
+        ASSERT_TRUE(store) << store.status().message();
+        EXPECT_EQ((*store)->put(0, {}, payload).code(), ErrorCode::unsupported);
+        EXPECT_FALSE((*store)->has(0));
+        payload.pop_back();
+        EXPECT_TRUE((*store)->put(0, {}, payload));
+    }
+    const auto store = JournalTiles::resume(path_, pass_, figures);
+    ASSERT_TRUE(store) << store.status().message();
+    EXPECT_TRUE((*store)->has(0));
+    EXPECT_EQ(figures[0].payload_bytes, longest);
+}
+
 TEST_F(JournalFile, HoldsAnyOnlyBehindItsHead) {
     EXPECT_FALSE(JournalTiles::holds_any(path_));
     ASSERT_TRUE(JournalTiles::create(path_, 3, pass_));

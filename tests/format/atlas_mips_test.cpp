@@ -123,6 +123,11 @@ TEST(AtlasMips, AreNotMadeOfWhatOnlyClaimsToBeLarge) {
     for (int i = 0; i < 8; ++i)
         mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
     EXPECT_EQ(AtlasMips(mesh, grid).count(), 0u);
+    // Triangles without area are walked along, too.
+    mesh.uv = {{0.5f, 0.0f}, {0.5f, 0.5f}, {0.5f, 1.0f}};
+    mesh.positions.resize(3);
+    mesh.triangles.assign(10000, {0, 1, 2});
+    EXPECT_EQ(AtlasMips(mesh, grid).count(), 0u);
 }
 
 } // namespace

@@ -138,6 +138,23 @@ TEST(Damage, FindingsAreLimited) {
     EXPECT_EQ(findings.back().number, static_cast<int>(ContainerRule::more));
 }
 
+// As many findings as there may be are no reason to stop before the last group.
+TEST(Damage, NothingIsLeftOutUnsaid) {
+    constexpr std::size_t groups = 4, of_each = 250, tiles = 256 * groups + 1;
+    Sample sample(std::vector<Bytes>(tiles, Bytes(1)));
+    sample.contents.page_bytes = 0;
+    Bytes file = sample.write();
+    const auto damage = [&](std::size_t tile) { file[file.size() - tiles + tile] = std::byte{1}; };
+    for (std::size_t group = 0; group < groups; ++group)
+        for (std::size_t i = 0; i < of_each; ++i)
+            damage(256 * group + i);
+    const auto last = [&] { return validate_container(*wrap_memory(file)).back().number; };
+    EXPECT_EQ(validate_container(*wrap_memory(file)).size(), groups * of_each);
+    EXPECT_EQ(last(), static_cast<int>(ContainerRule::page_crc));
+    damage(tiles - 1);
+    EXPECT_EQ(last(), static_cast<int>(ContainerRule::more));
+}
+
 TEST(Damage, MeshesThatAreNoneAreFound) {
     auto sample = rich_sample();
     const Bytes noise = Random(5).bytes(20);

@@ -161,6 +161,32 @@ TEST(ContainerWriter, WriterRefusesWhatAReaderWould) {
     EXPECT_TRUE(refused([](auto& c) { c.metadata[""] = "x"; }));
 }
 
+TEST(ContainerWriter, BoundsOnTilesAndSectionsAreReached) {
+    Sample tiles({Bytes()});
+    const std::size_t longest =
+        (1u << 18) + 16 * tiles.contents.desc.channels * texel_count(tiles.contents.tile_extent);
+    tiles.tiles[0].resize(longest);
+    EXPECT_TRUE(container_bytes(tiles.contents));
+    tiles.tiles[0].resize(longest + 1);
+    EXPECT_EQ(container_bytes(tiles.contents).status().code(), ErrorCode::unsupported);
+
+    constexpr std::size_t most = 64;
+    Sample sections(random_tiles(1, 1));
+    const std::size_t own = [&] {
+        const Bytes file = sections.write();
+        return ContainerReader::open(*wrap_memory(file))->sections().size();
+    }();
+    for (std::size_t i = own; i < most; ++i)
+        sections.contents.extra.push_back(
+            {{'x', static_cast<char>('a' + i / 8), static_cast<char>('a' + i % 8), 'x'}, {}});
+    const Bytes file = sections.write();
+    const auto reader = ContainerReader::open(*wrap_memory(file));
+    ASSERT_TRUE(reader) << reader.status().message();
+    EXPECT_EQ(reader->sections().size(), most);
+    sections.contents.extra.push_back({"more", {}});
+    EXPECT_EQ(container_bytes(sections.contents).status().code(), ErrorCode::bad_argument);
+}
+
 TEST(ContainerWriter, WriterPassesOnSinkErrors) {
     struct FullSink : ByteSink {
         Status append(std::span<const std::byte>) override { return {ErrorCode::io, "full"}; }

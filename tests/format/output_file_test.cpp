@@ -7,7 +7,7 @@
 #include "tests/support/format_bytes.h"
 #include "tests/support/test_folder.h"
 #include <csignal>
-
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -120,6 +120,18 @@ TEST_F(Files, FoldersReplaceFolders) {
     EXPECT_FALSE(std::filesystem::exists(path("views/first")));
 }
 
+// A process without standard input gets its number for the first file that it opens.
+TEST_F(Files, NumberZeroIsADescriptor) {
+    const auto child = [this] {
+        ::close(STDIN_FILENO);
+        Result<OutputFolder> folder = OutputFolder::create(path("views"));
+        const bool good = folder && folder->add("a", bytes_of("a")) && folder->commit() &&
+                          open_file(path("views/a"));
+        std::_Exit(good ? 0 : 1);
+    };
+    EXPECT_EXIT(child(), ::testing::ExitedWithCode(0), "");
+}
+
 TEST_F(Files, FullDisk) {
     // In a child: the limit stands in for a full disk.
     const auto child = [this] {
@@ -163,6 +175,19 @@ TEST_F(Files, Sources) {
     std::filesystem::resize_file(path("a"), 5);
     std::array<std::byte, 4> four;
     expect_io_error((*file)->read(4, four), path("a"), "shorter");
+}
+
+TEST_F(Files, SourcesThatCannotBeReadAnyMore) {
+    std::ofstream(path("a")) << "0123456789";
+    const int descriptor = ::dup(STDERR_FILENO); // the next one to be given away
+    ::close(descriptor);
+    Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
+    ASSERT_TRUE(file) << file.status().message();
+    const int write_only = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    ASSERT_EQ(::dup2(write_only, descriptor), descriptor);
+    ::close(write_only);
+    std::array<std::byte, 4> four;
+    expect_io_error((*file)->read(4, four), path("a"), "cannot read at offset 4");
 }
 
 TEST_F(Files, ReadMany) {

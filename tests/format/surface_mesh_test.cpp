@@ -1,8 +1,10 @@
 // Meshes to bytes and back; bytes that are wrong.
+#include "format/surface/mesh_check.h"
 #include "format/surface_mesh.h"
 #include "tests/support/meshes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -133,6 +135,17 @@ TEST(MeshStream, RefusesToEncodeWhatIsNoMesh) {
     refuses("position bits", {3, 12, 8}, [](SurfaceMesh&) {});
     refuses("uv bits", {12, 25, 8}, [](SurfaceMesh&) {});
     refuses("normal bits", {12, 12, 2}, [](SurfaceMesh&) {});
+}
+
+TEST(MeshStream, TakesNumbersUpToTheirBounds) {
+    SurfaceMesh mesh = six_charts(1, false);
+    mesh.positions[0].x = max_mesh_coordinate;
+    mesh.positions[1].y = -max_mesh_coordinate;
+    mesh.uv[0].x = -uv_tolerance;
+    mesh.uv[1].y = 1 + uv_tolerance;
+    EXPECT_TRUE(check_mesh(mesh, false, ErrorCode::bad_argument));
+    refuses("uv 0", {}, [](SurfaceMesh& m) { m.uv[0].x = std::nextafter(-uv_tolerance, -1.0f); });
+    refuses("uv 1", {}, [](SurfaceMesh& m) { m.uv[1].y = std::nextafter(1 + uv_tolerance, 2.0f); });
 }
 
 TEST(MeshStream, LeavesOutTrianglesWithTwoCornersAtOnePlace) {
