@@ -28,9 +28,8 @@ const std::array<float, magnitude_tokens>& token_bits(const PlaneTask& task, std
         (sees_all ? neighbours : neighbours / 2 * magnitude_crosses))];
 }
 
-float squared_error(const PlaneTask& task, float amplitude, float unit, std::int32_t level) {
-    const float error =
-        amplitude - unit * (static_cast<float>(level) - task.offsets[level > 1 ? 1 : 0]);
+float squared_error(const PlaneTask& task, float amplitude, std::int32_t level) {
+    const float error = amplitude - (static_cast<float>(level) - task.offsets[level > 1 ? 1 : 0]);
     return error * error;
 }
 
@@ -47,18 +46,17 @@ public:
                                             static_cast<int>(length), task_.shape.order.length()))
                                       : task_.amplitude.size();
     }
-    void offer(std::size_t at, std::size_t in_state, float so_far) {
+    void offer(std::size_t at, float so_far) {
         const auto token = static_cast<std::size_t>(length_token(static_cast<int>(at) + 1));
         const float total = so_far + task_.options.lambda * task_.length_costs[token];
         if (total >= cost)
             return;
         cost = total;
         length = at + 1;
-        state = in_state;
     }
 
     float cost = unreachable_cost;
-    std::size_t length = 0, state = 0;
+    std::size_t length = 0;
 
 private:
     const PlaneTask& task_;
@@ -99,7 +97,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
                  l <= nearest && l > 0; ++l) {
                 const float bits =
                     flags[1] + tokens[static_cast<std::size_t>(magnitude_token(l).token)];
-                const float total = cost + squared_error(task, a, 1.0f, l) - a * a + lambda * bits;
+                const float total = cost + squared_error(task, a, l) - a * a + lambda * bits;
                 if (total < best) {
                     best = total;
                     level = l;
@@ -111,7 +109,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
                 cells.mark(context, amplitude_of_level(level, false));
         }
         if (at + 1 == next_end) {
-            end.offer(at, 0, cost);
+            end.offer(at, cost);
             next_end = end.next_from(next_end + 1);
         }
     }
