@@ -54,6 +54,9 @@ TEST_F(JournalFile, GivesBackWhatIsWhole) {
     const auto store = JournalTiles::resume(path_, pass_, figures);
     ASSERT_TRUE(store) << store.status().message();
     EXPECT_TRUE((*store)->has(0) && !(*store)->has(1) && (*store)->has(2));
+    using std::filesystem::perms;
+    EXPECT_EQ(std::filesystem::status(path_).permissions() & perms::owner_all,
+              perms::owner_read | perms::owner_write);
     expect_same(figures[0], small_);
     expect_same(figures[1], {});
     expect_same(figures[2], large_);

@@ -31,6 +31,12 @@ TEST(TilePlanes, TexelsRoundTripExactly) {
                         texels[i] = texels[i + 1] = std::byte{0};
                 TilePlanes planes;
                 planes_from_texels(texels, colour, shape, planes);
+                for (int c = 0; c < channels && transform == ColourTransform::none; ++c) {
+                    const auto i = static_cast<std::size_t>(c);
+                    const std::int32_t code =
+                        code_at(texels, i, type) - sample_code(colour.background[i], type);
+                    EXPECT_EQ(planes.plane[i][0], code * (1 << value_bits(type))) << channels;
+                }
                 Bytes again(texels.size());
                 texels_from_planes(planes, colour, again);
                 EXPECT_EQ(again, texels) << channels;

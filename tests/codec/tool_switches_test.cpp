@@ -86,6 +86,28 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
     }
 }
 
+TEST(Tools, AreSwitchedByWords) {
+    const auto is_on = [](const std::string& words, CodingTool tool, bool of_effort) {
+        const Result<ToolSwitches> switches = parse_tool_switches(words);
+        EXPECT_TRUE(switches) << switches.status().message();
+        return switches && switches->is_on(tool, of_effort);
+    };
+    for (const CodingToolInfo& info : coding_tools)
+        for (const bool of_effort : {false, true}) {
+            const std::string name = info.name;
+            EXPECT_EQ(is_on("", info.tool, of_effort), of_effort) << name;
+            EXPECT_TRUE(is_on("all", info.tool, of_effort)) << name;
+            EXPECT_FALSE(is_on("none", info.tool, of_effort)) << name;
+            EXPECT_TRUE(is_on("none,+" + name, info.tool, of_effort)) << "the last word counts";
+            EXPECT_FALSE(is_on("+" + name + ",-" + name, info.tool, of_effort)) << name;
+        }
+    EXPECT_FALSE(is_on("none,+copies", CodingTool::half, true));
+    EXPECT_EQ(parse_tool_switches("copies").status().code(), ErrorCode::bad_argument) << "no sign";
+    const Status misspelt = parse_tool_switches("+copie").status();
+    EXPECT_NE(misspelt.message().find("did you mean 'copies'"), std::string::npos)
+        << misspelt.message();
+}
+
 TEST(Tools, OnTopOfAnyEffort) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
     const auto without = [&](int effort) {
