@@ -231,6 +231,9 @@ TEST(Hostile, SectionTable) {
             expect_refused(patched(entry_at(section) + 8, wrong), section_table, "section");
         for (const u64 wrong : {length + 1, length - 1, ~u64{0}, ~u64{0} - offset, u64{1} << 63})
             expect_refused(patched(entry_at(section) + 16, wrong), section_table, "section");
+        const u64 file_bytes = patched(0, u8{0x89}).size();
+        expect_refused(patched(entry_at(section) + 16, file_bytes - offset + 1), section_table,
+                       "past the end");
         const u32 crc = load_le<u32>(patched(0, u8{0x89}).data() + entry_at(section) + 4);
         expect_refused(patched(entry_at(section) + 4, crc + 1),
                        section < 6 ? section_crc : section_table, "checksum");

@@ -57,6 +57,22 @@ TEST(Damage, PageFindingNamesTheTiles) {
         EXPECT_NE(findings[1].text.find(words), std::string::npos) << findings[1].text;
 }
 
+TEST(Damage, WhatIsNotReceivedIsCounted) {
+    constexpr std::size_t tiles = 300, received = 280; // of two groups
+    Sample sample(std::vector<Bytes>(tiles, Bytes(1)));
+    sample.contents.page_bytes = 0;
+    Bytes file = sample.write();
+    file.resize(file.size() - tiles + received);
+    const auto source = wrap_memory(file);
+    const auto reader = ContainerReader::open(*source, {.allow_partial = true});
+    ASSERT_TRUE(reader) << reader.status().message();
+    const std::vector<Finding> findings = reader->validate();
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].number, static_cast<int>(ContainerRule::not_received));
+    EXPECT_FALSE(findings[0].fatal);
+    EXPECT_NE(findings[0].text.find("20 of 300 tiles"), std::string::npos) << findings[0].text;
+}
+
 TEST(Damage, ProgressGoesFromGroupToGroup) {
     const Bytes file = rich_sample()->write();
     double last = 0, all = 0;

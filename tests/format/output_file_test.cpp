@@ -120,6 +120,21 @@ TEST_F(Files, FoldersReplaceFolders) {
     EXPECT_FALSE(std::filesystem::exists(path("views/first")));
 }
 
+TEST_F(Files, FoldersMoveToOthers) {
+    {
+        Result<OutputFolder> first = OutputFolder::create(path("first"));
+        Result<OutputFolder> second = OutputFolder::create(path("second"));
+        ASSERT_TRUE(first && first->add("a", bytes_of("a")));
+        OutputFolder* const same = &*first;
+        *first = std::move(*same);
+        OutputFolder kept;
+        kept = std::move(*first);
+        EXPECT_TRUE(kept.commit()) << "of a folder that was moved, first to itself";
+    }
+    EXPECT_EQ(slurp(path("first/a")), "a");
+    EXPECT_EQ(files(), 1) << "the other one is discarded";
+}
+
 // A process without standard input gets its number for the first file that it opens.
 TEST_F(Files, NumberZeroIsADescriptor) {
     const auto child = [this] {

@@ -73,8 +73,8 @@ private:
     Status fill(const Box4& wanted) {
         const bool all = spans(wanted, desc_.size, axis_s, axis_t);
         const std::uint32_t step = all ? wanted.extent()[axis_u] : 1;
-        const std::uint64_t run = desc_.texel_bytes() * wanted.extent()[axis_s] *
-                                  wanted.extent()[axis_t] * step;
+        const std::uint64_t run =
+            desc_.texel_bytes() * wanted.extent()[axis_s] * wanted.extent()[axis_t] * step;
         std::span<std::byte> to(texels_);
         for (std::uint32_t v = wanted.begin[axis_v]; v < wanted.end[axis_v]; ++v)
             for (std::uint32_t u = wanted.begin[axis_u]; u < wanted.end[axis_u]; u += step) {
