@@ -43,7 +43,8 @@ if [ -n "$kind" ]; then
     build "$folder" -- -DTESSERA_TESTS=ON -DTESSERA_SANITIZE="$kind" -DCMAKE_CXX_FLAGS_RELEASE="-O1"
     export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1}
     export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
-    export TSAN_OPTIONS=${TSAN_OPTIONS:-suppressions=$ROOT/tests/tsan.supp}
+    # It waits a second at each exit, when a command that was interrupted must be gone after 0.7.
+    export TSAN_OPTIONS=${TSAN_OPTIONS:-suppressions=$ROOT/tests/tsan.supp:atexit_sleep_ms=0}
     # The driver's own threads are not compiled for it, and so every use of them looks like a race.
     [ "$kind" != thread ] || export TESSERA_NO_GPU=1
     say "Testing under -fsanitize=$kind"

@@ -222,7 +222,6 @@ public:
             return;
         server_.stop();
         thread_.join();
-        server_.break_off();
     }
 
     Status listen(const FileServerOptions& options) {

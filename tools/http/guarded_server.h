@@ -10,7 +10,8 @@
 namespace tessera {
 
 // Set handlers, bind, then call guard(), then listen_after_bind(). Bodies of requests are not read; the
-// connection ends behind the answer to a request that has one.
+// connection ends behind the answer to a request that has one. The destructor, after stop(), breaks off what
+// is being answered.
 class GuardedServer : public httplib::Server {
 public:
     GuardedServer();
@@ -19,14 +20,12 @@ public:
     // Allows as many connections as the limits and the system's open files do. Errors: `io`, where threads
     // cannot start.
     Status guard(LobbyLimits limits = {});
-    // After stop(), or what is being answered will be waited for.
-    void break_off() { lobby_.reset(); }
 
 private:
     bool process_and_close_socket(socket_t socket) override;
     bool answer(int socket, const std::string& head);
 
-    std::unique_ptr<ConnectionLobby> lobby_;
+    std::unique_ptr<ConnectionLobby> lobby_; // which its own workers read: never reset
 };
 
 } // namespace tessera
