@@ -13,7 +13,7 @@ namespace tessera {
 namespace {
 
 // With dependent quantisation, a coefficient below this is not worth a longer coded length.
-constexpr float smallest_last = 0.5f;
+constexpr float smallest_last = 0.66f;
 
 } // namespace
 

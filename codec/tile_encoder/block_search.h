@@ -62,6 +62,8 @@ public:
     // `reconstructed`, if it does.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out);
+    // Roughly what these would cost, in squared steps, without a symbol for their colour.
+    float estimate(const BlockCoefficients& block);
 
 private:
     static constexpr float block_overhead_bits = 3.0f;
@@ -170,6 +172,7 @@ private:
     float cell_cost(const Grid& grid, const std::array<int, 4>& cell);
     float plane_cost(const BlockShape& shape, std::size_t plane);
     float coefficients_cost(const BlockShape& shape, float energy);
+    const std::vector<float>& dense_costs(const BlockShape& shape);
     const std::vector<float>& base_costs(const BlockShape& shape);
 
     const TileCoding& coding_;
@@ -195,11 +198,13 @@ private:
     DisplacementSearch displacements_;
     // [angular depth][direction][spatial depth][cell]
     std::vector<std::array<std::vector<std::vector<Match>>, copy_directions>> matches_;
-    bool has_matches_ = false; // of the tile in hand, from a round of choose_copies before
+    DisplacementSearch::Wanted wanted_; // cells of one angular depth that may copy
+    bool has_matches_ = false;          // of the tile in hand, from a round of choose_copies before
     BaseMatches base_matches_;
     std::vector<std::int32_t> predicted_;
     std::vector<float> residual_;
-    std::map<BlockShape, std::vector<float>> base_; // costs in the order of forward_image
+    // What positions cost: in block order, and in that of forward_image.
+    std::map<BlockShape, std::vector<float>> dense_, base_;
 };
 
 } // namespace tessera

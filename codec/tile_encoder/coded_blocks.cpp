@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <string_view>
 
 namespace tessera {
 namespace {
@@ -11,6 +13,10 @@ constexpr std::size_t most_kept_levels = std::size_t{1} << 19;
 constexpr std::size_t most_kept_coefficients = std::size_t{1} << 20;
 
 } // namespace
+
+std::size_t CodedBlocks::Hash::operator()(const Key& key) const {
+    return std::hash<std::string_view>{}({reinterpret_cast<const char*>(key.data()), key.size()});
+}
 
 void CodedBlocks::begin(bool keep) {
     keep_ = keep;

@@ -8,8 +8,8 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 namespace tessera {
@@ -17,9 +17,11 @@ namespace tessera {
 // One block that copies one thing.
 struct CodedBlock {
     struct Way {
-        int colour = 0;         // as TileLevels has it
-        float cost = 0;         // squared steps, without the bits of its colour
-        std::size_t planes = 0; // the first one's place in CodedBlocks::levels()
+        int colour = 0;                // as TileLevels has it
+        std::optional<float> estimate; // of the cost
+        bool is_coded = false;         // what follows is known
+        float cost = 0;                // squared steps, without the bits of its colour
+        std::size_t planes = 0;        // the first one's place in CodedBlocks::levels()
     };
     std::vector<Way> ways;
     std::optional<ColourMoments> moments;
@@ -48,10 +50,13 @@ public:
 
 private:
     using Key = std::array<std::uint8_t, 11>;
+    struct Hash {
+        std::size_t operator()(const Key& key) const;
+    };
 
     bool keep_ = false;
     CodedBlock last_; // where none are kept
-    std::map<Key, CodedBlock> known_;
+    std::unordered_map<Key, CodedBlock, Hash> known_;
     std::size_t coefficients_ = 0; // of all that are known
     TileLevels levels_;
 };

@@ -118,15 +118,27 @@ void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
         const Grid& grid = grids_[grid_index(s, angular)];
         spatial.push_back({grid.segments[0], grid.segments[1]});
     }
+    // Flat cells cost what their means do, whatever they copy.
+    wanted_.resize(spatial.size());
+    for (int s = 0; s <= spatial_depths_; ++s) {
+        const Grid& grid = grids_[grid_index(s, angular)];
+        auto& wanted = wanted_[static_cast<std::size_t>(s)];
+        wanted.assign(grid.activity.size(), 0);
+        if (is_tried(s, angular))
+            grid.for_each_cell([&](const std::array<int, 4>&, std::size_t i) {
+                wanted[i] = is_flat(grid, i) ? 0 : 1;
+            });
+    }
     const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
     const DisplacementSearch::Axes views{finest.segments[2], finest.segments[3]};
     auto& matches = matches_[static_cast<std::size_t>(angular)];
     for (int direction = 0; direction < copy_directions; ++direction) {
         auto& own = matches[static_cast<std::size_t>(direction)];
         if (has_matches_)
-            displacements_.match_again(direction, views, spatial, costs_, bit_cost, own);
+            displacements_.match_again(direction, views, spatial, wanted_, costs_, bit_cost, own);
         else
-            displacements_.match(direction, views, spatial, options_.copies, costs_, bit_cost, own);
+            displacements_.match(direction, views, spatial, wanted_, options_.copies, costs_,
+                                 bit_cost, own);
     }
     for (int s = 0; s <= spatial_depths_; ++s) {
         Grid& grid = grids_[grid_index(s, angular)];

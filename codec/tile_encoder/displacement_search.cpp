@@ -45,10 +45,11 @@ std::size_t place_of_least(const std::vector<float>& values) {
                                     values.begin());
 }
 
-// Calls visit(u, v, cell, known) for the cells in the order of the split tree, which returns the displacement
-// that the cell takes; known: the last two that differ.
+// Calls visit(u, v, cell, known) for the wanted cells in the order of the split tree, which returns the
+// displacement that the cell takes; known: the last two that differ.
 template <class Visit>
-void visit_in_tree_order(const DisplacementSearch::Axes& cells, const Visit& visit) {
+void visit_in_tree_order(const DisplacementSearch::Axes& cells, const std::uint8_t* wanted,
+                         const Visit& visit) {
     const auto width = cells[0].size(), height = cells[1].size();
     std::array<Displacement, 2> known{};
     for (std::size_t place = 0; place < std::max(width, height) * std::max(width, height);
@@ -58,12 +59,25 @@ void visit_in_tree_order(const DisplacementSearch::Axes& cells, const Visit& vis
             cu |= (place >> (2 * bit) & 1) << bit;
             cv |= (place >> (2 * bit + 1) & 1) << bit;
         }
-        if (cu >= width || cv >= height || cells[0][cu].size == 0 || cells[1][cv].size == 0)
+        if (cu >= width || cv >= height || wanted[cv * width + cu] == 0)
             continue;
         const Displacement taken = visit(cells[0][cu], cells[1][cv], cv * width + cu, known);
         if (taken != known[0])
             known = {taken, known[0]};
     }
+}
+
+// Of the cells at one angle.
+bool wants_any(const std::vector<DisplacementSearch::Axes>& spatial,
+               const DisplacementSearch::Wanted& wanted, std::size_t angle) {
+    for (std::size_t depth = 0; depth < spatial.size(); ++depth) {
+        const auto cells =
+            static_cast<std::ptrdiff_t>(spatial[depth][0].size() * spatial[depth][1].size());
+        const auto first = wanted[depth].begin() + static_cast<std::ptrdiff_t>(angle) * cells;
+        if (std::any_of(first, first + cells, [](std::uint8_t one) { return one != 0; }))
+            return true;
+    }
+    return false;
 }
 
 } // namespace
@@ -296,60 +310,68 @@ void DisplacementSearch::attempt(const Displacement& d, Best& best) const {
 }
 
 // Each cell may repeat the displacement of one of the two before.
-void DisplacementSearch::choose(const Axes& cells, const float* errors, bool half, float bit_cost,
-                                Match* matches) {
+void DisplacementSearch::choose(const Axes& cells, const std::uint8_t* wanted, const float* errors,
+                                bool half, float bit_cost, Match* matches) {
     const std::size_t count = candidates_.size();
-    visit_in_tree_order(cells, [&](const Segment& u, const Segment& v, std::size_t cell,
-                                   const std::array<Displacement, 2>& known) {
-        const float* own = errors + cell * count;
-        if (candidates_u_ != 0)
-            total_candidates(own, known, bit_cost);
-        else
-            total_likely(own, known, bit_cost);
-        const std::size_t place = place_of_least(totals_);
-        const Displacement whole = candidates_[place];
-        vote(whole, u.size * v.size);
-        Best best{
-            u, v, known, bit_cost, {whole, own[place], bits_of(whole, known)}, totals_[place]};
-        // Those first that cost no bits: where they fit, the others are not measured to their ends.
-        for (const Displacement& d : known)
-            if (d != whole)
-                attempt(d, best);
-        for (int dv = -1; half && dv <= 1; ++dv)
-            for (int du = -1; du <= 1; ++du) {
-                const Displacement d{static_cast<std::int8_t>(whole.u + du),
-                                     static_cast<std::int8_t>(whole.v + dv)};
-                if (d != whole && d != known[0] && d != known[1])
+    visit_in_tree_order(
+        cells, wanted,
+        [&](const Segment& u, const Segment& v, std::size_t cell,
+            const std::array<Displacement, 2>& known) {
+            const float* own = errors + cell * count;
+            if (candidates_u_ != 0)
+                total_candidates(own, known, bit_cost);
+            else
+                total_likely(own, known, bit_cost);
+            const std::size_t place = place_of_least(totals_);
+            const Displacement whole = candidates_[place];
+            vote(whole, u.size * v.size);
+            Best best{
+                u, v, known, bit_cost, {whole, own[place], bits_of(whole, known)}, totals_[place]};
+            // Those first that cost no bits: where they fit, the others are not measured to their ends.
+            for (const Displacement& d : known)
+                if (d != whole)
                     attempt(d, best);
-            }
-        matches[cell] = best.match;
-        return best.match.displacement;
-    });
+            for (int dv = -1; half && dv <= 1; ++dv)
+                for (int du = -1; du <= 1; ++du) {
+                    const Displacement d{static_cast<std::int8_t>(whole.u + du),
+                                         static_cast<std::int8_t>(whole.v + dv)};
+                    if (d != whole && d != known[0] && d != known[1])
+                        attempt(d, best);
+                }
+            matches[cell] = best.match;
+            return best.match.displacement;
+        });
 }
 
-void DisplacementSearch::choose_again(const Axes& cells, float bit_cost, Match* matches) const {
-    visit_in_tree_order(cells, [&](const Segment& u, const Segment& v, std::size_t cell,
-                                   const std::array<Displacement, 2>& known) {
-        const Displacement before = matches[cell].displacement;
-        Best best{u, v, known, bit_cost, {}, std::numeric_limits<float>::infinity()};
-        attempt(before, best);
-        for (const Displacement& d : known)
-            if (d != before)
-                attempt(d, best);
-        matches[cell] = best.match;
-        return best.match.displacement;
-    });
+void DisplacementSearch::choose_again(const Axes& cells, const std::uint8_t* wanted, float bit_cost,
+                                      Match* matches) const {
+    visit_in_tree_order(cells, wanted,
+                        [&](const Segment& u, const Segment& v, std::size_t cell,
+                            const std::array<Displacement, 2>& known) {
+                            const Displacement before = matches[cell].displacement;
+                            Best best{u,        v,  known,
+                                      bit_cost, {}, std::numeric_limits<float>::infinity()};
+                            attempt(before, best);
+                            for (const Displacement& d : known)
+                                if (d != before)
+                                    attempt(d, best);
+                            matches[cell] = best.match;
+                            return best.match.displacement;
+                        });
 }
 
-void DisplacementSearch::match_angular_cell(const std::vector<Axes>& spatial,
+void DisplacementSearch::match_angular_cell(const std::vector<Axes>& spatial, const Wanted& wanted,
                                             const DisplacementRange& range, float bit_cost,
                                             std::size_t angle,
                                             std::vector<std::vector<Match>>& matches) {
+    if (!wants_any(spatial, wanted, angle))
+        return;
     measure_all(spatial);
     const float* errors = errors_.data();
     for (std::size_t depth = spatial.size(); depth-- > 0;) {
         const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
-        choose(spatial[depth], errors, range.half, bit_cost, matches[depth].data() + angle * cells);
+        choose(spatial[depth], wanted[depth].data() + angle * cells, errors, range.half, bit_cost,
+               matches[depth].data() + angle * cells);
         errors += cells * candidates_.size();
     }
 }
@@ -366,8 +388,9 @@ void DisplacementSearch::for_each_angle(const Axes& angular, const Visit& visit)
 }
 
 void DisplacementSearch::match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
-                               const DisplacementRange& range, const BitCosts& costs,
-                               float bit_cost, std::vector<std::vector<Match>>& matches) {
+                               const Wanted& wanted, const DisplacementRange& range,
+                               const BitCosts& costs, float bit_cost,
+                               std::vector<std::vector<Match>>& matches) {
     direction_ = direction;
     const bool knows_likely = !votes_[static_cast<std::size_t>(direction)].empty();
     set_candidates(range);
@@ -387,7 +410,7 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
         std::size_t number = 0;
         for_each_angle(angular, [&](std::size_t angle) {
             if ((number++ % step == 0) == multiples)
-                match_angular_cell(spatial, range, bit_cost, angle, matches);
+                match_angular_cell(spatial, wanted, range, bit_cost, angle, matches);
         });
     };
     if (range.likely == 0)
@@ -400,14 +423,16 @@ void DisplacementSearch::match(int direction, const Axes& angular, const std::ve
 }
 
 void DisplacementSearch::match_again(int direction, const Axes& angular,
-                                     const std::vector<Axes>& spatial, const BitCosts& costs,
-                                     float bit_cost, std::vector<std::vector<Match>>& matches) {
+                                     const std::vector<Axes>& spatial, const Wanted& wanted,
+                                     const BitCosts& costs, float bit_cost,
+                                     std::vector<std::vector<Match>>& matches) {
     direction_ = direction;
     set_bits(direction, costs);
     for_each_angle(angular, [&](std::size_t angle) {
         for (std::size_t depth = 0; depth < spatial.size(); ++depth) {
             const std::size_t cells = spatial[depth][0].size() * spatial[depth][1].size();
-            choose_again(spatial[depth], bit_cost, matches[depth].data() + angle * cells);
+            choose_again(spatial[depth], wanted[depth].data() + angle * cells, bit_cost,
+                         matches[depth].data() + angle * cells);
         }
     });
 }

@@ -39,17 +39,19 @@ public:
     // Another tile: what was likely in the one before is not any more.
     void forget_likely() { votes_ = {}; }
 
-    // Matches every cell of the grids that halve (s, t) into `angular` and (u, v) into spatial[0],
-    // spatial[1], ..., coarse to fine. matches[depth] is in the order of the grids' cells; cells with
-    // nothing before them keep an infinite error. A bit costs `bit_cost`, in squared error.
+    // Matches the wanted cells of the grids that halve (s, t) into `angular` and (u, v) into spatial[0],
+    // spatial[1], ..., coarse to fine. wanted[depth] and matches[depth] are in the order of the grids'
+    // cells; others, and cells with nothing before them, keep an infinite error. A bit costs `bit_cost`,
+    // in squared error.
     using Axes = std::array<std::vector<Segment>, 2>;
+    using Wanted = std::vector<std::vector<std::uint8_t>>; // 0: not
     void match(int direction, const Axes& angular, const std::vector<Axes>& spatial,
-               const DisplacementRange& range, const BitCosts& costs, float bit_cost,
-               std::vector<std::vector<Match>>& matches);
+               const Wanted& wanted, const DisplacementRange& range, const BitCosts& costs,
+               float bit_cost, std::vector<std::vector<Match>>& matches);
     // The same of cells that were matched before, when the views looked nearly alike: each has
     // what it had or what one of the two cells before it has.
     void match_again(int direction, const Axes& angular, const std::vector<Axes>& spatial,
-                     const BitCosts& costs, float bit_cost,
+                     const Wanted& wanted, const BitCosts& costs, float bit_cost,
                      std::vector<std::vector<Match>>& matches);
 
 private:
@@ -67,11 +69,13 @@ private:
     void set_likely_candidates(const DisplacementRange& range);
     void set_bits(int direction, const BitCosts& costs);
     void measure_all(const std::vector<Axes>& spatial);
-    void match_angular_cell(const std::vector<Axes>& spatial, const DisplacementRange& range,
-                            float bit_cost, std::size_t angle,
+    void match_angular_cell(const std::vector<Axes>& spatial, const Wanted& wanted,
+                            const DisplacementRange& range, float bit_cost, std::size_t angle,
                             std::vector<std::vector<Match>>& matches);
-    void choose(const Axes& cells, const float* errors, bool half, float bit_cost, Match* matches);
-    void choose_again(const Axes& cells, float bit_cost, Match* matches) const;
+    void choose(const Axes& cells, const std::uint8_t* wanted, const float* errors, bool half,
+                float bit_cost, Match* matches);
+    void choose_again(const Axes& cells, const std::uint8_t* wanted, float bit_cost,
+                      Match* matches) const;
     // Calls visit(angle) for every angular cell that has views before it, in hand then.
     template <class Visit> void for_each_angle(const Axes& angular, const Visit& visit);
     void vote(const Displacement& whole, int texels);

@@ -2,7 +2,6 @@
 
 #include "codec/entropy/tile_entropy.h"
 #include "codec/tile_encoder/base_picture.h"
-#include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
 #include <array>
@@ -368,7 +367,7 @@ float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
     const int rotation_after = last_rotation_;
     last_rotation_ = rotation_before;
     other_trial_.clear();
-    const float own = encode_block(search_, coded_, block, {}, other_trial_);
+    const float own = encode_block(search_, coded_, block, {}, other_trial_, copied);
     if (own < copied) {
         std::swap(trial_, other_trial_);
         prediction = {};
@@ -376,65 +375,6 @@ float TileEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
     }
     last_rotation_ = rotation_after;
     return copied;
-}
-
-// Plain colour first, then the rotation that gathers most energy; the cheaper one stays.
-float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
-                                const BlockPrediction& prediction, TileLevels& out) {
-    CodedBlock& own = coded.at(block, prediction);
-    bool transformed = false;
-    const auto transform = [&] {
-        if (!transformed)
-            search.transform_block(block, prediction, decoded_, coefficients_);
-        transformed = true;
-    };
-    if (prediction.copies()) {
-        transform();
-        coded.check(own, coefficients_, coding_->planes);
-    }
-    const bool rotates = coding_->rotates && settings_->rotate_colours;
-    // A block of zeros is not the same loss on rotated axes as on Y, Co and Cg, which are not
-    // orthogonal: costs relative to it would not compare.
-    const bool needs_energy = compares_ || rotates;
-    const auto way = [&](int colour) {
-        for (const CodedBlock::Way& known : own.ways)
-            if (known.colour == colour)
-                return known;
-        transform();
-        if (colour != 0)
-            rotate_colours(coefficients_, colour - 1, rotated_);
-        const BlockCoefficients& block_coefficients = colour != 0 ? rotated_ : coefficients_;
-        const std::size_t planes = coded.levels().planes.size();
-        const float energy = needs_energy ? quantizer_.energy(block_coefficients) : 0.0f;
-        const float cost = quantizer_.quantize(block_coefficients, coded.levels()) + energy;
-        return own.ways.emplace_back(CodedBlock::Way{colour, cost, planes});
-    };
-    const CodedBlock::Way plain = way(0);
-    const auto take = [&](const CodedBlock::Way& chosen, float cost) {
-        coded.append(chosen, coding_->planes, out);
-        return cost;
-    };
-    if (!rotates || coded.is_zero(plain, coding_->planes))
-        return take(plain, plain.cost);
-    if (!own.moments) {
-        transform();
-        own.moments = kept_moments({{coefficients_.plane[0].data(), coefficients_.plane[1].data(),
-                                     coefficients_.plane[2].data()},
-                                    static_cast<std::size_t>(block.shape.texels())},
-                                   coding_->parameters);
-    }
-    const int rotation = choose_rotation(*own.moments, last_rotation_ - 1);
-    if (rotation < 0)
-        return take(plain, plain.cost);
-    const CodedBlock::Way rotated = way(rotation + 1);
-    const auto& bits = costs_->colour[1];
-    const float cost = rotated.cost + settings_->quantizer.lambda *
-                                          (bits[rotation + 1 == last_rotation_ ? 1 : 2] - bits[0]);
-    // A block whose first plane is empty has no colour symbol.
-    if (cost >= plain.cost || coded.first_plane(rotated).coded_length == 0)
-        return take(plain, plain.cost);
-    last_rotation_ = rotation + 1;
-    return take(rotated, cost);
 }
 
 void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {

@@ -73,9 +73,12 @@ private:
     float split_cost(const Block& block, const BlockPrediction& prediction, float enough);
     void consider_merge(const TileLevels& tile, const Siblings& siblings, Refinement& out);
     float encode_best(const Block& block, BlockPrediction& prediction);
-    // Returns the block's cost: squared steps, a bit being worth lambda of them.
+    // Returns the block's cost: squared steps, a bit being worth lambda of them. One that looks clearly
+    // dearer than `limit` is not coded: unreachable_cost, and `out` as it was.
     float encode_block(BlockSearch& search, CodedBlocks& coded, const Block& block,
-                       const BlockPrediction& prediction, TileLevels& out);
+                       const BlockPrediction& prediction, TileLevels& out,
+                       float limit = unreachable_cost);
+    class BlockInHand;
     // Brings the tile's mean nearer to that of its texels: by first levels, or coded again.
     void balance(const TileTexels& tile, TileLevels& out);
     void encode_again(const TileLevels& tile, MeanDebt* debt, TileLevels& out);

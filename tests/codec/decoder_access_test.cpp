@@ -211,7 +211,8 @@ TEST(Damage, EveryFlippedBitIsRefused) {
         if (bit % 3 == 0)
             unnoticed += reads(flipped, Integrity::tile); // allowed, and must not crash
     }
-    EXPECT_LT(unnoticed, static_cast<int>(file.size() * 8 / 3 / 50));
+    // Tiles' own bytes are a tenth of this file; of flips there, up to a third leave a stream that ends well.
+    EXPECT_LT(unnoticed, static_cast<int>(file.size() * 8 / 3 / 30));
 }
 
 TEST(Damage, RandomBytesInPlaceOfAFileAreRefused) {
