@@ -159,7 +159,7 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options);
 // `description` and `mesh` only.
 // Errors: bad_argument (options out of range, a mask or a file to reuse that does not fit, a resume under other facts), io,
 // runtime (verification failed), invalid_file (strict and a non-finite sample), and whatever `source` and `mask` report; over_budget where the smallest slab is above
-// slab_bytes.
+// slab_bytes, or all of the pictures beside a file to reuse whose views are aligned.
 Result<EncodeReport> encode_file(TexelSource& source, const std::string& path,
                                  const EncodeOptions& options);
 

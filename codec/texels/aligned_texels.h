@@ -10,7 +10,7 @@
 namespace tessera {
 
 // All of `source`, held, where it is walked in slabs, which are no slabs of the grid; nullptr where its boxes can be
-// read in any order. Errors: those of `source`; over_budget (a slab of it is above slab_bytes).
+// read in any order. Errors: those of `source`; over_budget (all of it is above slab_bytes).
 Result<std::unique_ptr<TexelSource>> hold_slabs(TexelSource& source, unsigned threads,
                                                 std::uint64_t slab_bytes);
 

@@ -110,8 +110,8 @@ float TileEncoder::encode_block(BlockSearch& search, CodedBlocks& coded, const B
     const bool needs_energy = compares_ || rotates;
     bool tries_plain = true, tries_rotated = rotates;
     std::optional<int> rotation;
-    if (coding_->parameters.dependent &&
-        needs_energy) { // else coding takes little more than estimates
+    // Without a trellis coding takes little more than estimates do.
+    if (coding_->parameters.dependent && needs_energy) {
         rotation = rotates ? hand.rotation() : -1;
         const float plain = hand.estimate(0);
         const float rotated = *rotation < 0 ? unreachable_cost : hand.estimate(*rotation + 1);

@@ -317,6 +317,16 @@ TEST(Alignment, PicturesAreHeld) {
     --options.slab_bytes;
     EXPECT_EQ(alignment_of(pictures, options), ViewAlignment{});
     EXPECT_TRUE(alignment_of(texture, options).any());
+
+    // A file to reuse says that they have to be.
+    options.slab_bytes = texture.texels.size();
+    const OpenViews open(encode_file_of(texture, options).file);
+    options.tile_extent = tile_by_trial;
+    options.reuse = &open.decoder;
+    EXPECT_TRUE(encode_memory(pictures, pictures.texels, options).ok());
+    --options.slab_bytes;
+    EXPECT_EQ(encode_memory(pictures, pictures.texels, options).status().code(),
+              ErrorCode::over_budget);
 }
 
 TEST(Alignment, SizeTargetsCountTheTexturesTexels) {
