@@ -22,8 +22,9 @@ struct Style {
 // One colour per family: what follows the colon in an id changes the dashes only.
 Style style_of(const std::string& id, std::size_t variant) {
     static const std::map<std::string, std::string> colours = {
-        {"tessera", "#c8102e"}, {"x265", "#1f5fa8"},   {"aom", "#7b4bb0"},  {"avif", "#d96c00"},
-        {"jxl", "#00838f"},     {"zfp", "#5f6b73"},    {"exr", "#b03a92"},  {"astc", "#4b6b00"},
+        {"tessera", "#c8102e"}, {"x265", "#1f5fa8"},   {"aom", "#7b4bb0"},
+        {"avif", "#d96c00"},    {"jxl", "#00838f"},    {"zfp", "#5f6b73"},
+        {"exr", "#b03a92"},     {"astc", "#4b6b00"},   {"svtav1", "#2a8a3e"},
         {"surface", "#c8102e"}, {"sphere", "#1f5fa8"}, {"plain", "#4b6b00"}};
     static const char* const dashes[] = {"", "7 3", "2 3", "9 3 2 3"};
     const std::string family = id.substr(0, id.find(':'));

@@ -68,7 +68,7 @@ std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
     return codecs;
 }
 
-// An id, or the part of one before the colon.
+// An id or, where no codec has it, the part of one before the colon.
 Result<std::string> anchor_among(const RdOptions& o, const std::vector<CodecUnderTest>& codecs,
                                  const std::vector<Measurement>& rows) {
     const auto ran = [&](const std::string& id) {
@@ -82,7 +82,10 @@ Result<std::string> anchor_among(const RdOptions& o, const std::vector<CodecUnde
         return codecs.front().id;
     }
     for (const CodecUnderTest& codec : codecs)
-        if (codec.id == o.anchor || codec.id.rfind(o.anchor + ":", 0) == 0)
+        if (codec.id == o.anchor)
+            return codec.id;
+    for (const CodecUnderTest& codec : codecs)
+        if (codec.id.starts_with(o.anchor + ":"))
             return codec.id;
     return Status(ErrorCode::bad_argument, "--anchor: '" + o.anchor + "' was not measured");
 }

@@ -9,6 +9,8 @@
 namespace tessera {
 namespace {
 
+constexpr const char* chroma_filter = "lanczos+accurate_rnd+full_chroma_inp";
+
 // What an encoder is asked, besides its input and output.
 struct VideoInput {
     std::string path, width, height, frames, threads;
@@ -52,7 +54,7 @@ std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
                                 const std::string& setting, unsigned) {
     return {"aomenc",
             in.path,
-            "--ivf",
+            "--obu",
             "-o",
             out,
             "--profile=1",
@@ -65,6 +67,41 @@ std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
             "--kf-max-dist=9999",
             "--threads=" + in.threads,
             "--quiet"};
+}
+
+// Knows 4:2:0 only, of ten bits to lose little else. ffmpeg halves the planes Cg and Co, and decoder() doubles them.
+std::vector<std::string> svt_av1(const VideoInput& in, const std::string& out,
+                                 const std::string& setting, unsigned) {
+    return {"ffmpeg",
+            "-nostdin",
+            "-v",
+            "error",
+            "-y",
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            "yuv444p",
+            "-s",
+            in.width + "x" + in.height,
+            "-r",
+            "30",
+            "-i",
+            in.path,
+            "-sws_flags",
+            chroma_filter,
+            "-pix_fmt",
+            "yuv420p10le",
+            "-c:v",
+            "libsvtav1",
+            "-preset",
+            "4",
+            "-crf",
+            value_of(setting),
+            "-g",
+            "9999",
+            "-svtav1-params",
+            "lp=" + in.threads,
+            out};
 }
 
 // YUV4MPEG2: a line for the video, a line before each frame.
@@ -81,11 +118,12 @@ Status write_y4m(const std::string& path, std::span<const std::byte> video, cons
     return file ? Status() : Status(ErrorCode::io, path + ": cannot be written");
 }
 
-// ffmpeg decodes all of them, to the very planes that the encoder was given.
+// ffmpeg decodes all of them, to the planes that the encoder was given.
 std::vector<std::string> decoder(const std::string& in, const std::string& out,
                                  const VideoInput& input) {
-    return {"ffmpeg", "-nostdin", "-v", "error",    "-threads", input.threads, "-y",
-            "-i",     in,         "-f", "rawvideo", "-pix_fmt", "yuv444p",     out};
+    return {"ffmpeg",   "-nostdin", "-v",      "error",      "-threads",    input.threads,
+            "-y",       "-i",       in,        "-sws_flags", chroma_filter, "-f",
+            "rawvideo", "-pix_fmt", "yuv444p", out};
 }
 
 // A reader starts at a key frame and decodes on; on average half of the group.
@@ -157,6 +195,7 @@ std::vector<Rival> video_rivals() {
                      {"crf 39", "crf 44"},
                      {"crf 14", "crf 9", "crf 4"}};
     const Ladder cq{{"cq 54", "cq 44", "cq 32", "cq 20"}, {"cq 60"}, {"cq 12", "cq 5"}};
+    const Ladder av1{{"crf 50", "crf 40", "crf 30", "crf 20"}, {"crf 58"}, {"crf 12", "crf 5"}};
     std::vector<Rival> all;
     const auto add = [&all](Rival rival) { all.push_back(std::move(rival)); };
     add(video_rival("x265", "preset slower, tune psnr, YCgCo 4:4:4, one sequence of views",
@@ -170,7 +209,10 @@ std::vector<Rival> video_rivals() {
     all.back().usual = false;
     all.back().quick = true;
     add(video_rival("aom", "libaom at speed 4, YCgCo 4:4:4, one sequence of views", {"aomenc"},
-                    "aom-tools and ffmpeg", {"--help"}, cq, {true, 0, "ivf", libaom}));
+                    "aom-tools and ffmpeg", {"--help"}, cq, {true, 0, "obu", libaom}));
+    add(video_rival("svtav1",
+                    "preset 4, YCgCo of ten bits, 4:2:0 (it knows no other), one sequence of views",
+                    {}, "ffmpeg", {"-version"}, av1, {false, 0, "obu", svt_av1}));
     return all;
 }
 

@@ -80,7 +80,7 @@ void declare_rates(CLI::App& c, RdOptions& o) {
                  "Coding tools off or on, such as -copies,+grids; of " + names_of_tools())
         ->type_name("LIST");
     c.add_option("--rivals", o.rivals,
-                 "all, none, or ids with commas: x265, x265:8, x265:medium, aom, avif, "
+                 "all, none, or ids with commas: x265, x265:8, x265:medium, aom, svtav1, avif, "
                  "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw (all)");
     c.add_option("--anchor", o.anchor,
                  "The codec that BD-rates are against (x265 if it ran, else tessera)");
