@@ -112,7 +112,7 @@ inline CodeTexture::Function pattern(const std::string& name) {
 }
 
 inline CodeTexture make_texture(const std::string& name, Extent4 size, int channels,
-                         SampleType type = SampleType::unorm8) {
+                                SampleType type = SampleType::unorm8) {
     return {{size, type, static_cast<std::uint8_t>(channels)}, pattern(name)};
 }
 
@@ -138,9 +138,8 @@ private:
     TextureDesc desc_;
 };
 
-
-inline Bytes encode(TexelSource& source, RateTarget rate, Extent4 tile_extent, Metadata metadata = {},
-             std::optional<int> effort = {}) {
+inline Bytes encode(TexelSource& source, RateTarget rate, Extent4 tile_extent,
+                    Metadata metadata = {}, std::optional<int> effort = {}) {
     EncodeOptions options;
     options.rate = rate;
     options.tile_extent = tile_extent;
