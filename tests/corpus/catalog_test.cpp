@@ -5,6 +5,7 @@
 #include "tests/support/corpus_support.h"
 #include "tests/support/fnv1a.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>

@@ -2,6 +2,8 @@
 #include "corpus/trace/environment.h"
 #include "tests/support/model_files.h"
 
+#include <bit>
+
 namespace tessera::corpus {
 namespace {
 

@@ -2,6 +2,7 @@
 #include "corpus/surface/patch.h"
 #include "tests/support/baked_surfaces.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <tuple>

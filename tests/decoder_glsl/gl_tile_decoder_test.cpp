@@ -7,6 +7,7 @@
 #include "corpus/bake.h"
 #endif
 
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 

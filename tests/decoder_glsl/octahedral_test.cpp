@@ -2,6 +2,7 @@
 #include "format/surface_mesh.h"
 #include "tests/support/random_rays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>

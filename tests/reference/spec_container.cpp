@@ -3,6 +3,7 @@
 #include "tests/reference/spec_decoder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <zstd.h>
 

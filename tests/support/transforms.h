@@ -5,6 +5,8 @@
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 
+#include <cmath>
+
 namespace tessera::test::transforms {
 
 inline const std::vector<BlockShape> shapes_4d = {

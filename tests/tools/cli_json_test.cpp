@@ -1,6 +1,8 @@
 // JSON of bake, encode and decode, and what a file says of how it was made.
 #include "tests/support/cli_fixture.h"
 
+#include <sstream>
+
 namespace {
 
 using namespace tessera::test;

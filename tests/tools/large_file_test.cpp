@@ -89,7 +89,7 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     ASSERT_TRUE(coded_file);
     const ContainerReader& from = coded_file->container();
 
-    ContainerContents contents = contents_of(from);
+    ContainerContents contents = test::contents_of(from);
     contents.desc.size[axis_u] = (junk + real) * side;
     contents.tile_extent = {side, 64, 32, 8};
     const std::vector<std::byte> zeros((1u << 18) + (1u << 20));

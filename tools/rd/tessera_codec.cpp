@@ -10,6 +10,7 @@
 #include "tools/support/output_folders.h"
 
 #include <chrono>
+#include <cstdio>
 
 namespace tessera {
 namespace {

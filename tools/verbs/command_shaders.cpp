@@ -3,6 +3,7 @@
 #include "tools/support/output_folders.h"
 #include "tools/verbs/command.h"
 
+#include <cstdio>
 #include <filesystem>
 
 namespace tessera {

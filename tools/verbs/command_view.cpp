@@ -1,3 +1,4 @@
+#include "format/output_file.h"
 #include "format/sampler.h"
 #include "tools/http/open_bytes.h"
 #include "tools/page/page.h"
