@@ -214,8 +214,8 @@ typedef struct {
     int32_t rate_kind; /* tessera_rate; TESSERA_QUALITY */
     int32_t effort;    /* 0 fastest .. 4 smallest; the default, 3, is the one to use */
     uint32_t threads;  /* 0 (the default): all cores. Never changes the bytes. */
-    /* Largest tile in texels along u, v, s, t: 1 to 64, 64, 32, 32, and at most 65,536 in all;
-     * all 0 (the default): the encoder tries. */
+    /* Largest tile in texels along u, v, s, t: 1 to 64, 64, 32, 32, and at most 393,216 in all,
+     * 65,536 with TESSERA_MAX_ERROR; all 0 (the default): the encoder tries. */
     uint32_t tile[4];
     int32_t verify; /* 1 (the default): every tile is decoded and compared before it is kept */
     int32_t strict; /* 1: NaN and infinities are errors; 0 (the default): replaced and counted */

@@ -16,7 +16,7 @@ inline constexpr const char* library_version = "0.1.0";
 
 // Version of FORMAT.md that is written, and the only one that is read.
 inline constexpr std::uint16_t format_version_major = 0;
-inline constexpr std::uint16_t format_version_minor = 2;
+inline constexpr std::uint16_t format_version_minor = 3;
 
 // UTF-8 keys (1..255 bytes, no NUL) to UTF-8 values (up to 1 MiB), sorted by key bytes.
 using Metadata = std::map<std::string, std::string>;

@@ -37,9 +37,12 @@ Status check_tile(const EncodeOptions& options) {
         if (side < 1 || side > static_cast<std::uint32_t>(max_side_along(axis)))
             return refused("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
     }
-    if (texel_count(options.tile_extent) > max_tile_texels)
-        return refused("a tile of " + to_string(options.tile_extent) +
-                       " has more than 65536 texels");
+    const bool corrects = options.rate.kind == RateTarget::Kind::max_error;
+    const int most_texels = corrects ? max_corrected_texels : max_tile_texels;
+    if (texel_count(options.tile_extent) > static_cast<std::uint64_t>(most_texels))
+        return refused("a tile of " + to_string(options.tile_extent) + " has more than " +
+                       std::to_string(most_texels) + " texels" +
+                       (corrects ? ", the most with a maximum error" : ""));
     return {};
 }
 

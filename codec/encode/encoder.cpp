@@ -277,6 +277,8 @@ Result<EncodeReport> encode(TexelSource& source, const EncodeOptions& options, J
     TESSERA_TRY_ASSIGN(std::unique_ptr<Attempt> made, attempt(source, options, journal));
     EncodeOptions lossless = options;
     lossless.rate = {RateTarget::Kind::max_error, 0};
+    if (texel_count(lossless.tile_extent) > max_corrected_texels)
+        lossless.tile_extent = tile_by_trial;
     if (made->outcome.is_missed)
         TESSERA_TRY(fall_back(source, lossless, made));
     TESSERA_TRY_ASSIGN(const FileParts parts,

@@ -102,8 +102,25 @@ int block_work(const TileLevels& tile, std::size_t block, int planes) {
     return work;
 }
 
+// Two neighbours among segments are more work together than one may be: so many there are at most.
+constexpr int segments_bound(int work, int most_work) {
+    return 2 * work / most_work + 1;
+}
+constexpr int most_work_of_tile(int texels) {
+    return texels * max_planes + (max_planes + 2) * max_leaves; // coefficients, lengths, nodes
+}
+static_assert(segments_bound(most_work_of_tile(max_corrected_texels), usual_segment_work) <=
+              most_segments(max_corrected_texels));
+static_assert(segments_bound(most_work_of_tile(max_tile_texels), max_segment_work) <=
+              most_segments(max_tile_texels));
+
 // First block of each segment; filled greedily.
 std::vector<std::size_t> cut_segments(const TileLevels& tile, int planes, int most_work) {
+    int total = static_cast<int>(tile.splits.size());
+    for (std::size_t block = 0; block < tile.blocks.size(); ++block)
+        total += block_work(tile, block, planes);
+    if (segments_bound(total, most_work) > most_segments(tile.shape.texels()))
+        most_work = max_segment_work;
     std::vector<std::size_t> first{0};
     int work = static_cast<int>(tile.splits.size());
     for (std::size_t block = 0; block < tile.blocks.size(); ++block) {

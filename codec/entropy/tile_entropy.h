@@ -42,10 +42,10 @@ void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics&
 // one is what a frame waits for: 8,000 instead of the 16,000 that the format allows costs 0.2 % of
 // the bytes at 38 dB, 5,000 would cost 0.5 %.
 constexpr int usual_segment_work = 8000;
-static_assert(2 * (max_tile_texels * max_planes + 2 * max_leaves) / usual_segment_work < 127);
 
-// Appends the payload; segments longer than `segment_work` hold one block only. `corrections` holds one stream per chunk of correction_chunk texels, empty
-// ones allowed, or nothing at all.
+// Appends the payload; segments longer than `segment_work` hold one block only, but for tiles that would
+// have more segments than their table counts: these have longer ones. `corrections` holds one stream per
+// chunk of correction_chunk texels, empty ones allowed, or nothing at all.
 void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
                    const TileCoding& coding, std::vector<std::byte>& out,
                    int segment_work = usual_segment_work);

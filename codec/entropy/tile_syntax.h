@@ -135,8 +135,9 @@ private:
 
     void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {
         const auto split = static_cast<Split>(tile.splits[next++]);
-        visitor_.split(depth_class(node.spatial_depth), depth_class(node.angular_depth),
-                       static_cast<int>(split));
+        if (!is_too_large(node.shape))
+            visitor_.split(depth_class(node.spatial_depth), depth_class(node.angular_depth),
+                           static_cast<int>(split));
         if (split == Split::none) {
             if (coding_.predicts)
                 walk_prediction(tile, node);

@@ -21,7 +21,7 @@ constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'L', '2'}; // 2: su
 constexpr char record_magic[] = {'T', 'I', 'L', 'E'};
 constexpr std::size_t record_header = 44;
 constexpr std::size_t summed_header = 40;
-// A tile has at most 65,536 texels of four channels; no coding makes them twenty times larger.
+// A tile has at most 393,216 texels of four channels; no coding makes them five times larger.
 constexpr std::uint32_t max_payload = 16u << 20;
 constexpr std::uint32_t max_pass_bytes = 1u << 20;
 

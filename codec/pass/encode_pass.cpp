@@ -442,9 +442,17 @@ std::uint64_t Sample::texels_that_matter() const {
         [](std::uint64_t left, const TileTexels& tile) { return left - free_count(tile.matters); });
 }
 
+namespace {
+
+constexpr std::uint64_t large_sample_tile = 131072; // texels; two are as much as four usual ones
+
+} // namespace
+
 Result<Sample> read_sample(const EncodePlan& plan) {
     const std::uint64_t share = plan.effort.quick && plan.effort.recode ? 16 : 8;
-    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / share, 4, 128));
+    const bool is_large = texel_count(plan.grid.tile_extent()) > large_sample_tile;
+    const std::uint64_t fewest = is_large ? 2 : 4;
+    return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / share, fewest, 128));
 }
 
 Result<Sample> read_sample(const EncodePlan& plan, std::uint64_t wanted) {

@@ -158,7 +158,7 @@ private:
     std::array<std::int16_t, max_angular_side> row_{}; // of each t, that its copy begins at
     std::array<std::uint8_t, max_angular_side> phase_;
     int first_ = 0, last_ = 0; // of row_
-    std::array<std::int32_t, (max_tile_side + base_taps) * max_tile_side> edge_;
+    std::array<std::int32_t, (max_tile_side + base_taps) * max_base_side> edge_;
     std::unique_ptr<std::int32_t[]> filtered_;
 };
 

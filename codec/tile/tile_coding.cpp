@@ -6,12 +6,12 @@
 
 namespace tessera {
 
-std::vector<std::uint16_t> ShapeCoding::find_places(const ScanOrder& order) {
-    std::vector<std::uint16_t> places;
+std::vector<std::uint32_t> ShapeCoding::find_places(const ScanOrder& order) {
+    std::vector<std::uint32_t> places;
     places.reserve(order.entry.size());
     for (const auto& [k] : order.entry)
         places.push_back(
-            static_cast<std::uint16_t>(plane_index(order.shape, k[0], k[1], k[2], k[3])));
+            static_cast<std::uint32_t>(plane_index(order.shape, k[0], k[1], k[2], k[3])));
     return places;
 }
 

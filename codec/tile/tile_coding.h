@@ -24,7 +24,7 @@ public:
         return neighbours_;
     }
     // Where each of its entries stands in a block, u fastest. Thread-safe.
-    const std::vector<std::uint16_t>& places() const {
+    const std::vector<std::uint32_t>& places() const {
         std::call_once(has_places_, [this] { places_ = find_places(order); });
         return places_;
     }
@@ -35,8 +35,8 @@ private:
     mutable std::once_flag has_neighbours_;
     mutable ScanNeighbours neighbours_; // only encoders ask for them
     mutable std::once_flag has_places_;
-    mutable std::vector<std::uint16_t> places_; // likewise
-    static std::vector<std::uint16_t> find_places(const ScanOrder& order);
+    mutable std::vector<std::uint32_t> places_; // likewise
+    static std::vector<std::uint32_t> find_places(const ScanOrder& order);
 };
 
 // Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.

@@ -82,7 +82,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const float smallest = !options_.optimise ? dead_zone
                            : dependent        ? smallest_last
                                               : smallest_candidate;
-    const std::vector<std::uint16_t>& places = shape.places();
+    const std::vector<std::uint32_t>& places = shape.places();
     const auto amplitude_at = [&](int i) {
         return x[places[static_cast<std::size_t>(i)]] * per_step;
     };

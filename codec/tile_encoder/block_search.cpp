@@ -109,7 +109,7 @@ float BlockSearch::choose_blocks(TileLevels& out) {
     // More cells than a tile may have leaves are looked at: hardly a tile takes so many, and 64x32x5x5
     // without blocks of single views costs 5 % more. One that does is searched again without them.
     while (too_many_cells(shape_, spatial_depths_, angular_depths_))
-        --angular_depths_; // spatial cells alone are at most 256
+        --angular_depths_; // spatial cells alone are at most 1,024
     skips_hollow_ = options_.skip_hollow;
     if (!search_tree(out)) {
         skips_hollow_ = false; // small blocks came of that
@@ -127,7 +127,7 @@ bool BlockSearch::search_tree(TileLevels& out) {
     out.shape = shape_;
     const Block root{{0, 0, 0, 0}, shape_, 0, 0};
     measure_activity();
-    if (is_flat(grids_[0], 0)) {
+    if (is_flat(grids_[0], 0) && !grids_[0].is_too_large) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
         grids_[0].cost.assign(1, grids_[0].activity[0] + grids_[0].mean_cost[0] +
@@ -152,14 +152,17 @@ void BlockSearch::cut_grids() {
     for (int a = 0; a <= angular_depths_; ++a)
         for (int s = 0; s <= spatial_depths_; ++s) {
             Grid& grid = grids_[grid_index(s, a)];
-            grid.trying = is_tried(s, a);
             grid.is_full = true;
+            grid.is_too_large = false;
             for (int axis = 0; axis < 4; ++axis) {
                 grid.segments[axis] = axis_segments(shape_.n[axis], axis < 2 ? s : a);
                 grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
-                for (const Segment& segment : grid.segments[axis])
+                for (const Segment& segment : grid.segments[axis]) {
                     grid.is_full = grid.is_full && segment.size > 0;
+                    grid.is_too_large = grid.is_too_large || segment.size > max_tile_side;
+                }
             }
+            grid.trying = is_tried(s, a) && !grid.is_too_large;
             const auto& [nu, nv, ns, nt] = grid.cells;
             grid.texels.assign(
                 static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv * ns * nt), 1.0f);
@@ -207,7 +210,7 @@ void BlockSearch::combine() {
             const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
             grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
                 grid.cost[i] += options_.lambda * split_bits[0];
-                if (options_.copies.along == 0 && is_flat(grid, i))
+                if (options_.copies.along == 0 && is_flat(grid, i) && !grid.is_too_large)
                     return; // no split can pay, unless parts of it copy
                 for (const Split split : {Split::spatial, Split::angular}) {
                     const bool spatial = split == Split::spatial;

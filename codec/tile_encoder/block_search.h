@@ -73,6 +73,7 @@ private:
         std::array<std::vector<Segment>, 4> segments;
         std::array<int, 4> cells{};  // entries of each axis
         bool is_full = true;         // no segment is empty: all cells exist
+        bool is_too_large = false;   // for cells to be blocks
         std::vector<float> texels;   // of each cell, 1 where there is none
         std::vector<float> cost;     // of the best way to code each cell
         std::vector<float> activity; // energy about the cell's mean, in squared steps

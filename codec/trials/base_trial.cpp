@@ -2,6 +2,7 @@
 
 #include "codec/trials/heavy_tiles.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -10,9 +11,13 @@ namespace {
 
 // A look at few tiles at a low effort says in which direction they pay, if in any: baked textures, which
 // gain 0.2 %, are not to pay for more, and mostly gain nothing in the first one.
-constexpr std::size_t tiles_for_direction = 2, tiles_for_margin = 8;
+constexpr std::size_t tiles_for_direction = 2;
+// Of tiles of this many texels, but no fewer than two; of large ones fewer.
+constexpr std::size_t tiles_for_margin = 8;
+constexpr std::uint64_t texels_for_margin = 65536;
 constexpr int quick_effort_of_bases = 2;
-// Below this gain they are not worth twice the encoding time. Camera grids gain 20 % and more.
+// Below this gain they are not worth twice the encoding time, and a margin is as likely to cost. Camera grids gain
+// 20 % and more.
 constexpr double least_gain = 0.01, least_quick_gain = 0.04;
 constexpr std::array<std::uint8_t, 2> margins = {4, 8};
 
@@ -68,12 +73,16 @@ Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& 
     TESSERA_TRY_ASSIGN(const BasePictures direction, choose_direction(plan, sample, plain));
     if (!direction.on)
         return direction;
-    const HeavyTiles tiles(plan, sample, plain, tiles_for_margin);
+    const std::uint64_t affordable =
+        tiles_for_margin * texels_for_margin / texel_count(plan.grid.tile_extent());
+    const HeavyTiles tiles(plan, sample, plain,
+                           std::clamp<std::uint64_t>(affordable, 2, tiles_for_margin));
     double least = (1 - least_gain) * tiles.plain_cost();
     TESSERA_TRY_ASSIGN(const BasePictures narrow,
                        cheapest(tiles, plain.walked, std::span(&direction, 1), least));
     if (!narrow.on)
         return narrow;
+    least *= 1 - least_gain;
     std::array<BasePictures, margins.size()> wide;
     wide.fill(direction);
     for (std::size_t i = 0; i < margins.size(); ++i)

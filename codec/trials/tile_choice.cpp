@@ -27,9 +27,10 @@ constexpr int most_effort_of_trial = 4;
 // fifths of the encode.
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr double clear_difference = 0.08;
-// Tiles of places this narrow hold so many views that base pictures, most of them margin, say little.
-constexpr std::uint32_t narrow_side = 15;
 constexpr std::uint8_t usual_margin = 4; // of base pictures
+// Views of cameras gain 20 % and more by base pictures, baked textures next to nothing.
+constexpr double clear_gain_of_bases = 0.04;
+constexpr std::uint64_t patches_for_bases = 2;
 
 // How much texels that matter change from one to the next.
 std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {
@@ -51,7 +52,8 @@ Extent4 patch_of(const Extent4& a, const Extent4& b) {
 }
 
 // Parts of the texture, the liveliest of twice as many: the others are nearly all background.
-Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
+Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent,
+                            std::uint64_t most = most_patches) {
     EncodePlan cut = plan;
     cut.grid = TileGrid(plan.colour.desc.size, extent);
     const std::uint64_t affordable =
@@ -59,7 +61,7 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     const bool quick = plan.effort.quick;
     const std::uint64_t fewest = quick ? fewest_patches_by_estimate : fewest_patches;
     const std::uint64_t wanted = std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest,
-                                            std::clamp(affordable, fewest, most_patches));
+                                            std::clamp(affordable, fewest, most));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)
@@ -174,29 +176,41 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     return ratio < 1;
 }
 
-// Whether parts of the texture that gain by base pictures code better in tiles of `wider`, with fewer
-// views, than of `narrow`. Trials without these favour many views: of 17x17 by 9 to 20 % of the bytes.
-Result<bool> is_better_with_bases(const EncodePlan& plan, const Extent4& wider,
-                                  const Extent4& narrow) {
-    TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, patch_of(wider, narrow)));
+// What base pictures save of the patches' cost, at a low effort: a part of 1.
+Result<double> gain_by_bases(const EncodePlan& plan, const Sample& patches, const Extent4& tile) {
     const int quick = std::min(plan.options.effort, quick_effort_of_trial);
-    TESSERA_TRY_ASSIGN(double least, cost_in_tiles(plan, patches, quick, narrow));
-    BasePictures best;
+    TESSERA_TRY_ASSIGN(const double plain, cost_in_tiles(plan, patches, quick, tile));
+    double least = plain;
     for (const bool v_against_u : {false, true}) {
         const BasePictures base{.on = true, .margin = usual_margin, .v_against_u = v_against_u};
-        TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, quick, narrow, base));
-        if (cost < least) {
-            least = cost;
-            best = base;
-        }
+        TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, quick, tile, base));
+        least = std::min(least, cost);
     }
-    if (!best.on)
+    return plain > 0 ? 1 - least / plain : 0;
+}
+
+// Whether it is views of cameras, of which tiles gain clearly by base pictures. Looked for in tiles of the views that
+// large ones may have: beside all of 27x27 views of a narrow place, most of a base picture is margin. A sphere's
+// and a mesh's textures are drawn from tiles that are decoded as they come into view; those stay small.
+Result<bool> shows_parallax(const EncodePlan& plan) {
+    if (!may_have_base_pictures(plan) || plan.options.layers ||
+        plan.options.description.proxy != Proxy::none)
         return false;
-    const int effort = std::min(plan.options.effort, most_effort_of_trial);
-    TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, effort, wider, best));
-    TESSERA_TRY_ASSIGN(const double narrow_cost,
-                       cost_in_tiles(plan, patches, effort, narrow, best));
-    return cost < narrow_cost;
+    if (plan.views.alignment().any())
+        return true;
+    const Extent4& size = plan.colour.desc.size;
+    const Extent4 large = large_tile(size);
+    const Extent4 tile = usual_tile_with_views(size, large[axis_s], large[axis_t]);
+    TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, tile, patches_for_bases));
+    Sample first;
+    first.boxes.assign(1, patches.boxes[0]);
+    first.tiles.assign(1, patches.tiles[0]);
+    // Mostly the first one, the liveliest, gains nothing.
+    TESSERA_TRY_ASSIGN(const double one, gain_by_bases(plan, first, tile));
+    if (one <= 0)
+        return false;
+    TESSERA_TRY_ASSIGN(const double all, gain_by_bases(plan, patches, tile));
+    return all >= clear_gain_of_bases;
 }
 
 // Which trials cost more than they can bring.
@@ -217,6 +231,9 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     std::size_t best = shapes.usual;
     if (needs_no_trial(plan))
         return shapes.tiles[best];
+    TESSERA_TRY_ASSIGN(const bool moves, shows_parallax(plan));
+    if (moves)
+        return large_tile(plan.colour.desc.size);
     // Towards more views while that pays, else towards fewer: each trial is of two neighbours, as those
     // share small patches.
     for (const int step : {-1, 1}) {
@@ -233,14 +250,7 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
         if (best != shapes.usual)
             break;
     }
-    const Extent4& tile = shapes.tiles[best];
-    const bool is_narrow = std::min(tile[axis_u], tile[axis_v]) <= narrow_side;
-    if (is_narrow && best + 1 < shapes.tiles.size() && may_have_base_pictures(plan)) {
-        TESSERA_TRY_ASSIGN(const bool better,
-                           is_better_with_bases(plan, shapes.tiles[best + 1], tile));
-        return shapes.tiles[best + (better ? 1 : 0)];
-    }
-    return tile;
+    return shapes.tiles[best];
 }
 
 } // namespace tessera

@@ -181,6 +181,7 @@ DecodeBatch BatchBuilder::finish() {
     batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
     batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
     batch.waves = waves_;
+    batch.predicted = !copy_words_.empty();
     batch.most_texels = most_texels_;
 
     std::vector<std::uint32_t>& words = batch.words;

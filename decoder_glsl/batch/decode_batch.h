@@ -45,6 +45,7 @@ struct DecodeBatch {
     std::uint32_t corrections = 0;   // streams
     std::uint32_t waves = 1;         // of passes 4 and 5: one more than the largest depth of copies
     std::uint32_t most_texels = 0;   // of one tile
+    bool predicted = false; // a tile copies, or has a base picture though nothing copies it
     std::uint64_t work_words = 0;
     std::uint64_t coefficients = 0;
 };

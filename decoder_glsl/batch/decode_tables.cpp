@@ -20,8 +20,9 @@ namespace {
 using namespace layout;
 using Words = std::vector<std::uint32_t>;
 
-static_assert(tsr_max_spatial_side == max_tile_side && tsr_max_angular_side == max_angular_side &&
-              tsr_max_frequencies == max_frequencies && tsr_depth_classes == depth_classes);
+static_assert(tsr_max_spatial_side == max_tile_side && tsr_max_base_side == max_base_side &&
+              tsr_max_angular_side == max_angular_side && tsr_max_frequencies == max_frequencies &&
+              tsr_depth_classes == depth_classes);
 
 std::uint32_t signed_word(std::int32_t value) {
     return static_cast<std::uint32_t>(value);
@@ -230,9 +231,9 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     put_transform_tables(words);
     words[tsr_t_shapes] = tsr_t_end;
     for (const auto& [shape, id] : tables.ids_) {
-        const ScanOrder order = make_scan_order(shape, coding.scan_weights);
         const std::size_t scan_at = words.size();
-        append_scan(order, words);
+        if (!is_too_large(shape)) // for a block
+            append_scan(make_scan_order(shape, coding.scan_weights), words);
         if (words.size() > (std::size_t{128} << 20) / 4)
             return Status{ErrorCode::unsupported,
                           reader.name() + ": tables of more than 128 MiB for the GPU"};
@@ -241,7 +242,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
         record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
                               (std::uint32_t{n[3]} << 24);
         record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
-        record[tsr_s_coded] = static_cast<std::uint32_t>(order.length());
+        record[tsr_s_coded] = static_cast<std::uint32_t>((words.size() - scan_at) / tsr_scan_words);
         record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
         put_scales(shape, coding, header.desc.type, record);
         for (int split = 0; split < 2; ++split) {

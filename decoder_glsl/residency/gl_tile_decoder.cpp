@@ -131,8 +131,7 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
         groups_.use();
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        // A copy has a depth above 0.
-        (batch.waves > 1 || filters_ ? predicted_texels_ : texels_).use();
+        (batch.predicted || filters_ ? predicted_texels_ : texels_).use();
         glDispatchComputeIndirect(tsr_w_groups * 4);
         glMemoryBarrier(after_texels);
     }

@@ -28,23 +28,16 @@ ivec4 tsr_sides_of(uint shape) {
     uint sides = tsr_shape(shape, tsr_s_sides);
     return min(ivec4(int(sides & 255u), int((sides >> 8) & 255u), int((sides >> 16) & 255u),
                      int(sides >> 24)),
-               ivec4(tsr_max_spatial_side, tsr_max_spatial_side, tsr_max_angular_side,
+               ivec4(tsr_max_base_side, tsr_max_base_side, tsr_max_angular_side,
                      tsr_max_angular_side));
 }
 
 // Parts of a place, see tsr_place_*.
-uint tsr_shape_of(uint place) {
-    return place >> tsr_place_shape;
-}
 ivec4 tsr_origin_of(uint place) {
-    return ivec4(int(place) & (tsr_max_spatial_side - 1),
-                 int(place >> tsr_place_v) & (tsr_max_spatial_side - 1),
+    int most = (1 << tsr_place_v) - 1;
+    return ivec4(int(place) & most, int(place >> tsr_place_v) & most,
                  int(place >> tsr_place_s) & (tsr_max_angular_side - 1),
                  int(place >> tsr_place_t) & (tsr_max_angular_side - 1));
-}
-// The place of a shape at the tile's first texel.
-uint tsr_first_place(uint shape) {
-    return shape << tsr_place_shape;
 }
 
 uint tsr_batch_word(uint at) {

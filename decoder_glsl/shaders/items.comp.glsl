@@ -7,8 +7,8 @@
 #include "patch.glsl"
 
 // `room`: items that this invocation may still make; blocks of a sound tile never need more.
-void tsr_cut_block(uint tile, uint block, uint place, uint rest, TSR_INOUT(uint) room) {
-    TsrPatch patch_of = tsr_patch(tsr_shape_of(place), rest);
+void tsr_cut_block(uint tile, uint block, uint shape, uint rest, TSR_INOUT(uint) room) {
+    TsrPatch patch_of = tsr_patch(shape, rest);
     uint positions = uint(patch_of.sides.x * patch_of.sides.y);
     uint size = uint(patch_of.positions);
     uint items = min((positions + size - 1u) / size, room);
@@ -35,11 +35,12 @@ void tsr_cut_tile(uint tile, uint lane) {
     if (tsr_work_word(state + uint(tsr_st_damaged)) != 0u) {
         if (lane == 0u && wave == 0u) {
             uint at = tsr_block_at(tile, 0u);
-            uint place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
-            tsr_set_work(at + uint(tsr_k_place), place);
+            uint shape = tsr_tile(tile, tsr_tile_shape);
+            tsr_set_work(at + uint(tsr_k_place), 0u);
+            tsr_set_work(at + uint(tsr_k_shape), shape);
             tsr_set_work(at + uint(tsr_k_counts), 0u);
             tsr_set_work(at + uint(tsr_k_rest), 0u);
-            tsr_cut_block(tile, 0u, place, 0u, room);
+            tsr_cut_block(tile, 0u, shape, 0u, room);
         }
         return;
     }
@@ -51,7 +52,7 @@ void tsr_cut_tile(uint tile, uint lane) {
         if (predicted && ((tsr_copy(tile, block) >> 8) & 255u) != wave)
             continue;
         uint at = tsr_block_at(tile, block);
-        tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_place)),
+        tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_shape)),
                       tsr_work_word(at + uint(tsr_k_rest)), room);
     }
 }

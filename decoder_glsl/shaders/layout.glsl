@@ -7,7 +7,8 @@ const int tsr_max_blocks = 4096;
 const int tsr_max_nodes = 8192;
 const int tsr_max_work = 16000;
 const int tsr_max_coded = 4096;
-const int tsr_max_spatial_side = 64;
+const int tsr_max_spatial_side = 64; // of tiles and blocks
+const int tsr_max_base_side = 126;   // of base pictures, whose blocks lie that far from the first texel
 const int tsr_max_angular_side = 32;
 const int tsr_max_frequencies = 32;    // coded along an axis
 const int tsr_depth_classes = 6;       // of either pair, the deepest in one
@@ -141,22 +142,22 @@ const int tsr_st_left = 2;  // 16-bit words
 const int tsr_st_nodes = 3;
 const int tsr_st_damaged = 4; // 0: sound; else a bit for what was wrong
 const int tsr_st_levels = 5;  // coefficients of the tile
-const int tsr_block_words = 4;
-const int tsr_k_place = 0; // origin and shape, see tsr_place_*
-const int tsr_k_first = 1; // its first level, counted in its segment
-const int tsr_k_counts = 2; // of planes 0 to 2 | of plane 3 << 16
-const int tsr_k_rest = 3;   // colour | largest ks << 8 | largest kt << 16 | segment of the tile << 24
-// A place: the origin in the tile, 6 bits of u and v and 5 of s and t, and the shape. Where each begins;
-// the host sees to it that a file has no more shapes than the rest of the word counts.
-const int tsr_place_v = 6;
-const int tsr_place_s = 12;
-const int tsr_place_t = 17;
-const int tsr_place_shape = 22;
-const int tsr_max_shapes = 1024;
+const int tsr_block_words = 5;
+const int tsr_k_place = 0; // origin, see tsr_place_*
+const int tsr_k_shape = 1;
+const int tsr_k_first = 2; // its first level, counted in its segment
+const int tsr_k_counts = 3; // of planes 0 to 2 | of plane 3 << 16
+const int tsr_k_rest = 4;   // colour | largest ks << 8 | largest kt << 16 | segment of the tile << 24
+// A place: the origin in the tile or its base picture, 7 bits of u and v and 5 of s and t. Where each begins.
+const int tsr_place_v = 7;
+const int tsr_place_s = 14;
+const int tsr_place_t = 19;
+const uint tsr_place_mask = 0xFFFFFFu;
+const int tsr_max_shapes = 1024; // of a file, which the host sees to
 // An item is a run of positions of one block: tile << 12 | block, then its first position and the
 // number of positions << 16. Every item but a block's last covers 64 texels or more, so a tile has at
-// most its blocks + (69,632 - blocks) / 64, with those of a base picture.
-const int tsr_max_items = 5120;
+// most its blocks + (409,092 - blocks) / 64, with those of a base picture.
+const int tsr_max_items = 10496;
 const int tsr_item_words = 2;
 
 const uint tsr_damage_tree = 1u;

@@ -90,7 +90,7 @@ void tsr_begin_block(TSR_INOUT(TsrSegmentWalk) w) {
     w.largest_s = 0u;
     w.largest_t = 0u;
     w.cross_words = 0u;
-    w.shape = tsr_shape_of(tsr_work_word(tsr_block_at(w.tile, w.block) + uint(tsr_k_place)));
+    w.shape = tsr_work_word(tsr_block_at(w.tile, w.block) + uint(tsr_k_shape));
     w.scan = tsr_shape(w.shape, tsr_s_scan);
     w.coded = int(tsr_shape(w.shape, tsr_s_coded));
 }

@@ -105,7 +105,7 @@ void tsr_order_level(uint slot) {
     uint frequency = own_key >> 12;
     int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
-    uint shape = tsr_shape_of(tsr_work_word(block + uint(tsr_k_place)));
+    uint shape = tsr_work_word(block + uint(tsr_k_shape));
     bool rotated = colour != 0 && own_plane < 3u;
     // Steps of 2^(-k / 2) times the file's, in blocks of a base picture (FORMAT.md 4.1).
     uint copies = tsr_copy(tile, own_key & 0xFFFu);

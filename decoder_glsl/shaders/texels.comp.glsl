@@ -43,13 +43,12 @@ TsrItem tsr_item(uint number) {
     item.tile = who >> 12;
     item.block = who & 0xFFFu;
     uint block = tsr_block_at(item.tile, item.block);
-    uint place = tsr_work_word(block + uint(tsr_k_place));
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
     uint rest = tsr_work_word(block + uint(tsr_k_rest));
-    item.patch_of = tsr_patch(tsr_shape_of(place), rest);
+    item.patch_of = tsr_patch(tsr_work_word(block + uint(tsr_k_shape)), rest);
     item.first = min(range & 0xFFFFu, uint(tsr_max_spatial_side * tsr_max_spatial_side - 1));
     item.positions = min(int(range >> 16), item.patch_of.positions);
-    item.origin = tsr_origin_of(place);
+    item.origin = tsr_origin_of(tsr_work_word(block + uint(tsr_k_place)));
     item.copies = tsr_copy(item.tile, item.block);
     uint segment = tsr_tile(item.tile, tsr_tile_segment) + (rest >> 24);
     item.coefficients =

@@ -2,15 +2,15 @@
 #include "rans.glsl"
 
 struct TsrNode {
-    uint place;  // as in tsr_k_place
+    uint place; // as in tsr_k_place
+    uint shape;
     uint depths; // spatial | angular << 4
 };
 
 // Child number `child` of a node split along both axes of a pair, or along the only one of them that
 // is longer than 1.
 TsrNode tsr_child(TsrNode parent, int split, uint child) {
-    uint shape = tsr_shape_of(parent.place);
-    ivec4 sides = tsr_sides_of(shape);
+    ivec4 sides = tsr_sides_of(parent.shape);
     int side_a = split == 1 ? sides.x : sides.z;
     int side_b = split == 1 ? sides.y : sides.w;
     uint a = side_a > 1 ? child & 1u : 0u;
@@ -20,11 +20,10 @@ TsrNode tsr_child(TsrNode parent, int split, uint child) {
     uint moved_b = b * uint((side_b + 1) / 2);
     uint moved = split == 1 ? moved_a + (moved_b << tsr_place_v)
                             : (moved_a << tsr_place_s) + (moved_b << tsr_place_t);
-    uint ids = tsr_shape(shape, tsr_s_children + 2 * (split - 1) + int(child >> 1));
-    uint id = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
+    uint ids = tsr_shape(parent.shape, tsr_s_children + 2 * (split - 1) + int(child >> 1));
     TsrNode node;
-    uint origins = tsr_first_place(1u) - 1u;
-    node.place = (((parent.place & origins) + moved) & origins) | tsr_first_place(id);
+    node.place = (parent.place + moved) & tsr_place_mask;
+    node.shape = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
     node.depths = parent.depths + (split == 1 ? 1u : 16u);
     return node;
 }
@@ -70,9 +69,7 @@ bool tsr_pass_base(TSR_INOUT(TsrRans) r, bool before) {
 
 // Reads whether a tile has a base picture, where it can have one.
 bool tsr_has_base(TSR_INOUT(TsrRans) r, ivec4 sides) {
-    int more = 2 * int(tsr_table(tsr_t_base_margin));
-    if (tsr_table(tsr_t_base_pictures) == 0u || sides.z * sides.w < 4 ||
-        max(sides.x, sides.y) + more > tsr_max_spatial_side)
+    if (tsr_table(tsr_t_base_pictures) == 0u || sides.z * sides.w < 4)
         return false;
     return tsr_symbol3(r, uint(tsr_t_base)) != 0;
 }
@@ -84,16 +81,18 @@ void tsr_decode_tree(uint tile) {
     TsrRans r = tsr_begin(tsr_segment(segment, tsr_seg_byte), tsr_segment(segment, tsr_seg_size));
     // Younger siblings wait here for the subtrees of the elder: 3 a level that cuts two sides, else 1.
     TsrNode stack[36];
-    stack[0].place = tsr_first_place(tsr_tile(tile, tsr_tile_shape));
+    stack[0].place = 0u;
+    stack[0].shape = tsr_tile(tile, tsr_tile_shape);
     stack[0].depths = 0u;
     int waiting = 1;
     uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint base = tsr_tile(tile, tsr_tile_base);
-    bool has_base = tsr_has_base(r, tsr_sides_of(tsr_tile(tile, tsr_tile_shape)));
+    bool has_base = tsr_has_base(r, tsr_sides_of(stack[0].shape));
     if (has_base && base == tsr_none) {
         room = 0u; // the host found that a tree is not one: the tile is damaged
     } else if (has_base) { // its tree comes first
-        stack[1].place = tsr_first_place(base);
+        stack[1].place = 0u;
+        stack[1].shape = base;
         stack[1].depths = tsr_depths_of_base;
         waiting = 2;
     }
@@ -108,13 +107,18 @@ void tsr_decode_tree(uint tile) {
         uint classes = uint(tsr_depth_classes);
         uint spatial = min(node.depths & 15u, classes - 1u);
         uint angular = min(node.depths >> 4, classes - 1u);
-        int split = tsr_symbol3(r, uint(tsr_t_split) + spatial * classes + angular);
+        ivec4 sides = tsr_sides_of(node.shape);
+        int split = 1; // of what is too large for a block, without a symbol
+        if (max(sides.x, sides.y) <= tsr_max_spatial_side)
+            split = tsr_symbol3(r, uint(tsr_t_split) + spatial * classes + angular);
         nodes += 1u;
         if (split == 0) {
             if (blocks >= room)
                 break;
             waiting -= 1;
-            tsr_set_work(tsr_block_at(tile, blocks), node.place);
+            uint at = tsr_block_at(tile, blocks);
+            tsr_set_work(at + uint(tsr_k_place), node.place);
+            tsr_set_work(at + uint(tsr_k_shape), node.shape);
             blocks += 1u;
             if (!predicts || node.depths >= tsr_depths_of_base)
                 continue;
@@ -125,13 +129,13 @@ void tsr_decode_tree(uint tile) {
             continue;
         }
         int children = tsr_s_children + 2 * (split - 1);
-        uint ids = tsr_shape(tsr_shape_of(node.place), children);
-        // Sides of 1 cannot be split; with at most 65,536 texels in a tile, no
-        // stack of a legal tree grows past 29 (sides of 9, 17, 17, 17).
+        uint ids = tsr_shape(node.shape, children);
+        // Sides of 1 cannot be split; no stack of a legal tree grows past 34, with 3 more for each of 6
+        // splits of sides up to 64 and of 5 of sides up to 32.
         if ((ids & 0xFFFFu) == 0xFFFFu || waiting > 32)
             break;
         waiting -= 1;
-        bool four = (tsr_shape(tsr_shape_of(node.place), children + 1) & 0xFFFFu) != 0xFFFFu;
+        bool four = (tsr_shape(node.shape, children + 1) & 0xFFFFu) != 0xFFFFu;
         if (four) {
             stack[waiting] = tsr_child(node, split, 3u);
             stack[waiting + 1] = tsr_child(node, split, 2u);

@@ -124,7 +124,10 @@ Status check_tile_extent(const FileHeader& h) {
     for (std::size_t axis = 0; axis < 4; ++axis)
         TESSERA_TRY(check_range("tile_extent", h.tile_extent[axis], 1,
                                 static_cast<std::uint64_t>(max_side_along(axis))));
-    return check_range("tile_extent (product)", texel_count(h.tile_extent), 1, max_tile_texels);
+    const bool corrects = (h.required_features & feature_corrections) != 0;
+    return check_range(
+        "tile_extent (product)", texel_count(h.tile_extent), 1,
+        static_cast<std::uint64_t>(corrects ? max_corrected_texels : max_tile_texels));
 }
 
 Status check_channel_use(const FileHeader& h) {

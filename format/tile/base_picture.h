@@ -19,6 +19,7 @@ struct BasePictures {
     bool operator==(const BasePictures&) const = default;
 };
 constexpr int max_base_margin = 31;
+constexpr int max_base_side = max_tile_side + 2 * max_base_margin;
 
 constexpr int base_unit = 8; // displacements count in parts of a texel a view
 constexpr int base_taps = 6;
@@ -40,11 +41,11 @@ constexpr std::array<std::array<std::int8_t, base_taps>, base_unit> base_filter 
 constexpr std::optional<BlockShape> base_shape(const BlockShape& tile,
                                                const BasePictures& pictures) {
     constexpr int fewest_views = 4;
-    const int nu = tile.n[0] + 2 * pictures.margin, nv = tile.n[1] + 2 * pictures.margin;
-    if (!pictures.on || tile.n[2] * tile.n[3] < fewest_views || nu > max_tile_side ||
-        nv > max_tile_side)
+    if (!pictures.on || tile.n[2] * tile.n[3] < fewest_views)
         return std::nullopt;
-    return BlockShape{{static_cast<std::uint8_t>(nu), static_cast<std::uint8_t>(nv), 1, 1}};
+    const int more = 2 * pictures.margin;
+    return BlockShape{{static_cast<std::uint8_t>(tile.n[0] + more),
+                       static_cast<std::uint8_t>(tile.n[1] + more), 1, 1}};
 }
 
 // The root of its split tree. It is as a view cut from the tile: tables of splits go by that.

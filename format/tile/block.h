@@ -9,7 +9,8 @@
 
 namespace tessera {
 
-// Sides of a block along u, v, s, t, 1..64, 1..64, 1..32, 1..32, product at most 65,536.
+// Sides along u, v, s, t of a block or a tile: 1..64, 1..64, 1..32, 1..32, product at most max_tile_texels.
+// Of a base picture and the nodes of its tree to 126 along u and v.
 struct BlockShape {
     std::array<std::uint8_t, 4> n{1, 1, 1, 1};
 
@@ -37,9 +38,14 @@ constexpr int first_axis(Split split) {
 }
 
 // Whether `split` divides at least one side.
-inline bool can_split(const BlockShape& shape, Split split) {
+constexpr bool can_split(const BlockShape& shape, Split split) {
     const int axis = first_axis(split);
     return shape.n[axis] > 1 || shape.n[axis + 1] > 1;
+}
+
+// Whether it is no block, but split along u and v without a symbol: base pictures may be larger than tiles.
+constexpr bool is_too_large(const BlockShape& shape) {
+    return shape.n[0] > max_tile_side || shape.n[1] > max_tile_side;
 }
 
 // Children in decoding order: the first axis of the pair varies fastest. A side of n falls into

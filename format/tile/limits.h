@@ -8,9 +8,10 @@ namespace tessera {
 constexpr int max_tile_side = 64;    // along u and v
 constexpr int max_angular_side = 32; // along s and t
 constexpr int max_frequencies = 32;  // coded along an axis, the lowest ones
-constexpr int max_tile_texels = 65536;
-constexpr int max_leaves = 4096;       // of one tile
-constexpr int max_coded_length = 4096; // coefficients of one plane of one leaf
+constexpr int max_tile_texels = 6 * 65536;
+constexpr int max_corrected_texels = 65536; // of a tile that may have corrections
+constexpr int max_leaves = 4096;            // of one tile
+constexpr int max_coded_length = 4096;      // coefficients of one plane of one leaf
 constexpr int max_planes = 4;
 constexpr int max_split_depth = 6; // of the spatial side, 64 -> 1
 // Work of one segment in decoder loop iterations: one thread of a compute shader decodes a segment,

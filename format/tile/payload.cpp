@@ -38,13 +38,15 @@ Status split_payload(std::span<const std::byte> payload, int tile_texels, Payloa
         parts.segments.push_back({0, payload});
         return {};
     }
-    const auto flags = std::to_integer<unsigned>(payload[0]);
+    const auto head = std::to_integer<unsigned>(payload[0]);
+    const bool may_correct = tile_texels <= max_corrected_texels;
+    const bool corrects = may_correct && (head & 128u) != 0;
     TableReader table(payload);
     table.at_ = 1;
     struct Entry {
         std::size_t first_block, words;
     };
-    std::vector<Entry> entries(flags & 127u);
+    std::vector<Entry> entries(may_correct ? head & 127u : head);
     std::size_t words = 0, least = 0; // the second segment may begin with block 0
     for (Entry& entry : entries) {
         if (!table.u16(entry.first_block) || !table.u16(entry.words))
@@ -55,7 +57,7 @@ Status split_payload(std::span<const std::byte> payload, int tile_texels, Payloa
         words += entry.words;
     }
     std::vector<std::size_t> chunks;
-    if ((flags & 128u) != 0) {
+    if (corrects) {
         const int count = (tile_texels + correction_chunk - 1) / correction_chunk;
         std::size_t mask = 0;
         if (!table.u16(mask) || (mask >> count) != 0)

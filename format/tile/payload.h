@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/status.h"
+#include "format/tile/limits.h"
 
 #include <cstddef>
 #include <span>
@@ -19,6 +20,10 @@ struct PayloadParts {
     // One per chunk of correction_chunk texels; empty: no corrections there.
     std::vector<std::span<const std::byte>> corrections;
 };
+// Of a tile: what its table can count.
+constexpr int most_segments(int tile_texels) {
+    return tile_texels <= max_corrected_texels ? 128 : 256;
+}
 // Errors: invalid_file. Replaces `parts`.
 Status split_payload(std::span<const std::byte> payload, int tile_texels, PayloadParts& parts);
 

@@ -12,9 +12,10 @@ namespace tessera {
 template <class Node, class Leaf>
 bool decode_split_tree(RansDecoder& rans, const CodeTables& tables, const Block& block,
                        const Node& node, const Leaf& leaf) {
-    const auto split = static_cast<Split>(
-        tables.split[depth_class(block.spatial_depth)][depth_class(block.angular_depth)].decode(
-            rans));
+    const SymbolTable<split_kinds>& table =
+        tables.split[depth_class(block.spatial_depth)][depth_class(block.angular_depth)];
+    const Split split =
+        is_too_large(block.shape) ? Split::spatial : static_cast<Split>(table.decode(rans));
     if (split != Split::none && !can_split(block.shape, split))
         return false;
     node(split);

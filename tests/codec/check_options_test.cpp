@@ -84,13 +84,17 @@ TEST(CheckOptions, RefuseSizesBelowThatOfAnEmptyFile) {
 }
 
 TEST(CheckOptions, RefuseTilesOutOfRange) {
-    for (const Extent4& tile :
-         {Extent4{65, 1, 1, 1}, Extent4{1, 1, 33, 1}, Extent4{8, 8, 0, 8}, Extent4{64, 64, 8, 8}}) {
+    for (const Extent4& tile : {Extent4{65, 1, 1, 1}, Extent4{1, 1, 33, 1}, Extent4{8, 8, 0, 8},
+                                Extent4{64, 64, 8, 13}}) {
         EncodeOptions options;
         options.tile_extent = tile;
         EXPECT_TRUE(contains(objection(options), "tile")) << to_string(tile);
     }
     EncodeOptions options;
+    options.tile_extent = {64, 64, 8, 12};
+    EXPECT_EQ(objection(options), "");
+    options.rate = {RateTarget::Kind::max_error, 0};
+    EXPECT_TRUE(contains(objection(options), "more than 65536 texels, the most with a maximum"));
     options.tile_extent = {64, 32, 32, 1};
     EXPECT_EQ(objection(options), "");
 }

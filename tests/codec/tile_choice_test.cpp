@@ -91,13 +91,28 @@ TEST(TileShapes, CutViewsEvenly) {
     EXPECT_EQ(shapes_of({256, 256, 1, 1}), (Shapes{{64, 64, 1, 1}}));
 }
 
+TEST(TileShapes, LargeOnesHoldWhatMoves) {
+    for (const auto& [size, tile] : {std::pair{Extent4{256, 256, 9, 9}, Extent4{64, 64, 9, 9}},
+                                     {{264, 264, 9, 9}, {53, 53, 9, 9}},
+                                     {{256, 256, 5, 5}, {64, 64, 5, 5}},
+                                     {{64, 48, 15, 15}, {32, 48, 15, 15}},
+                                     {{64, 48, 17, 17}, {64, 48, 9, 9}},
+                                     {{96, 64, 27, 27}, {48, 64, 9, 9}},
+                                     {{128, 64, 32, 32}, {64, 64, 8, 8}},
+                                     {{96, 64, 16, 1}, {48, 64, 16, 1}}})
+        EXPECT_EQ(large_tile(size), tile) << to_string(size);
+}
+
 TEST(TileShapes, KeepTheLimitsOfTheFormat) {
     for (const std::uint32_t side : {1u, 31u, 33u, 100u, 625u, 1u << 20})
         for (std::uint32_t views = 1; views <= 70; ++views)
             for (const Extent4& size :
                  {Extent4{side, 97, views, views}, Extent4{64, side, 1, views}}) {
-                const TileShapes shapes = tile_shapes(size, {});
+                TileShapes shapes = tile_shapes(size, {});
                 ASSERT_LT(shapes.usual, shapes.tiles.size()) << to_string(size);
+                for (const Extent4& tile : shapes.tiles)
+                    ASSERT_LE(texel_count(tile), usual_tile_texels) << to_string(size);
+                shapes.tiles.push_back(large_tile(size));
                 for (const Extent4& tile : shapes.tiles) {
                     SCOPED_TRACE(to_string(size) + " in " + to_string(tile));
                     ASSERT_LE(texel_count(tile), max_tile_texels);
@@ -154,12 +169,16 @@ MemoryTexture camera_grid(const Extent4& extent) {
     });
 }
 
-TEST(TileChoice, CameraGridsGetFewerViewsWhereTheseCopyBasePictures) {
+TEST(TileChoice, CameraGridsGetLargeTilesWhereTheseCopyBasePictures) {
     MemoryTexture texture = camera_grid({36, 36, 17, 17});
     EncodeOptions options;
-    EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{18, 18, 9, 9}));
+    EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{36, 36, 9, 9}));
+    const Extent4 many_views{18, 12, 17, 17};
+    EncodeOptions on_a_sphere = options;
+    on_a_sphere.description.proxy = Proxy::sphere;
+    EXPECT_EQ(chosen_tile(texture, on_a_sphere, usual_effort), many_views);
     options.tools = "-base";
-    EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{18, 12, 17, 17}));
+    EXPECT_EQ(chosen_tile(texture, options, usual_effort), many_views);
 }
 
 TEST(TileChoice, LayersKeepPlacesSmall) {

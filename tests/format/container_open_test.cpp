@@ -50,10 +50,10 @@ TEST(Hostile, IdentifierAndVersion) {
     using enum ContainerRule;
     expect_refused(patched(0, u8{0x88}), identifier, "not a Tessera file");
     expect_refused(patched(8, u8{'\n'}), identifier, "transfer as text");
-    expect_refused(patched(12, u16{1}), version, "version 1.2", ErrorCode::unsupported);
-    expect_refused(patched(14, u16{3}), version, "version 0.3", ErrorCode::unsupported);
-    expect_refused(patched(14, u16{1}), version, "version 0.1", ErrorCode::unsupported);
-    Bytes file = patched(14, u16{2});
+    expect_refused(patched(12, u16{1}), version, "version 1.3", ErrorCode::unsupported);
+    expect_refused(patched(14, u16{4}), version, "version 0.4", ErrorCode::unsupported);
+    expect_refused(patched(14, u16{2}), version, "version 0.2", ErrorCode::unsupported);
+    Bytes file = patched(14, u16{3});
     file[124] ^= std::byte{1};
     expect_refused(file, header_crc, "checksum of the header");
     expect_refused(Bytes(127), length, "too few");

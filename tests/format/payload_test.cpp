@@ -48,6 +48,25 @@ TEST(Payload, StreamsLieBehindTheTable) {
               (Places{{5, 0}, {5, 0}, {5, 2}}));
 }
 
+// They have no corrections, so that all bits of the first byte count segments.
+TEST(Payload, LargeTilesHaveMoreSegments) {
+    PayloadParts parts;
+    for (const int texels : {max_corrected_texels, max_corrected_texels + 1}) {
+        const bool is_large = texels > max_corrected_texels;
+        EXPECT_EQ(most_segments(texels), is_large ? 256 : 128);
+        Bytes payload = bytes_of({0xFF});
+        for (int i = 1; i <= 255; ++i)
+            for (const int byte : {i, 0, 0, 0})
+                payload.push_back(static_cast<std::byte>(byte));
+        EXPECT_EQ(split_payload(payload, texels, parts).ok(), is_large);
+        if (is_large) {
+            ASSERT_EQ(parts.segments.size(), 256u);
+            EXPECT_EQ(parts.segments[255].first_block, 255);
+            EXPECT_TRUE(parts.corrections.empty());
+        }
+    }
+}
+
 TEST(Payload, KeepsTheBlocksOfSegments) {
     PayloadParts parts;
     const Bytes payload = bytes_of({2, 5, 0, 0, 0, 0xFF, 0x0F, 0, 0});

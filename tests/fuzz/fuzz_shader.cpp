@@ -19,18 +19,20 @@ namespace {
 
 using test::ShaderOracle;
 
-// Texture and largest tile: odd sides, sides of 1, more than one chunk of corrections, long sides.
+// Texture and largest tile: odd sides, sides of 1, more than one chunk of corrections, long sides, a base picture
+// that is cut in four.
 struct Grid {
     Extent4 size, tile;
 };
-constexpr std::array<Grid, 8> grids = {{{{14, 5, 3, 2}, {7, 5, 3, 2}},
+constexpr std::array<Grid, 9> grids = {{{{14, 5, 3, 2}, {7, 5, 3, 2}},
                                         {{9, 6, 5, 7}, {5, 6, 3, 4}},
                                         {{4, 1, 1, 1}, {1, 1, 1, 1}},
                                         {{16, 8, 8, 8}, {8, 8, 8, 8}},
                                         {{17, 9, 8, 4}, {17, 9, 8, 4}},
                                         {{64, 33, 1, 2}, {64, 33, 1, 1}},
                                         {{2, 1, 32, 31}, {1, 1, 32, 31}},
-                                        {{6, 4, 4, 4}, {3, 4, 4, 4}}}};
+                                        {{6, 4, 4, 4}, {3, 4, 4, 4}},
+                                        {{64, 9, 2, 2}, {64, 9, 2, 2}}}};
 
 CodingParameters parameters_of(unsigned setting, bool predictions) {
     CodingParameters parameters;

@@ -1,6 +1,7 @@
 // The library against the second decoder on hand-made and damaged files.
 #include "format/tile/features.h"
 #include "tests/reference/agreement.h"
+#include "tests/support/decode_cases.h"
 
 #include <algorithm>
 #include <cstring>
@@ -225,6 +226,14 @@ TEST(ReferenceOfForged, SmoothCopiesNeedPredictions) {
     EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, 0));
     EXPECT_FALSE(with((before | 8) & ~std::uint64_t{2}, feature_prediction));
     EXPECT_FALSE(with(before | 32, feature_prediction));
+}
+
+// Trees, copies and levels that no encoder chooses, in base pictures that are larger than a block and in large tiles.
+TEST(ReferenceOfForged, PredictedTiles) {
+    for (const DecodeCase& test : predicted_cases()) {
+        const Outcome outcome = expect_agreement(test.file, test.name);
+        EXPECT_TRUE(outcome.accepted) << test.name << ": " << outcome.error;
+    }
 }
 
 // Steps from one end of their range to the other: shifts, limits, overflow.

@@ -53,8 +53,6 @@ void TileDecoder::read_base_tree(Stream& stream) {
     if (!code_.base_margin || size_[2] * size_[3] < 4)
         return;
     base_size_ = {size_[0] + 2 * *code_.base_margin, size_[1] + 2 * *code_.base_margin, 1, 1};
-    if (base_size_[0] > 64 || base_size_[1] > 64)
-        return;
     has_base_ = stream.symbol(code_.base) == 1;
     if (has_base_)
         read_split_tree(stream, {0, 0, 0, 0}, base_size_, 0, 5, true);
@@ -63,7 +61,8 @@ void TileDecoder::read_base_tree(Stream& stream) {
 void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a,
                                   int b, bool of_base) {
     ++nodes_;
-    const int split = stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
+    const bool is_cut = of_base && (size[0] > 64 || size[1] > 64);
+    const int split = is_cut ? 1 : stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
         blocks_.push_back({begin, size, of_base, false, -1, {}, {}, -1, {}});

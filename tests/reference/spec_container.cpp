@@ -20,7 +20,7 @@ Header read_header(Bytes file) {
     require(file.size() >= header_bytes, "header: cut short");
     const uint8_t identifier[12] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', 13, 10, 0x1A, 10};
     require(std::memcmp(file.data(), identifier, 12) == 0, "header: identifier");
-    require(u16(file, 12) == 0 && u16(file, 14) == 2, "header: version");
+    require(u16(file, 12) == 0 && u16(file, 14) == 3, "header: version");
 
     Header h;
     h.section_count = u16(file, 44);
@@ -59,7 +59,7 @@ Header read_header(Bytes file) {
                 "header: tile_extent");
         tile_texels *= h.tile_extent[a];
     }
-    require(tile_texels <= 65536, "header: tile_extent product");
+    require(tile_texels <= (h.has_corrections() ? 65536 : 393216), "header: tile_extent product");
 
     h.sample_type = u8(file, 68);
     require(h.sample_type <= 1, "header: sample_type");

@@ -7,7 +7,9 @@ namespace tessera_reference::spec {
 
 namespace {
 
-Payload read_payload(Bytes bytes, const Header& header, size_t chunk_count) {
+Payload read_payload(Bytes bytes, const Header& header, size_t texels) {
+    const bool is_large = texels > 65536;
+    const size_t chunk_count = (texels + 4095) / 4096;
     Payload payload;
     payload.corrections.resize(chunk_count);
     payload.segments.push_back({0, {}});
@@ -18,7 +20,7 @@ Payload read_payload(Bytes bytes, const Header& header, size_t chunk_count) {
     if (bytes.size() % 2 == 1) {
         const int first = u8(bytes, 0);
         at = 1;
-        for (int i = 0; i < (first & 127); ++i) {
+        for (int i = 0; i < (is_large ? first : first & 127); ++i) {
             const size_t first_block = u16(bytes, at);
             require(i == 0 || first_block > payload.segments.back().first_block,
                     "payload: first blocks must ascend");
@@ -26,7 +28,7 @@ Payload read_payload(Bytes bytes, const Header& header, size_t chunk_count) {
             lengths.push_back(size_t{2} * u16(bytes, at + 2));
             at += 4;
         }
-        if (first & 128) {
+        if (!is_large && first & 128) {
             require(header.has_corrections(), "payload: corrections without their feature");
             mask = u16(bytes, at);
             at += 2;
@@ -128,7 +130,7 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
     last_base_displacement_ = 0;
     displacement_ = {};
     codes_.assign(texels * channels, 0);
-    const Payload payload = read_payload(bytes, header_, (texels + 4095) / 4096);
+    const Payload payload = read_payload(bytes, header_, texels);
     for (size_t i = 0; i < payload.segments.size(); ++i) {
         Stream stream(payload.segments[i].bytes);
         if (i == 0) {

@@ -173,6 +173,9 @@ inline std::vector<DecodeCase> random_cases() {
         random_case(++seed, SampleType::half16, 1, {33, 51, 6, 4}, {33, 51, 6, 4}, 0.6, 0.05, 20));
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 2, {64, 3, 32, 1}, {64, 2, 32, 1}, 0.99, 0.1, 4));
+    // More texels than a tile with corrections may have, and more segments.
+    cases.push_back(
+        random_case(++seed, SampleType::unorm8, 3, {64, 64, 5, 4}, {64, 64, 5, 4}, 0.8, 0.05, 4));
     return cases;
 }
 
@@ -197,6 +200,13 @@ inline std::vector<DecodeCase> predicted_cases() {
                                 0.01, 12, 0.7));
     cases.push_back(random_case(++seed, SampleType::unorm8, 1, {64, 1, 32, 32}, {64, 1, 32, 32},
                                 0.9, 0.02, 6, 0.8));
+    // Base pictures larger than a block, most with a margin; the others' tiles are large, too.
+    for (const auto& [size, split] :
+         {std::pair{Extent4{64, 20, 3, 2}, 0.7}, {{62, 63, 5, 4}, 0.7}, {{62, 63, 5, 4}, 0.0}}) {
+        while (++seed % 8 >= 4) {
+        }
+        cases.push_back(random_case(seed, SampleType::unorm8, 3, size, size, split, 0.02, 6, 0.7));
+    }
     return cases;
 }
 

@@ -238,9 +238,9 @@ private:
             return "counts differ";
         for (uint i = 0; i < levels.blocks.size(); ++i) {
             const Block& block = levels.blocks[i];
-            const uint place = tsr_work[tsr_block_at(slot, i) + tsr_k_place];
-            const ivec4 sides = tsr_sides_of(tsr_shape_of(place));
-            const ivec4 origin = tsr_origin_of(place);
+            const uint at = tsr_block_at(slot, i);
+            const ivec4 sides = tsr_sides_of(tsr_work[at + tsr_k_shape]);
+            const ivec4 origin = tsr_origin_of(tsr_work[at + tsr_k_place]);
             for (int axis = 0; axis < 4; ++axis)
                 if (origin[axis] != block.origin[axis] || sides[axis] != block.shape.n[axis])
                     return "block " + std::to_string(i) + " differs";

@@ -144,7 +144,8 @@ TEST_F(CliUsage, WrongOptionsCostNoWorkAndLeaveNoJournal) {
         refused("--meta tessera:rate=x", {"--meta", "tessera:rate"});
         refused("--meta 'a=\xff'", {"UTF-8"});
         refused("--tile 65x1x1x1", {"--tile", "64"});
-        refused("--tile 64x64x32x32", {"--tile", "65536"});
+        refused("--tile 64x64x32x32", {"--tile", "393216"});
+        refused("--tile 64x64x8x8 --max-error 1", {"64x64x8x8", "65536"});
         refused("--tile 8x8", {"--tile", "'8x8'"});
         refused("--transfer gamma", {"--transfer", "linear"});
         refused("--quality 5 --target-psnr 40", {"--quality and --target-psnr: only one"});

@@ -85,12 +85,13 @@ void add_encode_options(CLI::App& app, EncodeArguments& a) {
         ->check(CLI::Range(0, most_effort))
         ->default_str(std::to_string(usual_effort));
     app.add_option("--tools", a.tools)->group(""); // for experiments: tests/regression/ablation.md
-    app.add_option("--tile", a.tile,
-                   "Largest tile UxVxSxT, u and v to 64, s and t to 32, at most 65536 texels (what "
-                   "a trial finds "
-                   "smallest: all views of a small place, 32x24x9x9 of 9x9, or fewer of a larger "
-                   "one, 32x32x8x8 or "
-                   "64x64x4x4 of 32x32; with --layers 32x32x8x8 or 32x32x4x4)");
+    app.add_option(
+        "--tile", a.tile,
+        "Largest tile UxVxSxT, u and v to 64, s and t to 32, at most 393216 texels, 65536 "
+        "with --max-error (what a trial finds smallest: all views of a small place, "
+        "32x24x9x9 of 9x9, or fewer of a larger one, 32x32x8x8 or 64x64x4x4 of 32x32; "
+        "64x64x9x9 where it shows what cameras see; with --layers 32x32x8x8 or "
+        "32x32x4x4)");
     app.add_flag("--layers", a.layers,
                  "Put coarse levels first (at most 3 % more bytes): any beginning of the file then "
                  "shows the whole texture, see decode --allow-partial");
