@@ -23,9 +23,9 @@ std::uint32_t part_of(std::uint32_t side, std::uint32_t parts) {
     return (side - 1) / std::min(side, parts) + 1;
 }
 
-// Of tiles with s x t views and at most so many texels the fewest that cover all places. Which way round a tile is longer costs
-// nothing (32x24x9x9 as 26x26x9x9), but its blocks are as long as it is: only up to 3 : 2, where 2 : 1
-// costs 2 to 4 %, more than tiles that are a third smaller. Squares win a draw.
+// Of tiles with s x t views and at most so many texels the fewest that cover all places. Which way round a
+// tile is longer costs nothing (32x24x9x9 as 26x26x9x9), but its blocks are as long as it is: only up to
+// 3 : 2, where 2 : 1 costs 2 to 4 %, more than tiles that are a third smaller. Squares win a draw.
 Extent4 largest_tile(const Extent4& size, std::uint32_t s, std::uint32_t t,
                      std::uint32_t most_texels) {
     constexpr auto most_side = std::uint32_t{max_tile_side};

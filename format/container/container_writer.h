@@ -58,7 +58,7 @@ struct ExtraSection {
 struct ContainerContents {
     TextureDesc desc;
     Extent4 tile_extent{
-        32, 32, 8, 8}; // texels, 1..64 along u and v, 1..32 along s and t, product at most 65,536
+        32, 32, 8, 8}; // texels, 1..64 along u and v, 1..32 along s and t, product at most 393,216
     Description description;
     Metadata metadata;
     ColourTransform colour = ColourTransform::none;
