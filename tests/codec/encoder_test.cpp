@@ -97,6 +97,22 @@ TEST(Codec, CoefficientsBeyondTheLengthLimitAreNotCountedOn) {
         }
 }
 
+// A wave that one block of all 81,920 texels holds: its coefficients lie further apart than 16 bits count.
+TEST(Codec, BlocksMayBeAsLargeAsTiles) {
+    const Extent4 size{64, 64, 5, 4};
+    MemoryTexture texture({size, SampleType::unorm8, 1}, [](int, int, int, int t, int) {
+        return 0.5 + 0.4 * std::cos(3.14159265 * (t + 0.5) / 4);
+    });
+    EncodeOptions options = options_for({Kind::quality, 60}, quick_effort);
+    options.tile_extent = size;
+    const Encoded encoded = encode(texture, options);
+    EXPECT_GT(encoded.report.psnr, 45);
+    const auto source = wrap_memory(encoded.file);
+    const auto reader = ContainerReader::open(*source);
+    ASSERT_TRUE(reader) << reader.status().message();
+    EXPECT_LT(reader->load_tile(0)->bytes.size(), 16u);
+}
+
 TEST(Codec, EveryEffortRoundTrips) {
     const TextureDesc desc = describe({17, 10, 7, 5}, SampleType::unorm8, 4);
     MemoryTexture texture = named_texture(desc, "smooth");
