@@ -117,6 +117,7 @@ inline std::vector<Encoding> encodings() {
 
         {"3_mirror", mirror, {{18, 11, 5, 5}, byte, 3}, {Kind::quality, 60}},
         {"3_captured", captured, {{34, 33, 3, 3}, byte, 3}, {Kind::quality, 62}},
+        {"3_captured_large", captured, {{60, 48, 5, 5}, byte, 3}, {Kind::quality, 45}},
         {"3_noise", noise, {{12, 8, 4, 4}, byte, 3}, {Kind::quality, 85}},
         {"3_composed_rate", composed, {{12, 11, 4, 4}, byte, 3}, {Kind::bpt, 4.5}},
         {"3_half_baked", composed, {{9, 12, 5, 4}, half, 3}, {Kind::psnr, 50}, baked},
