@@ -72,6 +72,8 @@ inline void TSR_ATOMIC_OR(uint index, uint value) {
     tsr_work[index] |= value;
 }
 
+constexpr uint unpainted = 0xDEADDEADu; // no sample: those have 16 bits
+
 // The picture the texels go to.
 struct Image {
     int width = 0, height = 0, layers = 0;
@@ -81,7 +83,7 @@ struct Image {
     void resize(int w, int h, int l) {
         width = w, height = h, layers = l;
         outside = 0;
-        pixels.assign(std::size_t(w) * h * l, uvec4(0xDEADu));
+        pixels.assign(std::size_t(w) * h * l, uvec4(unpainted));
     }
     uvec4& at(int x, int y, int layer) {
         return pixels[(std::size_t(layer) * height + y) * width + x];

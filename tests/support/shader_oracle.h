@@ -224,7 +224,7 @@ private:
     static std::uint64_t painted_pixels() {
         const auto& pixels = shaders::image.pixels;
         return static_cast<std::uint64_t>(std::count_if(
-            pixels.begin(), pixels.end(), [](const auto& p) { return p.x != 0xDEADu; }));
+            pixels.begin(), pixels.end(), [](const auto& p) { return p.x != shaders::unpainted; }));
     }
 
     // Blocks and numbers of nodes and levels against those that the CPU's decoder holds.
