@@ -1,20 +1,19 @@
 #include "codec/trials/base_trial.h"
 
 #include "codec/trials/heavy_tiles.h"
+#include "codec/trials/tile_shapes.h"
 
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 
 namespace tessera {
 namespace {
 
-// A look at few tiles at a low effort says in which direction they pay, if in any: baked textures, which
-// gain 0.2 %, are not to pay for more, and mostly gain nothing in the first one.
-constexpr std::size_t tiles_for_direction = 2;
-// Of tiles of this many texels, but no fewer than two; of large ones fewer.
+constexpr std::size_t parts_for_direction = 2;
+// Of usual tiles, but no fewer than two; of large ones fewer.
 constexpr std::size_t tiles_for_margin = 8;
-constexpr std::uint64_t texels_for_margin = 65536;
 constexpr int quick_effort_of_bases = 2;
 // Below this gain they are not worth twice the encoding time, and a margin is as likely to cost. Camera grids gain
 // 20 % and more.
@@ -22,15 +21,11 @@ constexpr double least_gain = 0.01, least_quick_gain = 0.04;
 constexpr std::array<std::uint8_t, 2> margins = {4, 8};
 
 // The cheapest of `candidates`; none, if it costs no less than `least`, which becomes its cost.
-Result<BasePictures> cheapest(const HeavyTiles& tiles, CodingParameters parameters,
-                              std::span<const BasePictures> candidates, double& least) {
+Result<BasePictures> cheapest(const CostOfBases& cost_of, std::span<const BasePictures> candidates,
+                              double& least) {
     BasePictures best;
     for (const BasePictures& pictures : candidates) {
-        if (!tiles.can_have(pictures))
-            continue;
-        parameters.base = pictures;
-        parameters.smooth_copies = false;
-        TESSERA_TRY_ASSIGN(const double cost, tiles.cost(parameters));
+        TESSERA_TRY_ASSIGN(const double cost, cost_of(pictures));
         if (cost < least) {
             least = cost;
             best = pictures;
@@ -39,25 +34,26 @@ Result<BasePictures> cheapest(const HeavyTiles& tiles, CodingParameters paramete
     return best;
 }
 
+CostOfBases cost_in(HeavyTiles tiles, const PassResult& plain) {
+    return [tiles = std::move(tiles), &plain](const BasePictures& pictures) {
+        CodingParameters parameters = plain.walked;
+        if (pictures.on) {
+            parameters.base = pictures;
+            parameters.smooth_copies = false;
+        }
+        return tiles.cost(parameters);
+    };
+}
+
 Result<BasePictures> choose_direction(const EncodePlan& plan, const Sample& sample,
                                       const PassResult& plain) {
-    std::array<BasePictures, 2> directions{};
-    for (const bool v_against_u : {false, true})
-        directions[v_against_u] = {.on = true, .margin = 0, .v_against_u = v_against_u};
     EncodePlan quick = plan;
     quick.effort = EffortSettings::of(quick_effort_of_bases, plan.tools).for_samples();
-    BasePictures chosen;
-    for (std::size_t count = 1; count <= tiles_for_direction; ++count) {
-        const HeavyTiles tiles(quick, sample, plain, count);
-        if (!tiles.can_have(directions[0]))
-            return BasePictures{};
-        TESSERA_TRY_ASSIGN(double least, tiles.cost(plain.walked));
-        least *= 1 - (count == tiles_for_direction ? least_quick_gain : 0);
-        TESSERA_TRY_ASSIGN(chosen, cheapest(tiles, plain.walked, directions, least));
-        if (!chosen.on)
-            break; // hardly ever do they pay in a lighter tile only
-    }
-    return chosen;
+    if (!HeavyTiles(quick, sample, plain, 1).can_have({.on = true}))
+        return BasePictures{};
+    return paying_direction(0, [&](std::size_t count) {
+        return cost_in(HeavyTiles(quick, sample, plain, count), plain);
+    });
 }
 
 } // namespace
@@ -68,18 +64,37 @@ bool may_have_base_pictures(const EncodePlan& plan) {
            plan.options.description.proxy != Proxy::mesh;
 }
 
+Result<BasePictures>
+paying_direction(std::uint8_t margin,
+                 const std::function<CostOfBases(std::size_t)>& cost_in_parts) {
+    std::array<BasePictures, 2> directions{};
+    for (const bool v_against_u : {false, true})
+        directions[v_against_u] = {.on = true, .margin = margin, .v_against_u = v_against_u};
+    BasePictures chosen;
+    for (std::size_t count = 1; count <= parts_for_direction; ++count) {
+        const CostOfBases cost_of = cost_in_parts(count);
+        TESSERA_TRY_ASSIGN(double least, cost_of(BasePictures{}));
+        least *= 1 - (count == parts_for_direction ? least_quick_gain : 0);
+        TESSERA_TRY_ASSIGN(chosen, cheapest(cost_of, directions, least));
+        if (!chosen.on)
+            break; // hardly ever do they pay in a lighter part only
+    }
+    return chosen;
+}
+
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
                                           const PassResult& plain) {
     TESSERA_TRY_ASSIGN(const BasePictures direction, choose_direction(plan, sample, plain));
     if (!direction.on)
         return direction;
     const std::uint64_t affordable =
-        tiles_for_margin * texels_for_margin / texel_count(plan.grid.tile_extent());
-    const HeavyTiles tiles(plan, sample, plain,
-                           std::clamp<std::uint64_t>(affordable, 2, tiles_for_margin));
+        tiles_for_margin * usual_tile_texels / texel_count(plan.grid.tile_extent());
+    HeavyTiles tiles(plan, sample, plain,
+                     std::clamp<std::uint64_t>(affordable, 2, tiles_for_margin));
     double least = (1 - least_gain) * tiles.plain_cost();
+    const CostOfBases cost_of = cost_in(std::move(tiles), plain);
     TESSERA_TRY_ASSIGN(const BasePictures narrow,
-                       cheapest(tiles, plain.walked, std::span(&direction, 1), least));
+                       cheapest(cost_of, std::span(&direction, 1), least));
     if (!narrow.on)
         return narrow;
     least *= 1 - least_gain;
@@ -87,7 +102,7 @@ Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& 
     wide.fill(direction);
     for (std::size_t i = 0; i < margins.size(); ++i)
         wide[i].margin = margins[i];
-    TESSERA_TRY_ASSIGN(const BasePictures wider, cheapest(tiles, plain.walked, wide, least));
+    TESSERA_TRY_ASSIGN(const BasePictures wider, cheapest(cost_of, wide, least));
     return wider.on ? wider : narrow;
 }
 

@@ -28,8 +28,6 @@ constexpr int most_effort_of_trial = 4;
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr double clear_difference = 0.08;
 constexpr std::uint8_t usual_margin = 4; // of base pictures
-// Views of cameras gain 20 % and more by base pictures, baked textures next to nothing.
-constexpr double clear_gain_of_bases = 0.04;
 constexpr std::uint64_t patches_for_bases = 2;
 
 // How much texels that matter change from one to the next.
@@ -176,17 +174,12 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     return ratio < 1;
 }
 
-// What base pictures save of the patches' cost, at a low effort: a part of 1.
-Result<double> gain_by_bases(const EncodePlan& plan, const Sample& patches, const Extent4& tile) {
-    const int quick = std::min(plan.options.effort, quick_effort_of_trial);
-    TESSERA_TRY_ASSIGN(const double plain, cost_in_tiles(plan, patches, quick, tile));
-    double least = plain;
-    for (const bool v_against_u : {false, true}) {
-        const BasePictures base{.on = true, .margin = usual_margin, .v_against_u = v_against_u};
-        TESSERA_TRY_ASSIGN(const double cost, cost_in_tiles(plan, patches, quick, tile, base));
-        least = std::min(least, cost);
-    }
-    return plain > 0 ? 1 - least / plain : 0;
+Sample first_of(const Sample& patches, std::size_t count) {
+    Sample first;
+    const auto end = static_cast<std::ptrdiff_t>(std::min(count, patches.tiles.size()));
+    first.boxes.assign(patches.boxes.begin(), patches.boxes.begin() + end);
+    first.tiles.assign(patches.tiles.begin(), patches.tiles.begin() + end);
+    return first;
 }
 
 // Whether it is views of cameras, of which tiles gain clearly by base pictures. Looked for in tiles of the views that
@@ -202,15 +195,14 @@ Result<bool> shows_parallax(const EncodePlan& plan) {
     const Extent4 large = large_tile(size);
     const Extent4 tile = usual_tile_with_views(size, large[axis_s], large[axis_t]);
     TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, tile, patches_for_bases));
-    Sample first;
-    first.boxes.assign(1, patches.boxes[0]);
-    first.tiles.assign(1, patches.tiles[0]);
-    // Mostly the first one, the liveliest, gains nothing.
-    TESSERA_TRY_ASSIGN(const double one, gain_by_bases(plan, first, tile));
-    if (one <= 0)
-        return false;
-    TESSERA_TRY_ASSIGN(const double all, gain_by_bases(plan, patches, tile));
-    return all >= clear_gain_of_bases;
+    const int quick = std::min(plan.options.effort, quick_effort_of_trial);
+    TESSERA_TRY_ASSIGN(
+        const BasePictures bases, paying_direction(usual_margin, [&](std::size_t count) {
+            return [&, first = first_of(patches, count)](const BasePictures& pictures) {
+                return cost_in_tiles(plan, first, quick, tile, pictures);
+            };
+        }));
+    return bases.on;
 }
 
 // Which trials cost more than they can bring.
