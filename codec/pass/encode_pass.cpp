@@ -442,16 +442,10 @@ std::uint64_t Sample::texels_that_matter() const {
         [](std::uint64_t left, const TileTexels& tile) { return left - free_count(tile.matters); });
 }
 
-namespace {
-
-constexpr std::uint64_t large_sample_tile = 131072; // texels; two are as much as four usual ones
-
-} // namespace
-
 Result<Sample> read_sample(const EncodePlan& plan) {
+    constexpr std::uint64_t large_tile = 131072; // texels; two are as much as four usual ones
     const std::uint64_t share = plan.effort.quick && plan.effort.recode ? 16 : 8;
-    const bool is_large = texel_count(plan.grid.tile_extent()) > large_sample_tile;
-    const std::uint64_t fewest = is_large ? 2 : 4;
+    const std::uint64_t fewest = texel_count(plan.grid.tile_extent()) > large_tile ? 2 : 4;
     return read_sample(plan, std::clamp<std::uint64_t>(plan.grid.tiles() / share, fewest, 128));
 }
 

@@ -21,7 +21,7 @@ BlockSearch::BlockSearch(const TileCoding& coding, const BitCosts& costs,
 }
 
 bool BlockSearch::is_flat(const Grid& grid, std::size_t cell) const {
-    return grid.activity[cell] < flat_activity * options_.lambda;
+    return !grid.is_too_large && grid.activity[cell] < flat_activity * options_.lambda;
 }
 
 void BlockSearch::set_fineness(int k) {
@@ -127,7 +127,7 @@ bool BlockSearch::search_tree(TileLevels& out) {
     out.shape = shape_;
     const Block root{{0, 0, 0, 0}, shape_, 0, 0};
     measure_activity();
-    if (is_flat(grids_[0], 0) && !grids_[0].is_too_large) {
+    if (is_flat(grids_[0], 0)) {
         out.splits.push_back(static_cast<std::uint8_t>(Split::none));
         out.blocks.push_back(root);
         grids_[0].cost.assign(1, grids_[0].activity[0] + grids_[0].mean_cost[0] +
@@ -210,7 +210,7 @@ void BlockSearch::combine() {
             const auto& split_bits = costs_.split[depth_class(s)][depth_class(a)];
             grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
                 grid.cost[i] += options_.lambda * split_bits[0];
-                if (options_.copies.along == 0 && is_flat(grid, i) && !grid.is_too_large)
+                if (options_.copies.along == 0 && is_flat(grid, i))
                     return; // no split can pay, unless parts of it copy
                 for (const Split split : {Split::spatial, Split::angular}) {
                     const bool spatial = split == Split::spatial;

@@ -176,9 +176,8 @@ void BlockSearch::estimate_grid(Grid& grid) {
     grid.own_cost.resize(grid.activity.size());
     const float overhead = options_.lambda * block_overhead_bits;
     for (std::size_t i = 0; i < grid.activity.size(); ++i)
-        grid.own_cost[i] = is_flat(grid, i) && !grid.is_too_large
-                               ? grid.activity[i] + grid.mean_cost[i] + overhead
-                               : infinite;
+        grid.own_cost[i] =
+            is_flat(grid, i) ? grid.activity[i] + grid.mean_cost[i] + overhead : infinite;
     for (const std::array<int, 4>& c : grid.tried)
         if (const std::size_t i = grid.index(c); !is_flat(grid, i))
             grid.own_cost[i] = overhead + cell_cost(grid, c);

@@ -96,6 +96,9 @@ void tsr_decode_tree(uint tile) {
         stack[1].depths = tsr_depths_of_base;
         waiting = 2;
     }
+    // The root of a base picture that is too large for a block is split without a symbol.
+    ivec4 base_sides = has_base ? tsr_sides_of(base) : ivec4(0);
+    bool base_is_cut = max(base_sides.x, base_sides.y) > tsr_max_spatial_side;
     uint blocks = 0u;
     uint nodes = 0u;
     bool predicts = tsr_table(tsr_t_predicts) != 0u;
@@ -107,9 +110,8 @@ void tsr_decode_tree(uint tile) {
         uint classes = uint(tsr_depth_classes);
         uint spatial = min(node.depths & 15u, classes - 1u);
         uint angular = min(node.depths >> 4, classes - 1u);
-        ivec4 sides = tsr_sides_of(node.shape);
-        int split = 1; // of what is too large for a block, without a symbol
-        if (max(sides.x, sides.y) <= tsr_max_spatial_side)
+        int split = 1;
+        if (!base_is_cut || node.depths != tsr_depths_of_base)
             split = tsr_symbol3(r, uint(tsr_t_split) + spatial * classes + angular);
         nodes += 1u;
         if (split == 0) {

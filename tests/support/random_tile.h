@@ -33,11 +33,10 @@ public:
 
 private:
     void grow(const Block& block, TileLevels& tile) {
-        const auto wish =
-            is_too_large(block.shape) ? Split::spatial : static_cast<Split>(random_.range(1, 2));
-        if (!is_too_large(block.shape) &&
-            (leaves_ + 3 > max_leaves || !random_.chance(options_.split) ||
-             !can_split(block.shape, wish))) {
+        const bool must_split = is_too_large(block.shape);
+        const auto wish = must_split ? Split::spatial : static_cast<Split>(random_.range(1, 2));
+        if (!must_split && (leaves_ + 3 > max_leaves || !random_.chance(options_.split) ||
+                            !can_split(block.shape, wish))) {
             tile.splits.push_back(static_cast<std::uint8_t>(Split::none));
             tile.blocks.push_back(block);
             return;
