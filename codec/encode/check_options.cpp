@@ -38,7 +38,7 @@ Status check_tile(const EncodeOptions& options) {
             return refused("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
     }
     const bool corrects = options.rate.kind == RateTarget::Kind::max_error;
-    const int most_texels = corrects ? max_corrected_texels : max_tile_texels;
+    const int most_texels = max_texels_of_tile(corrects);
     if (texel_count(options.tile_extent) > static_cast<std::uint64_t>(most_texels))
         return refused("a tile of " + to_string(options.tile_extent) + " has more than " +
                        std::to_string(most_texels) + " texels" +

@@ -125,9 +125,8 @@ Status check_tile_extent(const FileHeader& h) {
         TESSERA_TRY(check_range("tile_extent", h.tile_extent[axis], 1,
                                 static_cast<std::uint64_t>(max_side_along(axis))));
     const bool corrects = (h.required_features & feature_corrections) != 0;
-    return check_range(
-        "tile_extent (product)", texel_count(h.tile_extent), 1,
-        static_cast<std::uint64_t>(corrects ? max_corrected_texels : max_tile_texels));
+    return check_range("tile_extent (product)", texel_count(h.tile_extent), 1,
+                       static_cast<std::uint64_t>(max_texels_of_tile(corrects)));
 }
 
 Status check_channel_use(const FileHeader& h) {

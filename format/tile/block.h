@@ -38,7 +38,7 @@ constexpr int first_axis(Split split) {
 }
 
 // Whether `split` divides at least one side.
-constexpr bool can_split(const BlockShape& shape, Split split) {
+inline bool can_split(const BlockShape& shape, Split split) {
     const int axis = first_axis(split);
     return shape.n[axis] > 1 || shape.n[axis + 1] > 1;
 }

@@ -19,6 +19,9 @@ constexpr int max_split_depth = 6; // of the spatial side, 64 -> 1
 constexpr int max_segment_work = 16000;
 constexpr int correction_chunk = 4096; // texels that one correction stream covers
 
+constexpr int max_texels_of_tile(bool may_correct) {
+    return may_correct ? max_corrected_texels : max_tile_texels;
+}
 constexpr int max_side_along(std::size_t axis) {
     return axis < 2 ? max_tile_side : max_angular_side;
 }

@@ -39,14 +39,14 @@ Status split_payload(std::span<const std::byte> payload, int tile_texels, Payloa
         return {};
     }
     const auto head = std::to_integer<unsigned>(payload[0]);
-    const bool may_correct = tile_texels <= max_corrected_texels;
-    const bool corrects = may_correct && (head & 128u) != 0;
+    const auto most_further = static_cast<unsigned>(most_segments(tile_texels)) - 1;
+    const bool corrects = head > most_further;
     TableReader table(payload);
     table.at_ = 1;
     struct Entry {
         std::size_t first_block, words;
     };
-    std::vector<Entry> entries(may_correct ? head & 127u : head);
+    std::vector<Entry> entries(head & most_further);
     std::size_t words = 0, least = 0; // the second segment may begin with block 0
     for (Entry& entry : entries) {
         if (!table.u16(entry.first_block) || !table.u16(entry.words))

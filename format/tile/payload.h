@@ -20,7 +20,8 @@ struct PayloadParts {
     // One per chunk of correction_chunk texels; empty: no corrections there.
     std::vector<std::span<const std::byte>> corrections;
 };
-// Of a tile: what its table can count.
+// Of a tile: what its table counts, in the low bits of its first byte. A bit that is left says whether there
+// are corrections.
 constexpr int most_segments(int tile_texels) {
     return tile_texels <= max_corrected_texels ? 128 : 256;
 }
