@@ -153,7 +153,8 @@ Result<std::unique_ptr<Attempt>> begin_attempt(TexelSource& source, const Encode
     } else {
         TESSERA_TRY_ASSIGN(motion, motion_between_views(plain));
     }
-    const auto attempt_by = [&motion](const EncodePlan& plan) {
+    const auto attempt_by = [&motion](EncodePlan plan) {
+        plan.parallax = motion.parallax;
         return std::unique_ptr<Attempt>(
             new Attempt{nullptr, nullptr, nullptr, plan, {}, {}, motion.looks_transposed});
     };

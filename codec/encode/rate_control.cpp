@@ -24,7 +24,7 @@ public:
           texels_(texel_count(plan.views.texture_size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
-        if (!may_have_base_pictures(plan))
+        if (!plan.parallax.on)
             base_ = BasePictures{};
         if (!plan.effort.filter || plan.colour.corrections)
             filter_ = TileFilter{};

@@ -37,6 +37,8 @@ struct EncodePlan {
         nullptr; // tiles that this file decodes to are taken over (tile_reuse.h)
     // Where views are aligned, `source`, `mask` and `grid` are of the grid of tiles, and so is colour.desc.
     AlignedViews views = {};
+    // The base pictures that follow the parallax of its views; off, where they show none, as on surfaces.
+    BasePictures parallax = {};
 };
 
 struct PassResult {

@@ -1,10 +1,12 @@
 #include "codec/trials/alignment_choice.h"
 
 #include "codec/texels/aligned_texels.h"
+#include "codec/trials/base_trial.h"
+#include "codec/trials/motion_patch.h"
+#include "codec/trials/parallax.h"
 #include "codec/trials/tile_shapes.h"
 #include "codec/trials/trial_plan.h"
 #include "format/levels.h"
-#include "format/samples.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +17,6 @@
 namespace tessera {
 namespace {
 
-constexpr Extent4 motion_extent{64, 64, 3, 3};
-constexpr std::uint64_t patches_of_motion = 16;
 constexpr int block_side = 8, farthest = 16; // texels; of parallax from one view to the next
 // What is left to move from view to view, weighed by detail, over what moved before. Of what is to gain, edges
 // of views that are cut by the grid take a part back.
@@ -31,42 +31,15 @@ struct Path {
     Axis spatial, angular;
     Axis across() const { return spatial == axis_u ? axis_v : axis_u; }
     Axis other() const { return angular == axis_s ? axis_t : axis_s; }
-};
 
-// One channel of a patch, in codes.
-class MotionPatch {
-public:
-    MotionPatch(const Box4& box, const TileTexels& tile, const TextureDesc& desc)
-        : extent_(box.extent()), matters_(tile.matters) {
-        const std::span<const std::byte> texels = tile.texels;
-        const std::size_t green = desc.channels >= 3 ? 1 : 0, bytes = sample_bytes(desc.type);
-        for (std::size_t at = green * bytes; at < texels.size(); at += desc.texel_bytes())
-            codes_.push_back(sample_code(load_sample(texels.data() + at, desc.type), desc.type));
+    MotionPatch::Place place(int along, int beside, int view, int other_view) const {
+        MotionPatch::Place place{};
+        place[spatial] = along;
+        place[across()] = beside;
+        place[angular] = view;
+        place[other()] = other_view;
+        return place;
     }
-    int side(Axis axis) const { return static_cast<int>(extent_[axis]); }
-    int at(int along, int across, const Path& path, int view, int other_view) const {
-        return codes_[index(along, across, path, view, other_view)];
-    }
-    bool is_free(int along, int across, const Path& path, int view, int other_view) const {
-        return tessera::is_free(matters_, index(along, across, path, view, other_view));
-    }
-
-private:
-    std::size_t index(int along, int across, const Path& path, int view, int other_view) const {
-        std::array<int, 4> c;
-        c[path.spatial] = along;
-        c[path.across()] = across;
-        c[path.angular] = view;
-        c[path.other()] = other_view;
-        const auto at = [&](Axis axis) { return static_cast<std::size_t>(c[axis]); };
-        return ((at(axis_v) * extent_[axis_u] + at(axis_u)) * extent_[axis_t] + at(axis_t)) *
-                   extent_[axis_s] +
-               at(axis_s);
-    }
-
-    Extent4 extent_;
-    std::vector<std::byte> matters_; // as TileTexels has it
-    std::vector<int> codes_;
 };
 
 // How much detail moves by how many texels along one axis, from one view to the next.
@@ -96,7 +69,7 @@ private:
                    int view, int other_view) {
         for (int a = along; a < along + block_side; ++a)
             for (int b = across; b < across + block_side; ++b)
-                if (patch.is_free(a, b, path, view, other_view))
+                if (patch.is_free(path.place(a, b, view, other_view)))
                     return;
         std::int64_t least = -1, detail = 0;
         int best = 0;
@@ -104,8 +77,8 @@ private:
             std::int64_t difference = 0;
             for (int a = along; a < along + block_side; ++a)
                 for (int b = across; b < across + block_side; ++b)
-                    difference += std::abs(patch.at(a, b, path, view, other_view) -
-                                           patch.at(a + d, b, path, view + 1, other_view));
+                    difference += std::abs(patch.at(path.place(a, b, view, other_view)) -
+                                           patch.at(path.place(a + d, b, view + 1, other_view)));
             // Of those that fit alike the shortest.
             if (least < 0 || difference < least ||
                 (difference == least && std::abs(d) < std::abs(best))) {
@@ -118,8 +91,8 @@ private:
             return;
         for (int a = along; a < along + block_side; ++a)
             for (int b = across; b < across + block_side; ++b)
-                detail += std::abs(patch.at(a, b, path, view, other_view) -
-                                   patch.at(a - 1, b, path, view, other_view));
+                detail += std::abs(patch.at(path.place(a, b, view, other_view)) -
+                                   patch.at(path.place(a - 1, b, view, other_view)));
         weight_[static_cast<std::size_t>(best + farthest)] += static_cast<double>(detail);
     }
 
@@ -166,23 +139,25 @@ ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
 } // namespace
 
 Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
-    if (!may_be_aligned(plan))
-        return ViewMotion{};
-    EncodePlan cut = plan;
-    cut.grid = TileGrid(plan.colour.desc.size, motion_extent);
-    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(cut, patches_of_motion));
-    std::vector<MotionPatch> patches;
-    for (std::size_t i = 0; i < sample.boxes.size(); ++i)
-        patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
-    const auto few = std::span(patches).first(std::min(patches.size(), patches_of_order));
-    ViewMotions straight{{axis_u, axis_s}, {axis_v, axis_t}};
-    ViewMotions transposed{{axis_v, axis_s}, {axis_u, axis_t}};
-    straight.add(few);
-    transposed.add(few);
-    const bool looks_transposed =
-        transposed.difference() < least_difference_transposed * straight.difference();
-    straight.add(std::span(patches).subspan(few.size()));
-    return ViewMotion{alignment_by(straight.of_s, straight.of_t), looks_transposed};
+    ViewMotion motion;
+    const bool aligns = may_be_aligned(plan), has_bases = may_have_base_pictures(plan);
+    if (!aligns && !has_bases)
+        return motion;
+    TESSERA_TRY_ASSIGN(const std::vector<MotionPatch> patches, read_motion_patches(plan));
+    if (aligns) {
+        const auto few = std::span(patches).first(std::min(patches.size(), patches_of_order));
+        ViewMotions straight{{axis_u, axis_s}, {axis_v, axis_t}};
+        ViewMotions transposed{{axis_v, axis_s}, {axis_u, axis_t}};
+        straight.add(few);
+        transposed.add(few);
+        motion.looks_transposed =
+            transposed.difference() < least_difference_transposed * straight.difference();
+        straight.add(std::span(patches).subspan(few.size()));
+        motion.alignment = alignment_by(straight.of_s, straight.of_t);
+    }
+    if (has_bases)
+        motion.parallax = parallax_in(patches, motion.alignment);
+    return motion;
 }
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include "codec/pass/encode_pass.h"
 #include "format/levels.h"
+#include "format/tile/base_picture.h"
 
 namespace tessera {
 
@@ -10,11 +11,12 @@ struct ViewMotion {
     ViewAlignment alignment;
     // What views show moves along v from one s to the next, and along u from one t to the next.
     bool looks_transposed = false;
+    BasePictures parallax; // as EncodePlan has it
 };
 
-// By the parallax between neighbouring views in some patches of the texture. No alignment for surfaces, with
-// layers, at quick efforts, for pictures of more than half of slab_bytes, which would have to be held, and where
-// views move about as much without it. Errors: those of the source.
+// By neighbouring views in some patches of the texture. No alignment for surfaces, with layers, at quick efforts,
+// for pictures of more than half of slab_bytes, which would have to be held, and where views move about as much
+// without it. Errors: those of the source.
 Result<ViewMotion> motion_between_views(const EncodePlan& plan);
 
 // Whether parts of the texture code better so, at a quick effort. `source` has the plan's texels in any order.

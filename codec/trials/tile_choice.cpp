@@ -1,7 +1,6 @@
 #include "codec/trials/tile_choice.h"
 
 #include "codec/texels/sample_tiles.h"
-#include "codec/trials/base_trial.h"
 #include "codec/trials/tile_shapes.h"
 #include "codec/trials/trial_plan.h"
 #include "format/texture.h"
@@ -27,8 +26,6 @@ constexpr int most_effort_of_trial = 4;
 // fifths of the encode.
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr double clear_difference = 0.08;
-constexpr std::uint8_t usual_margin = 4; // of base pictures
-constexpr std::uint64_t patches_for_bases = 2;
 
 // How much texels that matter change from one to the next.
 std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {
@@ -50,8 +47,7 @@ Extent4 patch_of(const Extent4& a, const Extent4& b) {
 }
 
 // Parts of the texture, the liveliest of twice as many: the others are nearly all background.
-Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent,
-                            std::uint64_t most = most_patches) {
+Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     EncodePlan cut = plan;
     cut.grid = TileGrid(plan.colour.desc.size, extent);
     const std::uint64_t affordable =
@@ -59,7 +55,7 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent,
     const bool quick = plan.effort.quick;
     const std::uint64_t fewest = quick ? fewest_patches_by_estimate : fewest_patches;
     const std::uint64_t wanted = std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest,
-                                            std::clamp(affordable, fewest, most));
+                                            std::clamp(affordable, fewest, most_patches));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)
@@ -120,13 +116,11 @@ void cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const Tex
 
 // What `patches` cost in tiles of `extent` at an effort.
 Result<double> cost_in_tiles(const EncodePlan& plan, const Sample& patches, int effort,
-                             const Extent4& extent, const BasePictures& base = {}) {
+                             const Extent4& extent) {
     const EncodePlan trial = plan_of_trial(plan, patches, effort);
-    CodingParameters parameters = parameters_of_trial(trial);
-    parameters.base = base;
     Sample tiles;
     cut_into_tiles(patches, extent, plan.colour.desc, tiles);
-    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters, tiles));
+    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters_of_trial(trial), tiles));
     return lagrangian_cost(trial, pass);
 }
 
@@ -174,37 +168,6 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
     return ratio < 1;
 }
 
-Sample first_of(const Sample& patches, std::size_t count) {
-    Sample first;
-    const auto end = static_cast<std::ptrdiff_t>(std::min(count, patches.tiles.size()));
-    first.boxes.assign(patches.boxes.begin(), patches.boxes.begin() + end);
-    first.tiles.assign(patches.tiles.begin(), patches.tiles.begin() + end);
-    return first;
-}
-
-// Whether it is views of cameras, of which tiles gain clearly by base pictures. Looked for in tiles of the views that
-// large ones may have: beside all of 27x27 views of a narrow place, most of a base picture is margin. A sphere's
-// and a mesh's textures are drawn from tiles that are decoded as they come into view; those stay small.
-Result<bool> shows_parallax(const EncodePlan& plan) {
-    if (!may_have_base_pictures(plan) || plan.options.layers ||
-        plan.options.description.proxy != Proxy::none)
-        return false;
-    if (plan.views.alignment().any())
-        return true;
-    const Extent4& size = plan.colour.desc.size;
-    const Extent4 large = large_tile(size);
-    const Extent4 tile = usual_tile_with_views(size, large[axis_s], large[axis_t]);
-    TESSERA_TRY_ASSIGN(const Sample patches, read_patches(plan, tile, patches_for_bases));
-    const int quick = std::min(plan.options.effort, quick_effort_of_trial);
-    TESSERA_TRY_ASSIGN(
-        const BasePictures bases, paying_direction(usual_margin, [&](std::size_t count) {
-            return [&, first = first_of(patches, count)](const BasePictures& pictures) {
-                return cost_in_tiles(plan, first, quick, tile, pictures);
-            };
-        }));
-    return bases.on;
-}
-
 // Which trials cost more than they can bring.
 bool needs_no_trial(const EncodePlan& plan) {
     const Extent4& size = plan.colour.desc.size;
@@ -223,8 +186,9 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
     std::size_t best = shapes.usual;
     if (needs_no_trial(plan))
         return shapes.tiles[best];
-    TESSERA_TRY_ASSIGN(const bool moves, shows_parallax(plan));
-    if (moves)
+    // Large ones are for views of cameras. A sphere's and a mesh's textures are drawn from tiles that are decoded
+    // as they come into view; those stay small.
+    if (plan.parallax.on && !plan.options.layers)
         return large_tile(plan.colour.desc.size);
     // Towards more views while that pays, else towards fewer: each trial is of two neighbours, as those
     // share small patches.

@@ -2,6 +2,7 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/pass/steps.h"
+#include "codec/trials/alignment_choice.h"
 #include "codec/trials/tile_choice.h"
 #include "codec/trials/tile_shapes.h"
 #include "format/levels.h"
@@ -43,6 +44,10 @@ Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effo
     EXPECT_TRUE(tools) << tools.status().message();
     EncodePlan plan{texture, options, {}, {texture.desc()}, EffortSettings::of(effort, *tools)};
     plan.tools = *tools;
+    const auto motion = motion_between_views(plan);
+    EXPECT_TRUE(motion) << motion.status().message();
+    if (motion)
+        plan.parallax = motion->parallax;
     const auto tile = choose_tile_extent(plan);
     EXPECT_TRUE(tile) << tile.status().message();
     return tile ? *tile : Extent4{};
@@ -169,7 +174,7 @@ MemoryTexture camera_grid(const Extent4& extent) {
     });
 }
 
-TEST(TileChoice, CameraGridsGetLargeTilesWhereTheseCopyBasePictures) {
+TEST(TileChoice, CameraGridsGetLargeTilesWhereTheseMayHaveBasePictures) {
     MemoryTexture texture = camera_grid({36, 36, 17, 17});
     EncodeOptions options;
     EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{36, 36, 9, 9}));
