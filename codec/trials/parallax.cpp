@@ -8,10 +8,11 @@
 namespace tessera {
 namespace {
 
-constexpr int cell_side = 8;        // texels
-constexpr int unit_bits = 2, unit = 1 << unit_bits; // of displacements: a quarter of a texel a view,
-constexpr int farthest_copied = 3 * unit;                  // as far as base pictures are copied from
-constexpr int weights = unit * unit; // of a texel between others
+constexpr int cell_side = 8; // texels
+constexpr int unit_bits = 2,
+              unit = 1 << unit_bits;      // of displacements: a quarter of a texel a view,
+constexpr int farthest_copied = 3 * unit; // as far as base pictures are copied from
+constexpr int weights = unit * unit;      // of a texel between others
 // What is left of a middle view's neighbours where each cell is displaced as fits them best, over what the cells
 // vary by: 0.02 to 0.12 of light fields (0.48 with noise of 12 codes), 0.76 to 1.6 of baked textures.
 constexpr double most_left = 0.5;
@@ -141,7 +142,7 @@ private:
     ViewAlignment alignment_;
     int width_ = 0, height_ = 0; // of the patch
     View middle_{};
-    std::vector<View> views_; // beside it
+    std::vector<View> views_;      // beside it
     std::array<double, 2> left_{}; // by direction: v with u, v against u
     double variation_ = 0;
 };

@@ -29,8 +29,9 @@ MotionPatch patch_of(const std::function<double(int, int, int, int)>& picture,
     if (matters)
         for (std::size_t i = 0; i < texel_count(extent); ++i) {
             const std::size_t place = i / (extent[axis_s] * extent[axis_t]);
-            tile.matters.push_back(static_cast<std::byte>(matters(
-                static_cast<int>(place % extent[axis_u]), static_cast<int>(place / extent[axis_u]))));
+            tile.matters.push_back(
+                static_cast<std::byte>(matters(static_cast<int>(place % extent[axis_u]),
+                                               static_cast<int>(place / extent[axis_u]))));
         }
     return MotionPatch(box, tile, texture.desc());
 }
@@ -75,16 +76,19 @@ TEST(Parallax, IsBesideWhatViewsAreAlignedBy) {
 TEST(Parallax, IsNotWhatDirectionsShow) {
     EXPECT_FALSE(parallax_of(patch_of([](int u, int v, int s, int t) {
                      return moving_picture(u + 17 * s, v - 29 * t, 0);
-                 })).on) << "another picture each";
+                 })).on)
+        << "another picture each";
     EXPECT_FALSE(parallax_of(patch_of([](int u, int v, int s, int t) {
                      return moving_picture(u - 2 * t, v - 2 * s, 0);
-                 })).on) << "transposed";
+                 })).on)
+        << "transposed";
     EXPECT_FALSE(parallax_of(patch_of([](int, int, int, int) { return 0.25; })).on) << "flat";
 }
 
 TEST(Parallax, ViewsInARowAndFewPlacesAreEnoughOrNone) {
     const auto moving = [](int u, int v, int s, int t) { return moving_picture(u - s, v - t, 0); };
-    for (const Extent4& extent : {Extent4{32, 24, 3, 1}, {32, 24, 1, 3}, {32, 24, 2, 2}, {8, 8, 3, 3}})
+    for (const Extent4& extent :
+         {Extent4{32, 24, 3, 1}, {32, 24, 1, 3}, {32, 24, 2, 2}, {8, 8, 3, 3}})
         EXPECT_TRUE(parallax_of(patch_of(moving, extent)).on) << to_string(extent);
     for (const Extent4& extent : {Extent4{32, 24, 1, 1}, {7, 24, 3, 3}})
         EXPECT_FALSE(parallax_of(patch_of(moving, extent)).on) << to_string(extent);

@@ -42,6 +42,14 @@ if(with_glsl)
     build_and_run(${here}/glsl consumer_glsl -DCMAKE_PREFIX_PATH=${prefix})
 endif()
 
+# The tool, too, and what it hands over to.
+find_program(tool tessera PATHS ${prefix}/bin NO_DEFAULT_PATH)
+if(tool)
+    run(${tool} version)
+    run(${tool} help bake)
+    message(STATUS "installed: both programs run")
+endif()
+
 # Without CMake: the shared library by pkg-config.
 file(GLOB_RECURSE pc ${prefix}/*/tessera.pc)
 get_filename_component(pc_folder ${pc} DIRECTORY)

@@ -1,10 +1,10 @@
 // What servers and clients say: heads of answers, Content-Range, ranges and names that are asked for. The
 // first line is a path, the second a range, the rest a head.
 #include "tests/fuzz/fuzz_target.h"
-#include "tools/http/file_server_paths.h"
-#include "tools/http/file_server_ranges.h"
 #include "tools/http/http_receivers.h"
 #include "tools/http/http_response.h"
+#include "tools/server/file_server_paths.h"
+#include "tools/server/file_server_ranges.h"
 
 #include <cstring>
 

@@ -1,10 +1,10 @@
 // What `tessera serve` answers, seen through a plain HTTP conversation and through HttpSource.
 #include "tests/support/test_folder.h"
-#include "tools/http/connection_lobby.h"
-#include "tools/http/file_server.h"
-#include "tools/http/file_server_paths.h"
-#include "tools/http/file_server_ranges.h"
 #include "tools/http/http_source.h"
+#include "tools/server/connection_lobby.h"
+#include "tools/server/file_server.h"
+#include "tools/server/file_server_paths.h"
+#include "tools/server/file_server_ranges.h"
 
 #include <arpa/inet.h>
 #include <fstream>

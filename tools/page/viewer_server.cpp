@@ -1,9 +1,9 @@
 #include "tools/page/viewer_server.h"
 
 #include "format/byte_source.h"
-#include "tools/http/file_server_paths.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
+#include "tools/server/file_server_paths.h"
 
 #include <deque>
 #include <memory>

@@ -1,7 +1,7 @@
 // `serve` and `view`: a folder over HTTP, with the viewer for its files.
 #pragma once
 
-#include "tools/http/file_server.h"
+#include "tools/server/file_server.h"
 
 #include <string>
 

@@ -3,10 +3,10 @@
 #include "corpus/bake.h"
 #include "format/texture.h"
 #include "format/work.h"
+#include "tools/scenes/scene_name.h"
 #include "tools/support/checksum.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
-#include "tools/support/scene_name.h"
 #include "tools/support/url.h"
 #include "tools/texture_io/texture_io.h"
 

@@ -1,4 +1,4 @@
-// The verbs of the tool. Each command_<verb>.cpp declares its options and says what they do.
+// Verbs of the tool. Each command_<verb>.cpp declares its options and says what they do.
 #pragma once
 
 #include "format/status.h"
@@ -16,19 +16,10 @@ struct Invocation {
     std::string verb;
 };
 
-void add_bake_command(CLI::App& app, Invocation& chosen);
-void add_encode_command(CLI::App& app, Invocation& chosen);
-void add_decode_command(CLI::App& app, Invocation& chosen);
-void add_info_command(CLI::App& app, Invocation& chosen);
-void add_validate_command(CLI::App& app, Invocation& chosen);
-void add_compare_command(CLI::App& app, Invocation& chosen);
-void add_sheet_command(CLI::App& app, Invocation& chosen);
-void add_shaders_command(CLI::App& app, Invocation& chosen);
-void add_render_command(CLI::App& app, Invocation& chosen);
-void add_bench_command(CLI::App& app, Invocation& chosen);
-void add_rd_command(CLI::App& app, Invocation& chosen);
-void add_view_command(CLI::App& app, Invocation& chosen);
-void add_serve_command(CLI::App& app, Invocation& chosen);
+struct Verb {
+    const char* name;
+    void (*add)(CLI::App& app, Invocation& chosen);
+};
 
 // At the end of every help.
 inline constexpr const char* exit_codes_help =

@@ -6,14 +6,12 @@
 #include "tools/support/usage_error.h"
 #include "tools/verbs/command.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <vector>
 
 namespace tessera {
 namespace {
-
-const char* const verbs[] = {"bake",    "encode", "decode",  "info",   "validate",
-                             "compare", "sheet",  "shaders", "render", "bench",
-                             "rd",      "view",   "serve",   "help",   "version"};
 
 const char* const main_help =
     "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
@@ -43,11 +41,15 @@ std::string version_text() {
            std::to_string(format_version_major) + "." + std::to_string(format_version_minor);
 }
 
-bool is_verb(const std::string& word) {
-    for (const char* verb : verbs)
-        if (word == verb)
-            return true;
-    return false;
+constexpr const char* help_verb = "help";
+constexpr const char* version_verb = "version";
+
+std::vector<std::string> names_of(std::span<const Verb> verbs) {
+    std::vector<std::string> names;
+    for (const Verb& verb : verbs)
+        names.push_back(verb.name);
+    names.insert(names.end(), {help_verb, version_verb});
+    return names;
 }
 
 int report(const std::string& verb, const Status& status) {
@@ -59,34 +61,26 @@ int report(const std::string& verb, const Status& status) {
     return static_cast<int>(code == ErrorCode::over_budget ? ErrorCode::unsupported : code);
 }
 
-Status unknown_verb(const std::string& word) {
-    return {ErrorCode::bad_argument, "unknown verb " + word +
-                                         did_you_mean(word, {std::begin(verbs), std::end(verbs)}) +
-                                         " (tessera help lists all)"};
+bool is_among(const std::vector<std::string>& names, const std::string& word) {
+    return std::find(names.begin(), names.end(), word) != names.end();
 }
 
-void add_verbs(CLI::App& app, Invocation& chosen) {
-    add_bake_command(app, chosen);
-    add_encode_command(app, chosen);
-    add_decode_command(app, chosen);
-    add_compare_command(app, chosen);
-    add_info_command(app, chosen);
-    add_validate_command(app, chosen);
-    add_sheet_command(app, chosen);
-    add_shaders_command(app, chosen);
-    add_render_command(app, chosen);
-    add_bench_command(app, chosen);
-    add_rd_command(app, chosen);
-    add_view_command(app, chosen);
-    add_serve_command(app, chosen);
-    CLI::App* help = app.add_subcommand("help", "Show this, or the options of a verb");
+Status unknown_verb(const std::vector<std::string>& names, const std::string& word) {
+    return {ErrorCode::bad_argument,
+            "unknown verb " + word + did_you_mean(word, names) + " (tessera help lists all)"};
+}
+
+void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
+    for (const Verb& verb : verbs)
+        verb.add(app, chosen);
+    CLI::App* help = app.add_subcommand(help_verb, "Show this, or the options of a verb");
     auto topic = std::make_shared<std::string>();
     help->add_option("verb", *topic, "The verb to explain");
-    help->callback([&app, &chosen, topic] {
-        chosen.verb = "help";
-        chosen.run = [&app, topic]() -> Status {
-            if (!topic->empty() && !is_verb(*topic))
-                return unknown_verb(*topic);
+    help->callback([&app, &chosen, topic, names = names_of(verbs)] {
+        chosen.verb = help_verb;
+        chosen.run = [&app, topic, names]() -> Status {
+            if (!topic->empty() && !is_among(names, *topic))
+                return unknown_verb(names, *topic);
             // Not app.help(): that explains the verb that was called, which is this one.
             const CLI::App* about = topic->empty() ? &app : app.get_subcommand(*topic);
             const std::string name = topic->empty() ? "tessera" : "tessera " + *topic;
@@ -95,18 +89,27 @@ void add_verbs(CLI::App& app, Invocation& chosen) {
             return {};
         };
     });
-    app.add_subcommand("version", "Show the versions of tool and file format")->callback([&chosen] {
-        chosen.verb = "version";
-        chosen.run = []() -> Status {
-            std::printf("%s\n", version_text().c_str());
-            return {};
-        };
-    });
+    app.add_subcommand(version_verb, "Show the versions of tool and file format")
+        ->callback([&chosen] {
+            chosen.verb = version_verb;
+            chosen.run = []() -> Status {
+                std::printf("%s\n", version_text().c_str());
+                return {};
+            };
+        });
 }
 
 } // namespace
 
-int run_tool(int argc, char** argv) {
+int run_tool(int argc, char** argv, std::span<const Verb> verbs,
+             const std::function<int()>& who_knows_more) {
+    const std::string first = argc > 1 ? argv[1] : "";
+    const std::vector<std::string> names = names_of(verbs);
+    if (who_knows_more && (first == help_verb || !is_among(names, first)))
+        return who_knows_more();
+    const auto misused = [&](const std::string& verb, const Status& status) {
+        return who_knows_more ? who_knows_more() : report(verb, status);
+    };
     CLI::App app("Tessera: a codec for 4D textures (surface light fields), size UxVxSxT",
                  "tessera");
     app.set_version_flag("--version", version_text());
@@ -114,23 +117,22 @@ int run_tool(int argc, char** argv) {
     app.get_formatter()->column_width(34);
     app.footer(std::string(main_help) + exit_codes_help);
     Invocation chosen;
-    add_verbs(app, chosen);
-    const std::string first = argc > 1 ? argv[1] : "";
-    if (!first.empty() && first[0] != '-' && !is_verb(first))
-        return report("", unknown_verb(first));
+    add_verbs(app, verbs, chosen);
+    if (!first.empty() && first[0] != '-' && !is_among(names, first))
+        return misused("", unknown_verb(names, first));
     if (first.empty())
-        return report("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
-    const std::string verb = is_verb(first) ? first : "";
+        return misused("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
+    const std::string verb = is_among(names, first) ? first : "";
     const CLI::App* app_of_verb = verb.empty() ? nullptr : app.get_subcommand(verb);
     if (app_of_verb != nullptr)
         if (const Status status = check_words(*app_of_verb, {argv + 2, argv + argc}); !status.ok())
-            return report(verb, status);
+            return misused(verb, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0)
             return app.exit(e); // --help, --version
-        return report(verb, usage_error(app, app_of_verb, e));
+        return misused(verb, usage_error(app, app_of_verb, e));
     }
     const int code = report(chosen.verb, chosen.run());
     if (std::fflush(stdout) == 0 || code != 0)

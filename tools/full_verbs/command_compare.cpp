@@ -1,19 +1,19 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
 #include "tools/bench/prefix_curve.h"
+#include "tools/full_verbs/all_verbs.h"
 #include "tools/http/open_bytes.h"
+#include "tools/scenes/baked_original.h"
+#include "tools/scenes/scene_name.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
 #include "tools/support/memory_budget.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/support/scene_name.h"
 #include "tools/support/texture_arguments.h"
-#include "tools/texture_io/baked_original.h"
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/command.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,11 +1,11 @@
-#include "tools/http/file_server.h"
+#include "tools/server/file_server.h"
 
 #include "format/byte_source.h"
 #include "tools/http/curl_library.h"
-#include "tools/http/file_server_paths.h"
-#include "tools/http/file_server_ranges.h"
-#include "tools/http/guarded_server.h"
 #include "tools/http/http_response.h"
+#include "tools/server/file_server_paths.h"
+#include "tools/server/file_server_ranges.h"
+#include "tools/server/guarded_server.h"
 #include "tools/support/parse.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "tools/support/scene_name.h"
+#include "tools/scenes/scene_name.h"
 
 #include "corpus/catalog.h"
 #include "tools/support/suggestions.h"

@@ -1,4 +1,4 @@
-#include "tools/http/connection_lobby.h"
+#include "tools/server/connection_lobby.h"
 
 #include <algorithm>
 #include <array>

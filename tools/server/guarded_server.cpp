@@ -1,4 +1,4 @@
-#include "tools/http/guarded_server.h"
+#include "tools/server/guarded_server.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,5 +1,6 @@
 #include "format/output_file.h"
 #include "format/sampler.h"
+#include "tools/full_verbs/all_verbs.h"
 #include "tools/http/open_bytes.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
@@ -8,13 +9,12 @@
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/command.h"
 #include "tools/view/outside_colour.h"
 #include "tools/view/render_stage.h"
 #include "tools/view/view_file.h"
 #ifdef TESSERA_HTTP
-#include "tools/http/file_server_paths.h"
 #include "tools/page/viewer_server.h"
+#include "tools/server/file_server_paths.h"
 #endif
 
 #include <algorithm>

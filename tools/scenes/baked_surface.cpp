@@ -1,4 +1,4 @@
-#include "tools/texture_io/baked_surface.h"
+#include "tools/scenes/baked_surface.h"
 
 #include "tools/support/parse.h"
 

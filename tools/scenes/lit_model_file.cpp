@@ -1,4 +1,4 @@
-#include "tools/texture_io/lit_model_file.h"
+#include "tools/scenes/lit_model_file.h"
 
 #include "tools/support/parse.h"
 

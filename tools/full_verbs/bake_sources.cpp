@@ -1,15 +1,15 @@
-#include "tools/verbs/bake_sources.h"
+#include "tools/full_verbs/bake_sources.h"
 
 #include "corpus/bake.h"
 #include "corpus/model/model.h"
+#include "tools/full_verbs/bake_models.h"
+#include "tools/scenes/baked_original.h"
+#include "tools/scenes/baked_surface.h"
+#include "tools/scenes/scene_name.h"
 #include "tools/support/description_text.h"
 #include "tools/support/interrupt.h"
-#include "tools/support/scene_name.h"
 #include "tools/support/standard_streams.h"
-#include "tools/texture_io/baked_original.h"
-#include "tools/texture_io/baked_surface.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/bake_models.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "format/status.h"
-#include "tools/http/connection_lobby.h"
+#include "tools/server/connection_lobby.h"
 
 #include <httplib.h>
 #include <memory>

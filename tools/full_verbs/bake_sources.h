@@ -3,10 +3,10 @@
 
 #include "codec/encoder.h"
 #include "corpus/surface/surface_detail.h"
+#include "tools/scenes/lit_model_file.h"
 #include "tools/support/encode_arguments.h"
 #include "tools/support/json_text.h"
 #include "tools/support/texture_arguments.h"
-#include "tools/texture_io/lit_model_file.h"
 
 #include <memory>
 #include <optional>

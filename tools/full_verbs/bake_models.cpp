@@ -1,12 +1,12 @@
-#include "tools/verbs/bake_models.h"
+#include "tools/full_verbs/bake_models.h"
 
 #include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
+#include "tools/scenes/baked_surface.h"
+#include "tools/scenes/lit_model_file.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
 #include "tools/support/source_facts.h"
-#include "tools/texture_io/baked_surface.h"
-#include "tools/texture_io/lit_model_file.h"
 
 #include <algorithm>
 #include <thread>

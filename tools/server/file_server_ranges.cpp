@@ -1,4 +1,4 @@
-#include "tools/http/file_server_ranges.h"
+#include "tools/server/file_server_ranges.h"
 
 #include <algorithm>
 

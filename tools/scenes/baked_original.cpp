@@ -1,4 +1,4 @@
-#include "tools/texture_io/baked_original.h"
+#include "tools/scenes/baked_original.h"
 
 #include "corpus/bake.h"
 #include "tools/support/parse.h"

@@ -1,4 +1,4 @@
-#include "tools/http/file_server_paths.h"
+#include "tools/server/file_server_paths.h"
 
 #include "tools/support/html_text.h"
 
