@@ -24,7 +24,7 @@ public:
           texels_(texel_count(plan.views.texture_size())) {
         if (!plan.effort.try_smooth || plan.colour.corrections)
             smooth_ = false;
-        if (!plan.parallax.on)
+        if (!can_have_base_pictures(plan))
             base_ = BasePictures{};
         if (!plan.effort.filter || plan.colour.corrections)
             filter_ = TileFilter{};
@@ -68,13 +68,16 @@ private:
                 return run_pass(plan, parameters, sample_, filter_ ? nullptr : &to_mend);
             };
             // Smooth copies mostly pay, but not beside base pictures.
-            parameters.smooth_copies = smooth_.value_or(true);
+            parameters.base = base_.value_or(plan.parallax);
+            parameters.smooth_copies = smooth_.value_or(!parameters.base.on);
             TESSERA_TRY_ASSIGN(PassResult trained, train());
             if (!base_) {
                 TESSERA_TRY_ASSIGN(base_, choose_base_pictures(plan, sample_, trained));
-                parameters.base = *base_;
-                if (base_->on) {
-                    smooth_ = parameters.smooth_copies = false;
+                if (base_->on)
+                    smooth_ = false;
+                if (*base_ != trained.walked.base) { // which mostly are right as they are
+                    parameters.base = *base_;
+                    parameters.smooth_copies = smooth_.value_or(true);
                     TESSERA_TRY_ASSIGN(trained, train());
                 }
             }

@@ -10,10 +10,13 @@ namespace tessera {
 // views that are alike but for parallax.
 bool may_have_base_pictures(const EncodePlan& plan);
 
-// Encodes the tiles of the sample that took most bytes again: with the base pictures that follow the plan's
-// parallax, and with margins where these pay. What costs least, error and bits together, is chosen. `plain` is a
-// pass over the sample without any. Copies beside base pictures are not smoothed.
+// Whether tiles of the plan's grid can have those that follow its parallax.
+bool can_have_base_pictures(const EncodePlan& plan);
+
+// Encodes the tiles of the sample that took most bytes again: without base pictures, and with margins where the
+// narrower one pays. What costs least, error and bits together, is chosen. `narrow` is a pass over the sample with
+// those that follow the plan's parallax. Copies beside base pictures are not smoothed.
 Result<BasePictures> choose_base_pictures(const EncodePlan& plan, const Sample& sample,
-                                          const PassResult& plain);
+                                          const PassResult& narrow);
 
 } // namespace tessera

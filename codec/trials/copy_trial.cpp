@@ -18,7 +18,7 @@ Result<bool> smooth_copies_harm(const EncodePlan& plan, const Sample& sample,
     CodingParameters parameters = smooth.walked;
     parameters.smooth_copies = false;
     TESSERA_TRY_ASSIGN(const double cost, heavy.cost(parameters));
-    return cost < clearly_less * heavy.plain_cost();
+    return cost < clearly_less * heavy.known_cost();
 }
 
 } // namespace tessera
