@@ -1,19 +1,14 @@
-// What main() of both programs is: `tessera`, and `tessera-full` for what that hands over.
+// What main() of the two programs is. Their headers stay light: CLI11's cost more to compile than all else here.
 #pragma once
-
-#include "tools/verbs/command.h"
-
-#include <functional>
-#include <span>
 
 namespace tessera {
 
-// run_tool(), in a process that signals end and exceptions do not.
-int run_program(int argc, char** argv, std::span<const Verb> verbs,
-                const std::function<int()>& who_knows_more = {});
+// `tessera`: the verbs that need the codec and pictures, but no scene, GPU or server. For all else, and for every
+// misuse, it goes on as `tessera-full` with the same arguments: the program beside this one, or where both are
+// installed.
+int quick_program(int argc, char** argv);
 
-// Goes on as `tessera-full` with the same arguments: the program beside this one, or where both are installed.
-// Returns only where neither can be started: it has said why, and this is the exit code.
-int become_full_program(char** argv);
+// `tessera-full`: all of the tool.
+int full_program(int argc, char** argv);
 
 } // namespace tessera

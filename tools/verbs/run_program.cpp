@@ -1,18 +1,13 @@
-#include "tools/verbs/program.h"
+#include "tools/verbs/run_program.h"
 
 #include "format/status.h"
 #include "tools/support/interrupt.h"
 #include "tools/verbs/run_tool.h"
 
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <exception>
-#include <filesystem>
 #include <new>
-#include <string>
-#include <unistd.h>
 
 namespace tessera {
 
@@ -34,21 +29,6 @@ int run_program(int argc, char** argv, std::span<const Verb> verbs,
         std::raise(signal);
     }
     return code;
-}
-
-int become_full_program(char** argv) {
-    namespace fs = std::filesystem;
-    if (interrupted_by() != 0)
-        return static_cast<int>(ErrorCode::runtime);
-    std::error_code failed;
-    const fs::path here = fs::read_symlink("/proc/self/exe", failed).parent_path();
-    std::string why;
-    for (const fs::path& path : {here / "tessera-full", here / TESSERA_FULL_PROGRAM}) {
-        ::execv(path.c_str(), argv);
-        why = path.lexically_normal().string() + ": " + std::strerror(errno);
-    }
-    std::fprintf(stderr, "tessera: error: %s (this verb is in it)\n", why.c_str());
-    return static_cast<int>(ErrorCode::runtime);
 }
 
 } // namespace tessera
