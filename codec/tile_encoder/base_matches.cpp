@@ -7,9 +7,7 @@
 namespace tessera {
 namespace {
 
-// Cameras' objects move up to two or three texels a view where tiles see more than one object.
-constexpr int largest_displacement = 24;
-constexpr std::size_t displacements = 2 * largest_displacement + 1;
+constexpr std::size_t displacements = 2 * farthest_base_copy + 1;
 
 // Merges cells in pairs along `axis` and the next one.
 void merge(std::vector<float>& errors, std::array<std::size_t, 4>& count, std::size_t axis) {
@@ -85,7 +83,7 @@ void BaseMatches::measure(const Axes& cells) {
     };
     const auto of_v = cells_of(1), of_s = cells_of(2), of_t = cells_of(3);
     for (std::size_t i = 0; i < displacements; ++i) {
-        const int d = static_cast<int>(i) - largest_displacement;
+        const int d = static_cast<int>(i) - farthest_base_copy;
         predict_plane(whole, {CopyFrom::base, base_displacement(coding_->parameters.base, d)},
                       *coding_, *decoded_, 0, predicted_);
         std::size_t at = 0;
@@ -111,7 +109,7 @@ void BaseMatches::measure(const Axes& cells) {
 BaseMatch BaseMatches::best(std::size_t cell) const {
     const float* errors = errors_.data() + cell * displacements;
     const auto least = std::min_element(errors, errors + displacements);
-    return {static_cast<int>(least - errors) - largest_displacement, *least};
+    return {static_cast<int>(least - errors) - farthest_base_copy, *least};
 }
 
 } // namespace tessera

@@ -12,6 +12,10 @@
 
 namespace tessera {
 
+// Eighths of a texel a view, either way, that are looked at: cameras' objects move by up to two or three texels
+// where tiles see more than one object.
+constexpr int farthest_base_copy = 24;
+
 struct BaseMatch {
     int displacement = 0; // eighths of a texel a view
     float error = 0;      // sum of squares of plane 0, in codes

@@ -1,5 +1,7 @@
 #include "codec/trials/parallax.h"
 
+#include "codec/tile_encoder/base_matches.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -8,11 +10,10 @@
 namespace tessera {
 namespace {
 
-constexpr int cell_side = 8; // texels
-constexpr int unit_bits = 2,
-              unit = 1 << unit_bits;      // of displacements: a quarter of a texel a view,
-constexpr int farthest_copied = 3 * unit; // as far as base pictures are copied from
-constexpr int weights = unit * unit;      // of a texel between others
+constexpr int cell_side = 8;                        // texels
+constexpr int unit_bits = 2, unit = 1 << unit_bits; // of displacements: a quarter of a texel a view
+constexpr int farthest_copied = farthest_base_copy * unit / base_unit;
+constexpr int weights = unit * unit; // of a texel between others
 // What is left of a middle view's neighbours where each cell is displaced as fits them best, over what the cells
 // vary by: 0.02 to 0.12 of light fields (0.48 with noise of 12 codes), 0.76 to 1.6 of baked textures.
 constexpr double most_left = 0.5;

@@ -69,12 +69,8 @@ TileShapes tile_shapes(const Extent4& size, const EncodeOptions& options) {
             return shapes;
         if (views >= usual_views)
             shapes.usual = shapes.tiles.size();
-        shapes.tiles.push_back(usual_tile_with_views(size, s, t));
+        shapes.tiles.push_back(largest_tile(size, s, t, usual_tile_texels));
     }
-}
-
-Extent4 usual_tile_with_views(const Extent4& size, std::uint32_t s, std::uint32_t t) {
-    return largest_tile(size, s, t, usual_tile_texels);
 }
 
 Extent4 large_tile(const Extent4& size) {

@@ -26,8 +26,6 @@ struct TileShapes {
 // Of at most usual_tile_texels. `options` must not name a tile.
 TileShapes tile_shapes(const Extent4& size, const EncodeOptions& options);
 inline constexpr std::uint32_t usual_tile_texels = 65536;
-// The one with s x t views.
-Extent4 usual_tile_with_views(const Extent4& size, std::uint32_t s, std::uint32_t t);
 
 // As large as the format allows, for views of cameras: what moves from view to view leaves a large place
 // later.

@@ -13,7 +13,6 @@
 #endif
 
 namespace tessera {
-
 namespace {
 
 // Slabs and tiles come and go; each time the kernel would clear their pages anew.

@@ -119,9 +119,9 @@ int run_tool(int argc, char** argv, std::span<const Verb> verbs,
     Invocation chosen;
     add_verbs(app, verbs, chosen);
     if (!first.empty() && first[0] != '-' && !is_among(names, first))
-        return misused("", unknown_verb(names, first));
+        return report("", unknown_verb(names, first));
     if (first.empty())
-        return misused("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
+        return report("", {ErrorCode::bad_argument, "a verb is needed (tessera help lists all)"});
     const std::string verb = is_among(names, first) ? first : "";
     const CLI::App* app_of_verb = verb.empty() ? nullptr : app.get_subcommand(verb);
     if (app_of_verb != nullptr)
