@@ -29,12 +29,20 @@ constexpr double clear_difference = 0.08;
 
 // How much texels that matter change from one to the next.
 std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {
-    const std::vector<std::byte>& texels = tile.texels;
+    const std::span<const std::byte> texels = tile.texels;
+    const auto changes = [](std::span<const std::byte> from, std::span<const std::byte> to) {
+        std::uint32_t sum = 0; // of a tile's bytes
+        for (std::size_t i = 0; i < to.size(); ++i)
+            sum += from[i] != to[i];
+        return std::uint64_t{sum};
+    };
+    if (tile.matters.empty())
+        return changes(texels, texels.subspan(texel_bytes));
     std::uint64_t sum = 0;
-    for (std::size_t i = texel_bytes; i < texels.size(); ++i)
-        if (const std::size_t texel = i / texel_bytes;
-            !tile.is_free(texel) && !tile.is_free(texel - 1))
-            sum += texels[i] != texels[i - texel_bytes];
+    for (std::size_t i = 1; i < texels.size() / texel_bytes; ++i)
+        if (!tile.is_free(i) && !tile.is_free(i - 1))
+            sum += changes(texels.subspan((i - 1) * texel_bytes, texel_bytes),
+                           texels.subspan(i * texel_bytes, texel_bytes));
     return sum;
 }
 

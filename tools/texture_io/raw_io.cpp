@@ -29,7 +29,8 @@ class RecentPlaces {
 public:
     RecentPlaces(ByteSource& file, const TextureDesc& desc) : file_(file), desc_(desc) {}
 
-    // False where a few texels had better be read alone: places that are asked for now and then.
+    // False where a few texels had better be read alone: places that are asked for now and then. Who begins with the
+    // first views of places goes on with the others.
     Result<bool> read(const Box4& box, std::span<std::byte> out) {
         const Box4 wanted = views_around(box);
         const auto copy = [&] {
@@ -47,7 +48,8 @@ public:
         const Box4 places = with_all(axis_t, wanted);
         asked_ = places == latest_ ? asked_ + 1 : 1;
         latest_ = places;
-        if (asked_ < worth_keeping || desc_.box_bytes(wanted) > most_bytes)
+        const bool begins = wanted == places && box.begin[axis_s] == 0 && box.begin[axis_t] == 0;
+        if ((!begins && asked_ < worth_keeping) || desc_.box_bytes(wanted) > most_bytes)
             return false;
         kept_ = {};
         texels_.resize(desc_.box_bytes(wanted));
