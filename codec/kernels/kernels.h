@@ -2,6 +2,7 @@
 // once per process. Every path gives the same bits: sums of integers are exact modulo 2^32.
 #pragma once
 
+#include "format/tile/colour_rotation.h"
 #include "format/tile/tile_filter.h"
 
 #include <array>
@@ -90,6 +91,9 @@ struct Kernels {
     // The same along an outer axis; in: support x inner, out: n x inner.
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
+
+    // Coefficients of three planes from rotated axes back to Y, Co, Cg (FORMAT.md 4.4), `count` of each.
+    void (*unrotate)(std::int32_t* const planes[3], int count, const RotationMatrix& matrix);
 
     // Target = floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0; `in` is dense and may be `out`.
     void (*put_block)(const std::int32_t* in, int shift, const BlockTarget& to);

@@ -106,6 +106,44 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
     inverse_planes_part(in, out, support, n, inner, 0);
 }
 
+// `width` coefficients from place i on, most of which are 0.
+template <int width>
+inline void unrotate_some(std::int32_t* const planes[3], int i, const std::int32_t m[3][3]) {
+    std::int32_t any = 0;
+    std::uint32_t high[3][width], low[3][width];
+    for (int j = 0; j < 3; ++j)
+        for (int lane = 0; lane < width; ++lane) {
+            const std::int32_t x = planes[j][i + lane];
+            any |= x;
+            high[j][lane] = wide(x >> low_bits);
+            low[j][lane] = wide(x & low_mask);
+        }
+    if (any == 0)
+        return;
+    for (int p = 0; p < 3; ++p)
+        for (int lane = 0; lane < width; ++lane) {
+            std::uint32_t high_sum = 0, low_sum = 1u << (rotation_bits - 1);
+            for (int j = 0; j < 3; ++j) {
+                high_sum += wide(m[p][j]) * high[j][lane];
+                low_sum += wide(m[p][j]) * low[j][lane];
+            }
+            const auto carry = static_cast<std::int32_t>(low_sum) >> low_bits;
+            planes[p][i + lane] =
+                static_cast<std::int32_t>(high_sum + wide(carry)) >> (rotation_bits - low_bits);
+        }
+}
+
+template <int at_once>
+void unrotate(std::int32_t* const planes[3], int count, const RotationMatrix& matrix) {
+    std::int32_t m[3][3];
+    __builtin_memcpy(m, &matrix, sizeof m);
+    int i = 0;
+    for (; at_once > 1 && i + at_once <= count; i += at_once)
+        unrotate_some<at_once>(planes, i, m);
+    for (; i < count; ++i)
+        unrotate_some<1>(planes, i, m);
+}
+
 // floor((x + half) / 2^shift), half = 2^(shift - 1); or x for shift 0.
 inline std::int32_t rounded_value(std::int32_t x, int shift) {
     return (x + (1 << shift >> 1)) >> shift;
@@ -351,6 +389,7 @@ constexpr Kernels make_kernels(const char* name) {
     return {name,
             inverse_rows,
             inverse_planes,
+            unrotate<1>,
             put_block,
             add_copies,
             copy_rows,

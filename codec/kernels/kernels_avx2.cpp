@@ -34,6 +34,7 @@ constexpr Kernels make_avx2_kernels() {
     Kernels k = make_kernels("avx2");
     k.inverse_rows = inverse_rows_avx2;
     k.inverse_planes = inverse_planes_avx2;
+    k.unrotate = unrotate<lanes>;
     k.put_block = put_block_avx2;
     k.copy_rows = copy_rows_avx2;
     k.base_along_u = base_along_u_avx2;

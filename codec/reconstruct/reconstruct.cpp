@@ -10,26 +10,6 @@
 namespace tessera {
 namespace {
 
-// From rotated axes back to Y, Co, Cg. Coefficients are split as in 4.3, so that 32 bits do.
-void unrotate(std::array<std::vector<std::int32_t>, 3>& planes, std::size_t count, int rotation) {
-    constexpr int low = 11;
-    const RotationMatrix& m = rotation_matrix(rotation);
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::array<std::int32_t, 3> x = {planes[0][i], planes[1][i], planes[2][i]};
-        if ((x[0] | x[1] | x[2]) == 0)
-            continue;
-        for (std::size_t plane = 0; plane < 3; ++plane) {
-            std::int32_t high_sum = 0, low_sum = 0;
-            for (std::size_t j = 0; j < 3; ++j) {
-                high_sum += m[plane][j] * (x[j] >> low);
-                low_sum += m[plane][j] * (x[j] & ((1 << low) - 1));
-            }
-            planes[plane][i] = (high_sum + ((low_sum + (1 << (rotation_bits - 1))) >> low)) >>
-                               (rotation_bits - low);
-        }
-    }
-}
-
 void fill_block(const BlockTarget& to, std::int32_t value) {
     for (int t = 0; t < to.n[3]; ++t)
         for (int s = 0; s < to.n[2]; ++s)
@@ -92,7 +72,9 @@ private:
             scratch_.box.add(levels(plane), shape_.order);
         for (int plane = 0; plane < 3; ++plane)
             dequantize(plane, scratch_.rotated[static_cast<std::size_t>(plane)]);
-        unrotate(scratch_.rotated, static_cast<std::size_t>(scratch_.box.size()), colour_ - 1);
+        auto& [a, b, c] = scratch_.rotated;
+        std::int32_t* const rotated[3] = {a.data(), b.data(), c.data()};
+        kernels().unrotate(rotated, scratch_.box.size(), rotation_matrix(colour_ - 1));
         for (int plane = 0; plane < 3; ++plane) {
             scratch_.a.swap(scratch_.rotated[static_cast<std::size_t>(plane)]);
             finish(plane);

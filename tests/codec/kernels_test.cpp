@@ -175,6 +175,36 @@ TEST(KernelPaths, InverseRowsAreEqual) {
             }
 }
 
+TEST(KernelPaths, ColoursAreRotatedBackAlikeAndRight) {
+    Random random(9);
+    for (std::size_t count = 1; count <= 70; ++count) {
+        const RotationMatrix& m = rotation_matrix(random.range(0, rotation_count - 1));
+        const bool right = count % 2 == 0; // else numbers that no sum holds
+        std::array<std::vector<std::int32_t>, 3> in;
+        for (auto& plane : in) {
+            plane = random_integers(random, count);
+            for (std::int32_t& x : plane)
+                x = random.chance(0.7) ? 0 : right ? x >> 6 : x;
+        }
+        const auto by = [&](const Kernels& path) {
+            auto planes = in;
+            std::int32_t* const of[3] = {planes[0].data(), planes[1].data(), planes[2].data()};
+            path.unrotate(of, static_cast<int>(count), m);
+            return planes;
+        };
+        const auto a = by(kernels_scalar);
+        for (const Kernels* path : vector_paths())
+            ASSERT_EQ(a, by(*path)) << path->name << " " << count;
+        for (std::size_t p = 0; right && p < 3; ++p)
+            for (std::size_t i = 0; i < count; ++i) {
+                std::int64_t sum = 1 << (rotation_bits - 1);
+                for (std::size_t j = 0; j < 3; ++j)
+                    sum += std::int64_t{m[p][j]} * in[j][i];
+                ASSERT_EQ(a[p][i], sum >> rotation_bits) << count;
+            }
+    }
+}
+
 TEST(KernelPaths, InversePlanesAreEqualAndLikeRows) {
     Random random(6);
     for (int n = 1; n <= max_tile_side; ++n)
