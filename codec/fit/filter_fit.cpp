@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 namespace tessera {
@@ -13,31 +14,37 @@ constexpr int strongest = 127;
 constexpr double least_filter_gain = 0.005; // of the error's square
 
 using Class = FilterStatistics::Class;
+using Row = std::array<float, max_tile_side>;
 
-// What the rings see along one row, at full strength.
+// What the rings see along one row, at full strength; to fit it, shares need not be rounded as filter_share does.
 class Features {
 public:
-    Features(const TileCoding& coding, int plane) : most_(most_difference(coding.type)) {
-        for (std::size_t i = 0; i < filter_reaches.size(); ++i) {
-            slope_[i] =
-                filter_slope({strongest, filter_reaches[i]},
-                             coding.parameters.step[static_cast<std::size_t>(plane)], coding.type);
-        }
+    Features(const TileCoding& coding, int plane)
+        : most_(static_cast<float>(most_difference(coding.type))) {
+        for (std::size_t i = 0; i < filter_reaches.size(); ++i)
+            slope_[i] = static_cast<float>(filter_slope(
+                            {strongest, filter_reaches[i]},
+                            coding.parameters.step[static_cast<std::size_t>(plane)], coding.type)) /
+                        4096.0f;
     }
 
     void look(const FilterRow<std::int32_t>& row, int n) {
-        for (std::size_t ring = 0; ring < filter_rings; ++ring)
-            for (std::size_t i = 0; i < filter_reaches.size(); ++i) {
-                auto& seen = seen_[ring * filter_reaches.size() + i];
-                seen.fill(0);
-                for (std::size_t tap = 4 * ring; tap < 4 * ring + 4; ++tap)
-                    for (int u = 0; u < n; ++u) {
-                        const std::int32_t d = row.from[tap][u] - row.centre[u];
-                        const auto size = static_cast<std::uint32_t>(std::abs(d));
-                        seen[static_cast<std::size_t>(u)] += static_cast<float>(
-                            filter_share(strongest, slope_[i], std::min(size, most_)) * d);
-                    }
+        const auto count = static_cast<std::size_t>(n);
+        for (Row& seen : seen_)
+            seen.fill(0);
+        Row difference, size;
+        for (std::size_t tap = 0; tap < filter_taps; ++tap) {
+            for (std::size_t u = 0; u < count; ++u) {
+                difference[u] = static_cast<float>(row.from[tap][u] - row.centre[u]);
+                size[u] = std::min(std::fabs(difference[u]), most_);
             }
+            Row* const seen = &seen_[tap / 4 * filter_reaches.size()];
+            for (std::size_t i = 0; i < filter_reaches.size(); ++i)
+                for (std::size_t u = 0; u < count; ++u) {
+                    const float share = strongest - slope_[i] * size[u];
+                    seen[i][u] += (share > 0 ? share : 0) * difference[u];
+                }
+        }
     }
 
     void add_products(const std::int32_t* source, const std::int32_t* decoded, int n,
@@ -58,18 +65,25 @@ public:
     }
 
 private:
-    using Row = std::array<float, max_tile_side>;
     // Four partial sums, a fixed order.
     static double product(const Row& a, const Row& b, int n) {
-        std::array<float, 4> sum{};
-        const auto count = static_cast<std::size_t>(n);
-        for (std::size_t u = 0; u < count; ++u)
-            sum[u % 4] += a[u] * b[u];
+        typedef float Float4 __attribute__((vector_size(16)));
+        const auto four = [](const Row& row, int u) {
+            Float4 x;
+            std::memcpy(&x, row.data() + u, sizeof x);
+            return x;
+        };
+        Float4 sum{};
+        int u = 0;
+        for (; u + 4 <= n; u += 4)
+            sum += four(a, u) * four(b, u);
+        for (; u < n; ++u)
+            sum[u % 4] += a[static_cast<std::size_t>(u)] * b[static_cast<std::size_t>(u)];
         return static_cast<double>((sum[0] + sum[1]) + (sum[2] + sum[3]));
     }
 
-    const std::uint32_t most_;
-    std::array<std::uint32_t, filter_reaches.size()> slope_;
+    const float most_;
+    std::array<float, filter_reaches.size()> slope_;
     std::array<Row, filter_features> seen_;
 };
 

@@ -11,12 +11,13 @@ namespace {
 
 std::vector<float> make_table(int n) {
     std::vector<float> table;
-    table.reserve(static_cast<std::size_t>(n * n));
+    table.reserve(static_cast<std::size_t>(n * n) + read_behind_basis);
     for (int x = 0; x < n; ++x)
         for (int k = 0; k < n; ++k)
             table.push_back(
                 static_cast<float>(std::cos((2 * x + 1) * k * std::numbers::pi / (2 * n)) *
                                    std::sqrt((k == 0 ? 1.0 : 2.0) / n)));
+    table.resize(table.size() + read_behind_basis);
     return table;
 }
 

@@ -11,6 +11,8 @@
 
 namespace tessera {
 
+// Kernels read whole vectors, that far behind a table's end.
+constexpr std::size_t read_behind_basis = 15;
 const float* make_forward_basis(int n);
 // Those that were asked for.
 inline std::array<std::atomic<const float*>, max_tile_side + 1> forward_bases{};

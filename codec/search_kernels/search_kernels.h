@@ -35,6 +35,8 @@ constexpr int forward_order(int n, int i) {
 // More than any path costs.
 constexpr float unreachable_cost = 1e30f;
 
+constexpr int trellis_rows_at_once = 4;
+
 // A plane's coefficients in scan order, and what their levels cost. Bits of a quantiser's zero flags are
 // [row][is non-zero][class of the neighbours], those of its magnitudes [row][token][class].
 struct TrellisTask {
@@ -51,8 +53,8 @@ struct TrellisTask {
     const float* tokens[quantisers];
     float lambda;
     float offsets[2]; // PlaneTask's
-    // For each coefficient and state behind it: the best path's state before, its level, and its
-    // amplitude for contexts, with room for three coefficients more.
+    // For each coefficient and state behind it: the best path's state before, its level, and its amplitude for
+    // contexts. The last lie at a multiple of 32 bytes, with room for whole trellis_rows_at_once coefficients.
     std::uint8_t* before;
     std::int32_t* level;
     std::uint8_t* seen;
@@ -107,6 +109,9 @@ struct SearchKernels {
     // first + y within 0..last. Rows of a lie a_stride apart, those of b b_stride.
     void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
                                     int first, int last, int rows, int n, float* sums);
+    // Their sum, by columns in runs of eight, four, two and one.
+    float (*squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
+                                 int first, int last, int rows, int n);
     // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
     // of zeroing or of coding each (see cell_costs.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,

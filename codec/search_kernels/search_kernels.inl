@@ -64,6 +64,42 @@ void add_squared_differences(const float* a, int a_stride, const float* b, int b
         add_differences<float, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
 }
 
+inline float sum_of(const Float8& s) {
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+}
+
+template <class Vector> inline void add_squared(const float* a, const float* b, Vector& sum) {
+    const Vector difference = load<Vector>(a) - load<Vector>(b);
+    sum += difference * difference;
+}
+
+float squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
+                          int last, int rows, int n) {
+    Float8 eights{};
+    Float4 fours{};
+    Float2 twos{};
+    float ones{};
+    for (int y = 0; y < rows; ++y, a += a_stride) {
+        const int wanted = first + y;
+        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        int x = 0;
+        for (; x + 8 <= n; x += 8)
+            add_squared(a + x, from + x, eights);
+        if ((n & 4) != 0) {
+            add_squared(a + x, from + x, fours);
+            x += 4;
+        }
+        if ((n & 2) != 0) {
+            add_squared(a + x, from + x, twos);
+            x += 2;
+        }
+        if ((n & 1) != 0)
+            add_squared(a + x, from + x, ones);
+    }
+    return sum_of(eights) + ((fours[0] + fours[2]) + (fours[1] + fours[3])) +
+           ((twos[0] + twos[1]) + ones);
+}
+
 constexpr int views_at_once = 8; // texels of a row
 
 constexpr int cost_lanes = 8;
@@ -87,10 +123,6 @@ struct CostLanes {
         coded += one >= a2 ? zero : zero + 1.0f;
     }
 };
-
-inline float sum_of(const Float8& s) {
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
 
 CostSum coding_cost(const float* x, const float* base, int count, float inverse_step, float slope) {
     CostLanes lanes;
@@ -181,80 +213,81 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
         }
 }
 
-// Any side, as sums in the order of x: one vector of frequencies of `rows` signals. Their values lie `step`
-// apart, the signals `stride`; of frequency k to out[k * out_step].
-template <class Vector>
-inline void plain_frequencies(const float* in, int step, int stride, int rows, int n,
-                              const float* basis_t, float* out, int out_step, int out_stride) {
+// Any side, as sums in the order of x: some vectors of frequencies of some signals at once, as a sum waits for the
+// one before it. Values of a signal lie `step` apart, the signals `stride`; of frequency k to out[k * out_step], if it is
+// one of the `count` first: what a vector reads behind these does not count.
+template <class Vector, int vectors, int signals>
+inline void plain_frequencies(const float* in, int step, int stride, int n, const float* basis_t,
+                              int count, float* out, int out_step, int out_stride) {
     constexpr int width = sizeof(Vector) / sizeof(float);
-    const auto put = [&](const Vector& sum, float* to) {
-        if (out_step == 1) {
-            store(to, sum);
-            return;
+    Vector sum[signals][vectors] = {};
+    for (int x = 0; x < n; ++x, in += step, basis_t += n)
+        for (int r = 0; r < signals; ++r)
+            for (int v = 0; v < vectors; ++v)
+                sum[r][v] += load<Vector>(basis_t + v * width) * in[r * stride];
+    for (int r = 0; r < signals; ++r, out += out_stride)
+        for (int v = 0; v < vectors; ++v) {
+            const int first = v * width, left = count - first;
+            if (out_step == 1 && left >= width) {
+                store(out + first, sum[r][v]);
+                continue;
+            }
+            float each[width];
+            store(each, sum[r][v]);
+            for (int k = 0; k < (left < width ? left : width); ++k)
+                out[(first + k) * out_step] = each[k];
         }
-        float each[width];
-        store(each, sum);
-        for (int k = 0; k < width; ++k)
-            to[k * out_step] = each[k];
-    };
+}
+
+template <class Vector, int vectors>
+inline void plain_signals(const float* in, int step, int stride, int rows, int n,
+                          const float* basis_t, int count, float* out, int out_step,
+                          int out_stride) {
     int r = 0;
-    // Two at a time share the loads.
-    for (; r + 2 <= rows; r += 2, in += 2 * stride, out += 2 * out_stride) {
-        Vector first{}, second{};
-        for (int x = 0; x < n; ++x) {
-            const auto b = load<Vector>(basis_t + x * n);
-            first += b * in[x * step];
-            second += b * in[x * step + stride];
-        }
-        put(first, out);
-        put(second, out + out_stride);
-    }
-    if (r < rows) {
-        Vector sum{};
-        for (int x = 0; x < n; ++x)
-            sum += load<Vector>(basis_t + x * n) * in[x * step];
-        put(sum, out);
-    }
+    for (; r + 4 <= rows; r += 4)
+        plain_frequencies<Vector, vectors, 4>(in + r * stride, step, stride, n, basis_t, count,
+                                              out + r * out_stride, out_step, out_stride);
+    for (; r < rows; ++r)
+        plain_frequencies<Vector, vectors, 1>(in + r * stride, step, stride, n, basis_t, count,
+                                              out + r * out_stride, out_step, out_stride);
 }
 
 // The lowest `kept` frequencies of such signals in natural order.
 inline void plain_rows(const float* in, int step, int stride, int rows, int n, int kept,
                        const float* basis_t, float* out, int out_step, int out_stride) {
-    int k = 0;
-    const auto some = [&](auto vector) {
-        using Vector = decltype(vector);
-        for (; k + static_cast<int>(sizeof(Vector) / sizeof(float)) <= kept;
-             k += static_cast<int>(sizeof(Vector) / sizeof(float)))
-            plain_frequencies<Vector>(in, step, stride, rows, n, basis_t + k, out + k * out_step,
-                                      out_step, out_stride);
-    };
-    some(Float8{});
-    some(Float4{});
-    some(Float2{});
-    some(float{});
+    for (int k = 0; k < kept; k += 16) {
+        const auto some = kept - k > 8   ? plain_signals<Float8, 2>
+                          : kept - k > 4 ? plain_signals<Float8, 1>
+                          : kept - k > 1 ? plain_signals<Float4, 1>
+                                         : plain_signals<float, 1>;
+        some(in, step, stride, rows, n, basis_t + k, kept - k < 16 ? kept - k : 16,
+             out + k * out_step, out_step, out_stride);
+    }
 }
 
 // One vector of columns, whose values lie `stride` apart; of frequency k to out[k * out_stride].
+template <class Vector, int frequencies>
+inline void plain_column_frequencies(const float* in, int stride, int n, const float* basis_t,
+                                     float* out, int out_stride) {
+    Vector sum[frequencies] = {};
+    for (int x = 0; x < n; ++x, in += stride, basis_t += n) {
+        const auto value = load<Vector>(in);
+        for (int k = 0; k < frequencies; ++k)
+            sum[k] += value * basis_t[k];
+    }
+    for (int k = 0; k < frequencies; ++k, out += out_stride)
+        store(out, sum[k]);
+}
 template <class Vector>
 inline void plain_column_vector(const float* in, int stride, int n, int kept, const float* basis_t,
                                 float* out, int out_stride) {
     int k = 0;
-    for (; k + 2 <= kept; k += 2) {
-        Vector first{}, second{};
-        for (int x = 0; x < n; ++x) {
-            const auto value = load<Vector>(in + x * stride);
-            first += value * basis_t[x * n + k];
-            second += value * basis_t[x * n + k + 1];
-        }
-        store(out + k * out_stride, first);
-        store(out + (k + 1) * out_stride, second);
-    }
-    if (k < kept) {
-        Vector sum{};
-        for (int x = 0; x < n; ++x)
-            sum += load<Vector>(in + x * stride) * basis_t[x * n + k];
-        store(out + k * out_stride, sum);
-    }
+    for (; k + 4 <= kept; k += 4)
+        plain_column_frequencies<Vector, 4>(in, stride, n, basis_t + k, out + k * out_stride,
+                                            out_stride);
+    for (; k < kept; ++k)
+        plain_column_frequencies<Vector, 1>(in, stride, n, basis_t + k, out + k * out_stride,
+                                            out_stride);
 }
 
 inline void plain_columns(const float* in, int stride, int n, int kept, int begin, int end,
@@ -652,33 +685,6 @@ ByteErrors compare_bytes(const unsigned char* a, const unsigned char* b, std::si
     return errors;
 }
 
-// Rows of 8 bytes, one for each path of the trellis: byte i becomes byte before[i] < 8 of its row. Up to 3
-// rows behind the last are changed alike.
-inline void follow_paths(std::uint8_t* rows, int count, const std::uint8_t* before) {
-#ifdef __AVX2__
-    std::uint64_t of_row;
-    __builtin_memcpy(&of_row, before, sizeof of_row);
-    const std::uint64_t of_next = of_row + 0x0808080808080808u; // the second row of 16 bytes
-    const auto low = static_cast<long long>(of_row), high = static_cast<long long>(of_next);
-    const __m256i order = _mm256_set_epi64x(high, low, high, low);
-    for (int row = 0; row < count; row += 4, rows += 32) {
-        auto* const at = reinterpret_cast<__m256i*>(rows);
-        _mm256_storeu_si256(at, _mm256_shuffle_epi8(_mm256_loadu_si256(at), order));
-    }
-#else
-    for (int row = 0; row < count; ++row, rows += 8) {
-        std::uint64_t old;
-        __builtin_memcpy(&old, rows, sizeof old);
-        if (old == 0)
-            continue;
-        std::uint8_t from[8];
-        __builtin_memcpy(from, &old, sizeof from);
-        for (int i = 0; i < 8; ++i)
-            rows[i] = from[before[i]];
-    }
-#endif
-}
-
 #include "codec/search_kernels/trellis.inl"
 
 template <class Vector, class Integers>
@@ -690,7 +696,6 @@ inline void subtract_some(const float* in, const std::int32_t* predicted, float 
 
 void subtract_predicted(const float* in, int stride, const std::int32_t* predicted, float unit,
                         int rows, int n, float* to) {
-    typedef std::int32_t Int4 __attribute__((vector_size(16)));
     for (int row = 0; row < rows; ++row, in += stride, predicted += n, to += n) {
         int x = 0;
         for (; x + 8 <= n; x += 8)
@@ -703,10 +708,24 @@ void subtract_predicted(const float* in, int stride, const std::int32_t* predict
 }
 
 constexpr SearchKernels make_search_kernels() {
-    return {forward_rows,  forward_planes,    forward_views, forward_image, add_squared_differences,
-            coding_cost,   largest_magnitude, long_colours,  add_row,       add_quads,
-            measure_cells, add_pairs,         add_singles,   load_ycocg8,   compare_bytes,
-            run_trellis,   subtract_predicted};
+    return {forward_rows,
+            forward_planes,
+            forward_views,
+            forward_image,
+            add_squared_differences,
+            squared_differences,
+            coding_cost,
+            largest_magnitude,
+            long_colours,
+            add_row,
+            add_quads,
+            measure_cells,
+            add_pairs,
+            add_singles,
+            load_ycocg8,
+            compare_bytes,
+            run_trellis,
+            subtract_predicted};
 }
 
 } // namespace

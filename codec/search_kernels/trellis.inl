@@ -2,9 +2,6 @@
 // state's best path has its own contexts. All that is done for each state is done for all of them side by
 // side, a lane each, without branches.
 
-// Paths of the trellis that far back have mostly met.
-constexpr int trellis_window = 20;
-
 // With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
 // less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
 // in squared steps: a path through the trellis gains no more than that elsewhere.
@@ -12,10 +9,19 @@ constexpr float smallest_dependent = 0.4f;
 constexpr float most_for_a_path = 0.3f;
 constexpr float level_unit = 0.5f; // in steps
 
-typedef std::uint8_t Bytes8 __attribute__((vector_size(8)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
 
 template <class Vector> inline Vector everywhere(float value) {
     return Vector{} + value;
+}
+
+inline Float8 lesser(const Float8& a, const Float8& b) {
+#ifdef __AVX2__
+    return __builtin_bit_cast(
+        Float8, _mm256_min_ps(__builtin_bit_cast(__m256, a), __builtin_bit_cast(__m256, b)));
+#else
+    return a < b ? a : b;
+#endif
 }
 
 // Lanes of the second quantiser's states.
@@ -75,17 +81,16 @@ template <int which> inline Int8 states_before() {
 }
 
 // Amplitudes to two binary digits, as contexts see them: amplitude_of(amplitude_code(x)).
-inline Bytes8 seen_amplitudes(const Int8& amplitudes) {
+inline Int8 seen_amplitudes(const Int8& amplitudes) {
     constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
     const Int8 below = amplitudes < most ? amplitudes : Int8{} + most;
     const auto digits = __builtin_bit_cast(Int8, __builtin_convertvector(below, Float8));
-    const Int8 seen = __builtin_convertvector(
+    return __builtin_convertvector(
         __builtin_bit_cast(Float8, digits & static_cast<std::int32_t>(0xFFC00000)), Int8);
-    return __builtin_convertvector(seen, Bytes8);
 }
 
-// amplitude_code of what neighbour_class looks up.
-inline Int8 neighbour_classes_of(const Int8& sums, std::int32_t share) {
+// neighbour_class, of amplitudes' weighted sums.
+inline Int8 neighbour_classes_of(const Int8& sums, int share) {
     constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
     Int8 mean = (sums * share) >> 9;
     mean = mean < most ? mean : Int8{} + most;
@@ -94,19 +99,7 @@ inline Int8 neighbour_classes_of(const Int8& sums, std::int32_t share) {
     return mean < 2 ? mean : code;
 }
 
-// Classes of the amplitudes that each state's path has left around the coefficient.
-inline Int8 classify_neighbours(const TrellisTask& task, int at) {
-    typedef std::uint16_t Sums __attribute__((vector_size(16)));
-    Sums once{}, twice{};
-    const std::uint16_t* neighbours = task.neighbours + at * scan_neighbours;
-    for (int j = 0; j < scan_neighbours; ++j) {
-        Bytes8 seen;
-        __builtin_memcpy(&seen, task.seen + neighbours[j] * quantiser_states, sizeof seen);
-        (j < double_neighbours ? twice : once) += __builtin_convertvector(seen, Sums);
-    }
-    const Sums sums = once + twice + twice; // at most 16 times 192
-    return neighbour_classes_of(__builtin_convertvector(sums, Int8), task.context[at].share);
-}
+#include "codec/search_kernels/path_rows.inl"
 
 inline float error_of_level(const TrellisTask& task, float amplitude, std::int32_t level) {
     const float error =
@@ -114,9 +107,25 @@ inline float error_of_level(const TrellisTask& task, float amplitude, std::int32
     return error * error;
 }
 
-inline int token_of_magnitude(std::int32_t magnitude) {
-    return magnitude <= 4 ? magnitude - 1
-                          : 34 - __builtin_clz(static_cast<unsigned>(magnitude - 3));
+// Four levels in a row, each in the lane of its remainder by four: there is one for each quantiser and parity.
+// One that is not above 0 is impossible.
+struct Candidates {
+    Int4 level; // 0: impossible
+    Float4 error;
+    Int4 token;
+};
+inline Candidates candidates_of(const TrellisTask& task, float amplitude, std::int32_t lowest) {
+    const Int4 levels = ((Int4{0, 1, 2, 3} - lowest) & 3) + lowest;
+    const Int4 possible = levels > 0;
+    const Float4 offset = levels > 1 ? Float4{} + task.offsets[1] : Float4{} + task.offsets[0];
+    const Float4 error =
+        amplitude - level_unit * (__builtin_convertvector(levels, Float4) - offset);
+    // magnitude_token: up to 4 one each, then one for every power of two above 3.
+    const Int4 magnitude = (levels + 1) >> 1;
+    const auto power =
+        __builtin_bit_cast(Int4, __builtin_convertvector(magnitude - 3, Float4)) >> 23;
+    return {possible & levels, possible ? error * error : Float4{} + __builtin_inff(),
+            possible & (magnitude < 4 ? magnitude - 1 : power - 124)};
 }
 
 // The cheapest ways on from each state, by the parity of the magnitude.
@@ -148,17 +157,7 @@ inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, c
     const float in_levels = a / level_unit + 0.5f;
     constexpr auto most = static_cast<float>(max_level - 1);
     const auto nearest = static_cast<std::int32_t>(in_levels < most ? in_levels : most);
-    // Of four levels in a row there is one for each quantiser and parity.
-    std::int32_t level[4];
-    float error[4];
-    int token[4];
-    for (std::int32_t l = nearest - 2; l <= nearest + 1; ++l) {
-        const int i = l & 3;
-        const bool possible = l > 0;
-        level[i] = possible ? l : 0;
-        error[i] = possible ? error_of_level(task, a, l) : __builtin_inff();
-        token[i] = possible ? token_of_magnitude((l + 1) >> 1) : 0;
-    }
+    const auto& [level, error, token] = candidates_of(task, a, nearest - 2);
     const Float8 one_bits = by_quantiser(look_up(flags[0] + neighbour_classes, classes),
                                          look_up(flags[1] + neighbour_classes, classes));
     const Float8 even_bits =
@@ -172,39 +171,49 @@ inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, c
             by_quantiser(level[2], level[1])};
 }
 
+// The cheapest place to end, of each state.
+class CheapestEnds {
+public:
+    explicit CheapestEnds(float zero_cost) : total_(everywhere<Float8>(zero_cost)) {}
+
+    void offer(int at, const Float8& cost, float end_cost) {
+        const Float8 total = cost + end_cost;
+        length_ = total < total_ ? Int8{} + (at + 1) : length_;
+        total_ = lesser(total, total_);
+    }
+    // The first of those that cost the same.
+    TrellisEnd cheapest() const {
+        int best = 0;
+        for (int state = 1; state < quantiser_states; ++state)
+            if (total_[state] < total_[best] ||
+                (total_[state] == total_[best] && length_[state] < length_[best]))
+                best = state;
+        return {total_[best], length_[best], length_[best] == 0 ? 0 : best};
+    }
+
+private:
+    Float8 total_;
+    Int8 length_{}; // 0: no levels at all
+};
+
 TrellisEnd run_trellis(const TrellisTask& task) {
-    TrellisEnd end{task.zero_cost, 0, 0};
+    CheapestEnds ends(task.zero_cost);
     Float8 cost = everywhere<Float8>(unreachable_cost);
     cost[0] = 0;
+    PathRows past(task);
     for (int at = 0; at < task.count; ++at) {
-        std::uint8_t* seen = task.seen + at * quantiser_states;
-        std::uint8_t* before = task.before + at * quantiser_states;
-        const Bytes8 nothing{}; // where a coefficient has no neighbour its own place stands
-        __builtin_memcpy(seen, &nothing, sizeof nothing);
-        const Int8 classes = at == 0 ? Int8{} + task.first_class : classify_neighbours(task, at);
+        const Int8 classes = past.neighbour_classes(at);
         const Ways ways = price_levels(task, at, classes, cost);
         // Of the ways to a state the cheaper one stays; of two that cost the same, the first.
         const Float8 first = take_ways<0>(ways.even_cost, ways.odd_cost);
         const Float8 second = take_ways<1>(ways.even_cost, ways.odd_cost);
         const Int8 best = second < first;
-        const Float8 least = best ? second : first;
-        const Int8 reached = least < unreachable_cost;
-        cost = reached ? least : everywhere<Float8>(unreachable_cost);
-        const Int8 level = reached & (best ? take_ways<1>(ways.even_level, ways.odd_level)
-                                           : take_ways<0>(ways.even_level, ways.odd_level));
-        const Bytes8 from = __builtin_convertvector(
-            reached & (best ? states_before<1>() : states_before<0>()), Bytes8);
+        cost = lesser(lesser(second, first), everywhere<Float8>(unreachable_cost));
+        const Int8 level = best ? take_ways<1>(ways.even_level, ways.odd_level)
+                                : take_ways<0>(ways.even_level, ways.odd_level);
         __builtin_memcpy(task.level + at * quantiser_states, &level, sizeof level);
-        __builtin_memcpy(before, &from, sizeof from);
-        // Each state's past is now that of the state its path came from.
-        const int past = at < trellis_window ? at : trellis_window;
-        follow_paths(seen - past * quantiser_states, past, before);
-        const Bytes8 amplitudes = seen_amplitudes(level);
-        __builtin_memcpy(seen, &amplitudes, sizeof amplitudes);
-        if (task.end_cost[at] < unreachable_cost)
-            for (int state = 0; state < quantiser_states; ++state)
-                if (const float total = cost[state] + task.end_cost[at]; total < end.cost)
-                    end = {total, at + 1, state};
+        past.add(at, best ? states_before<1>() : states_before<0>(), seen_amplitudes(level));
+        ends.offer(at, cost, task.end_cost[at]);
     }
-    return end;
+    return ends.cheapest();
 }

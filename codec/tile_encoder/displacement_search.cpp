@@ -12,21 +12,10 @@ namespace tessera {
 namespace {
 
 float sum_over(const float* sums, const Segment& u) {
-    return std::accumulate(sums + u.begin, sums + u.begin + u.size, 0.0f);
-}
-
-// At most what sum_over gives, whatever either rounds: sums are at least 0.
-float less_than_sum(const float* sums, int count) {
-    constexpr int lanes = 4;
-    float partial[lanes] = {};
-    int i = 0;
-    for (; i + lanes <= count; i += lanes)
-        for (int lane = 0; lane < lanes; ++lane)
-            partial[lane] += sums[i + lane];
-    for (; i < count; ++i)
-        partial[0] += sums[i];
-    static_assert(max_tile_side <= 64); // roundings of 2^-24
-    return 0.9999f * ((partial[0] + partial[1]) + (partial[2] + partial[3]));
+    const float* const from = sums + u.begin;
+    if (u.size == 4) // most
+        return from[0] + from[1] + from[2] + from[3];
+    return std::accumulate(from, from + u.size, 0.0f);
 }
 
 // The first place of the least value.
@@ -191,12 +180,10 @@ float DisplacementSearch::bits_of(const Displacement& d,
                                                                              2 * max_displacement)];
 }
 
-template <class Stop>
-void DisplacementSearch::measure(const Displacement& d, const Segment& u,
-                                 std::span<const Segment> cells_v, float* sums,
-                                 const Stop& stop) const {
+template <class Visit>
+void DisplacementSearch::for_each_view(const Displacement& d, const Segment& u,
+                                       const Visit& visit) const {
     const int nu = tile_.n[0], nv = tile_.n[1];
-    const SearchKernels& k = search_kernels();
     for (int y = t_.begin; y < t_.begin + t_.size; ++y)
         for (int x = s_.begin; x < s_.begin + s_.size; ++x) {
             const int steps = 1 + (direction_ == 0 ? x - s_.begin : y - t_.begin);
@@ -207,37 +194,45 @@ void DisplacementSearch::measure(const Displacement& d, const Segment& u,
                 phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
             // Past a tile's width there is nothing but its edge.
             const int moved_u = std::clamp(half_u >> 1, -nu, nu);
-            const float* own = source_ + (y * tile_.n[2] + x) * nv * nu + u.begin;
-            const float* copied = phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u;
-            float* to = sums;
-            for (const Segment& v : cells_v) {
-                k.add_squared_differences(own + v.begin * nu, nu, copied, 3 * nu,
-                                          v.begin + (half_v >> 1), nv - 1, v.size, u.size, to);
-                to += u.size;
-            }
-            if (stop())
+            if (!visit(source_ + (y * tile_.n[2] + x) * nv * nu + u.begin,
+                       phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u, half_v >> 1))
                 return;
         }
 }
 
 float DisplacementSearch::error_of(const Displacement& d, const Segment& u, const Segment& v,
                                    float enough) const {
-    float sums[max_tile_side];
-    std::fill_n(sums, u.size, 0.0f);
-    measure(d, u, {&v, 1}, sums, [&] { return less_than_sum(sums, u.size) > enough; });
-    return sum_over(sums, {0, u.size});
+    const int nu = tile_.n[0], nv = tile_.n[1];
+    const SearchKernels& k = search_kernels();
+    float error = 0;
+    for_each_view(d, u, [&](const float* own, const float* copied, int moved_v) {
+        error += k.squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
+                                       nv - 1, v.size, u.size);
+        return error <= enough;
+    });
+    return error;
 }
 
 // All candidates for all spatial cells of the angular cell in hand.
 void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     const Axes& finest = spatial.back();
     const std::size_t count = candidates_.size();
-    const Segment row{0, tile_.n[0]};
-    const auto width = static_cast<std::size_t>(row.size);
+    const int nu = tile_.n[0], nv = tile_.n[1];
+    const Segment row{0, nu};
+    const auto width = static_cast<std::size_t>(nu);
+    const SearchKernels& k = search_kernels();
     sums_.resize(finest[1].size() * width);
     for (std::size_t i = 0; i < count; ++i) {
         std::fill(sums_.begin(), sums_.end(), 0.0f);
-        measure(candidates_[i], row, finest[1], sums_.data(), [] { return false; });
+        for_each_view(candidates_[i], row, [&](const float* own, const float* copied, int moved_v) {
+            float* sums = sums_.data();
+            for (const Segment& v : finest[1]) {
+                k.add_squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
+                                          nv - 1, v.size, nu, sums);
+                sums += nu;
+            }
+            return true;
+        });
         float* to = errors_.data() + i;
         for (std::size_t cv = 0; cv < finest[1].size(); ++cv)
             for (const Segment& u : finest[0]) {

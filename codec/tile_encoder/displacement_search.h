@@ -82,11 +82,10 @@ private:
     void total_likely(const float* own, const std::array<Displacement, 2>& known, float bit_cost);
     void total_candidates(const float* own, const std::array<Displacement, 2>& known,
                           float bit_cost);
-    // Squared error of the texels u, v of the angular cell in hand, for each of some v; adds to a sum
-    // a texel of u. Asks stop() after every view.
-    template <class Stop>
-    void measure(const Displacement& d, const Segment& u, std::span<const Segment> cells_v,
-                 float* sums, const Stop& stop) const;
+    // Calls visit(own texels, those that it would copy, rows between these) for each view of the angular cell in hand,
+    // at the first of the texels u, until it returns false.
+    template <class Visit>
+    void for_each_view(const Displacement& d, const Segment& u, const Visit& visit) const;
     // If it is more than `enough`, something between.
     float error_of(const Displacement& d, const Segment& u, const Segment& v, float enough) const;
     float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;

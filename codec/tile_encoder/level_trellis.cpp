@@ -141,7 +141,8 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
     const auto grow = [](auto& memory, std::size_t size) {
         memory.resize(std::max(memory.size(), size));
     };
-    grow(paths.seen, places + 3 * std::size_t{quantiser_states});
+    constexpr std::size_t row = quantiser_states, rows_at_once = trellis_rows_at_once;
+    grow(paths.seen, places / (rows_at_once * row) + 1);
     grow(paths.before, places);
     grow(paths.level, places);
     grow(paths.flag_row, count);
@@ -172,14 +173,19 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
          {task.offsets[0], task.offsets[1]},
          paths.before.data(),
          paths.level.data(),
-         paths.seen.data()});
+         paths.seen.data()->row});
+    const std::size_t before = out.size();
+    out.resize(before + static_cast<std::size_t>(end.length));
+    NonZero* to = out.data() + before;
     auto state = static_cast<std::size_t>(end.state);
     for (auto at = static_cast<std::size_t>(end.length); at-- > 0;) {
         const std::size_t place = at * quantiser_states + state;
-        if (paths.level[place] != 0)
-            out.push_back(with_sign(task, at, paths.level[place]));
+        const std::int32_t level = paths.level[place];
+        *to = with_sign(task, at, level);
+        to += level != 0 ? 1 : 0;
         state = paths.before[place];
     }
+    out.resize(static_cast<std::size_t>(to - out.data()));
     return end.cost;
 }
 

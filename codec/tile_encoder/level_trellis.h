@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/entropy/context_grid.h"
+#include "codec/search_kernels/search_kernels.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
 #include "codec/tile_encoder/bit_costs.h"
@@ -44,7 +45,10 @@ struct TrellisPaths {
     std::vector<float> end_cost;
     std::vector<std::uint8_t> before;
     std::vector<std::int32_t> level;
-    std::vector<std::uint8_t> seen;
+    struct alignas(32) SeenRows {
+        std::uint8_t row[trellis_rows_at_once * quantiser_states];
+    };
+    std::vector<SeenRows> seen;
     ContextGrid grid; // without dependent quantisation
 };
 

@@ -185,7 +185,7 @@ TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     options.tools = "-base,-smooth,-align";
     const EncodedFile plain = encode_file_of(source, options);
     EXPECT_FALSE(plain.parameters.smooth_copies);
-    EXPECT_LT(100 * smooth.report.file_bytes, 99 * plain.report.file_bytes);
+    EXPECT_LT(1000 * smooth.report.file_bytes, 995 * plain.report.file_bytes);
 
     expect_as_specified(smooth.file, "smooth");
 }

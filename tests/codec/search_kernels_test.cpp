@@ -1,11 +1,15 @@
 // Both sets of the search's kernels give the same.
 #include "codec/kernels/kernels.h"
 #include "codec/search_kernels/forward_dct.h"
+#include "codec/tile_encoder/bit_costs.h"
+#include "format/tile/coding_parameters.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 #include "tests/support/slow_dct.h"
 #include "tests/support/transforms.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -92,6 +96,105 @@ TEST_F(SearchPaths, CodingCostsAreEqual) {
             energy += std::pow(static_cast<double>(value) * 0.37, 2);
         ASSERT_NEAR(a.energy / energy, 1, 1e-4) << count;
     }
+}
+
+TEST_F(SearchPaths, SquaredDifferencesAreEqualAndRight) {
+    Random random(22);
+    for (int n = 1; n <= max_tile_side; ++n)
+        for (const int rows : {1, 4, 7}) {
+            const int a_stride = n + 1, b_stride = n + 3, first = random.range(-3, 5), last = 4;
+            const auto a = random_floats(random, a_stride * (rows - 1) + n, 255);
+            const auto b = random_floats(random, b_stride * last + n, 255);
+            const auto of = [&](const SearchKernels& path) {
+                return path.squared_differences(a.data(), a_stride, b.data(), b_stride, first, last,
+                                                rows, n);
+            };
+            double right = 0;
+            for (int y = 0; y < rows; ++y)
+                for (int x = 0; x < n; ++x)
+                    right += std::pow(
+                        static_cast<double>(a[static_cast<std::size_t>(y * a_stride + x)]) -
+                            static_cast<double>(b[static_cast<std::size_t>(
+                                std::clamp(first + y, 0, last) * b_stride + x)]),
+                        2);
+            ASSERT_EQ(of(search_kernels_scalar), of(search_kernels_avx2)) << n << " " << rows;
+            ASSERT_NEAR(of(search_kernels_scalar) / right, 1, 1e-5) << n << " " << rows;
+        }
+}
+
+// One plane of a block under random tables; far more of it coded than files have, and longer than rows are moved.
+TEST_F(SearchPaths, TrellisesAreEqual) {
+    Random random(23);
+    for (const BlockShape& shape :
+         {shape_of(1, 1, 1, 1), shape_of(3, 1, 1, 1), shape_of(4, 4, 1, 1), shape_of(5, 3, 2, 3),
+          shape_of(4, 4, 4, 4)})
+        for (int round = 0; round < 40; ++round) {
+            CodingParameters parameters;
+            parameters.parameters = random_parameters(random);
+            const BitCosts costs{CodeTables(parameters.parameters)};
+            const ScanOrder order = make_scan_order(shape, parameters.scan_weights);
+            const ScanNeighbours neighbours = find_neighbours(order);
+            const auto count = static_cast<std::size_t>(order.length());
+            std::vector<float> amplitude = random_floats(random, order.length(), 2),
+                               end_cost(count);
+            std::vector<std::uint16_t> flag_row(count);
+            std::vector<std::uint8_t> token_row(count);
+            for (std::size_t i = 0; i < count; ++i) {
+                if (random.chance(0.1))
+                    amplitude[i] *= 100;
+                end_cost[i] =
+                    random.chance(0.3) ? unreachable_cost : static_cast<float>(random.unit());
+                flag_row[i] = static_cast<std::uint16_t>(random.range(0, BitCosts::flag_rows - 1));
+                token_row[i] = static_cast<std::uint8_t>(random.range(0, BitCosts::token_rows - 1));
+            }
+            struct Path {
+                TrellisEnd end;
+                std::vector<std::int32_t> levels;
+            };
+            const auto run = [&](const SearchKernels& path) {
+                constexpr std::size_t row = trellis_rows_at_once * quantiser_states;
+                struct alignas(row) Rows {
+                    std::uint8_t states[row];
+                };
+                std::vector<std::uint8_t> before(count * quantiser_states);
+                std::vector<std::int32_t> level(before.size());
+                std::vector<Rows> seen(count / trellis_rows_at_once + 1);
+                const auto& flags = costs.flags[0];
+                const auto& tokens = costs.tokens[0];
+                Path found{
+                    path.run_trellis(
+                        {order.length(),
+                         amplitude.data(),
+                         neighbours.data()->data(),
+                         order.context.data(),
+                         size_class(shape),
+                         flag_row.data(),
+                         token_row.data(),
+                         end_cost.data(),
+                         0.5f,
+                         {flags[0].data()->data()->data(), flags[1].data()->data()->data()},
+                         {tokens[0].data()->data()->data(), tokens[1].data()->data()->data()},
+                         0.1f,
+                         {0.1f, 0.05f},
+                         before.data(),
+                         level.data(),
+                         seen.data()->states}),
+                    {}};
+                auto state = static_cast<std::size_t>(found.end.state);
+                for (auto at = static_cast<std::size_t>(found.end.length); at-- > 0;) {
+                    const std::size_t place = at * quantiser_states + state;
+                    found.levels.push_back(level[place]);
+                    state = before[place];
+                }
+                EXPECT_EQ(state, 0u) << "where all paths begin";
+                return found;
+            };
+            const Path a = run(search_kernels_scalar), b = run(search_kernels_avx2);
+            ASSERT_EQ(a.levels, b.levels) << name_of(shape) << " " << round;
+            ASSERT_EQ(a.end.cost, b.end.cost) << name_of(shape) << " " << round;
+            ASSERT_EQ(a.end.state, b.end.state) << name_of(shape) << " " << round;
+            ASSERT_LE(a.end.cost, 0.5f);
+        }
 }
 
 TEST_F(SearchPaths, MomentsAreEqual) {
