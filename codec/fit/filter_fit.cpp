@@ -25,7 +25,7 @@ public:
             slope_[i] = static_cast<float>(filter_slope(
                             {strongest, filter_reaches[i]},
                             coding.parameters.step[static_cast<std::size_t>(plane)], coding.type)) /
-                        4096.0f;
+                        4096.0f; // filter_slope counts in these
     }
 
     void look(const FilterRow<std::int32_t>& row, int n) {

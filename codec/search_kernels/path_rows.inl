@@ -3,6 +3,25 @@
 // Paths of the trellis that far back have mostly met.
 constexpr int trellis_window = 20;
 
+// Amplitudes to two binary digits, as contexts see them: amplitude_of(amplitude_code(x)).
+inline Int8 seen_amplitudes(const Int8& amplitudes) {
+    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
+    const Int8 below = amplitudes < most ? amplitudes : Int8{} + most;
+    const auto digits = __builtin_bit_cast(Int8, __builtin_convertvector(below, Float8));
+    return __builtin_convertvector(
+        __builtin_bit_cast(Float8, digits & static_cast<std::int32_t>(0xFFC00000)), Int8);
+}
+
+// neighbour_class, of amplitudes' weighted sums.
+inline Int8 neighbour_classes_of(const Int8& sums, int share) {
+    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
+    Int8 mean = (sums * share) >> 9;
+    mean = mean < most ? mean : Int8{} + most;
+    const auto bits = __builtin_bit_cast(Int8, __builtin_convertvector(mean, Float8));
+    const Int8 code = (bits >> 22) - 254; // right from 2 on
+    return mean < 2 ? mean : code;
+}
+
 // What each state's path has left behind: a row of amplitudes for each coefficient, a lane for each state. Rows
 // follow the paths for trellis_window coefficients. The last row, and what it does to those before, waits until the
 // next coefficient has looked at these: most have no neighbour there, and need not wait until it went through memory.
@@ -13,7 +32,7 @@ public:
     // Classes of the amplitudes around a coefficient. To be asked for, and then add(), of one after the other.
     Int8 neighbour_classes(int at) {
         if (at % rows_at_once == 0) // where a coefficient has no neighbour its own row stands
-            __builtin_memset(row(at), 0, rows_at_once * quantiser_states);
+            task_.seen[at / rows_at_once] = {};
         if (at == 0)
             return Int8{} + task_.first_class;
         const Int8 sums = sums_around(at);
@@ -26,17 +45,21 @@ public:
     }
 
     // from: the state that each state's path came from. It is written as bytes, too.
-    void add(int at, const Int8& from, const Int8& amplitudes) {
+    void add(int at, const Int8& from, const Int8& level) {
         from_ = from;
-        last_ = amplitudes;
-        store_bytes(from, task_.before + at * quantiser_states);
+        last_ = seen_amplitudes(level);
+        store_bytes(from, before(at));
     }
 
 private:
     static constexpr int rows_at_once = trellis_rows_at_once;
-    static_assert(rows_at_once * quantiser_states == 32);
+    static_assert(sizeof(TrellisRows) == 32);
 
-    std::uint8_t* row(int at) const { return task_.seen + at * quantiser_states; }
+    std::uint8_t* row(int at) const {
+        return reinterpret_cast<std::uint8_t*>(task_.seen) + at * quantiser_states;
+    }
+    // The states that their paths came from.
+    std::uint8_t* before(int at) const { return task_.before + at * quantiser_states; }
     const std::uint16_t* neighbours(int at) const {
         return task_.neighbours + at * scan_neighbours;
     }
@@ -85,7 +108,7 @@ private:
     }
     // Rows are read and written four at a time, always the same: a load of what two stores wrote waits for both.
     void put_last(int at) const {
-        const __m128i from = bytes_of(from_);
+        const __m128i from = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(before(at)));
         const __m256i order = _mm256_broadcastsi128_si256( // the second row of 16 bytes
             _mm_unpacklo_epi64(from, _mm_add_epi8(from, _mm_set1_epi8(quantiser_states))));
         const __m256i rows = _mm256_setr_epi64x(0, 1, 2, 3);
@@ -141,7 +164,7 @@ private:
         return 0;
     }
     void put_last(int at) const {
-        const std::uint8_t* const from = task_.before + at * quantiser_states;
+        const std::uint8_t* const from = before(at);
         for (int past = oldest_moved(at); past < at; ++past) {
             std::uint64_t old;
             __builtin_memcpy(&old, row(past), sizeof old);

@@ -35,7 +35,11 @@ constexpr int forward_order(int n, int i) {
 // More than any path costs.
 constexpr float unreachable_cost = 1e30f;
 
+// Amplitudes of four coefficients on the paths of all states: what vectors of 32 bytes hold.
 constexpr int trellis_rows_at_once = 4;
+struct alignas(32) TrellisRows {
+    std::uint8_t row[trellis_rows_at_once][quantiser_states];
+};
 
 // A plane's coefficients in scan order, and what their levels cost. Bits of a quantiser's zero flags are
 // [row][is non-zero][class of the neighbours], those of its magnitudes [row][token][class].
@@ -53,11 +57,11 @@ struct TrellisTask {
     const float* tokens[quantisers];
     float lambda;
     float offsets[2]; // PlaneTask's
-    // For each coefficient and state behind it: the best path's state before, its level, and its amplitude for
-    // contexts. The last lie at a multiple of 32 bytes, with room for whole trellis_rows_at_once coefficients.
+    // For each coefficient and state behind it: the best path's state before, its level, and its
+    // amplitude for contexts.
     std::uint8_t* before;
     std::int32_t* level;
-    std::uint8_t* seen;
+    TrellisRows* seen;
 };
 
 // Where the cheapest path ends.

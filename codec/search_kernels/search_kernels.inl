@@ -29,6 +29,11 @@ template <class Vector> inline void store(float* to, const Vector& x) {
 
 typedef std::int32_t Int8 __attribute__((vector_size(32)));
 
+// Row y of those that lie `stride` apart, or the nearest of 0..last.
+inline const float* nearest_row(const float* rows, int stride, int y, int last) {
+    return rows + (y < 0 ? 0 : y > last ? last : y) * stride;
+}
+
 // The same of `count` vectors of the sums.
 template <class Vector, int count>
 inline void add_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
@@ -38,8 +43,7 @@ inline void add_differences(const float* a, int a_stride, const float* b, int b_
     for (int i = 0; i < count; ++i)
         sum[i] = load<Vector>(sums + i * width);
     for (int y = 0; y < rows; ++y, a += a_stride) {
-        const int wanted = first + y;
-        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        const float* from = nearest_row(b, b_stride, first + y, last);
         for (int i = 0; i < count; ++i) {
             const Vector difference = load<Vector>(a + i * width) - load<Vector>(from + i * width);
             sum[i] += difference * difference;
@@ -80,8 +84,7 @@ float squared_differences(const float* a, int a_stride, const float* b, int b_st
     Float2 twos{};
     float ones{};
     for (int y = 0; y < rows; ++y, a += a_stride) {
-        const int wanted = first + y;
-        const float* from = b + (wanted < 0 ? 0 : wanted > last ? last : wanted) * b_stride;
+        const float* from = nearest_row(b, b_stride, first + y, last);
         int x = 0;
         for (; x + 8 <= n; x += 8)
             add_squared(a + x, from + x, eights);
@@ -256,12 +259,13 @@ inline void plain_signals(const float* in, int step, int stride, int rows, int n
 inline void plain_rows(const float* in, int step, int stride, int rows, int n, int kept,
                        const float* basis_t, float* out, int out_step, int out_stride) {
     for (int k = 0; k < kept; k += 16) {
-        const auto some = kept - k > 8   ? plain_signals<Float8, 2>
-                          : kept - k > 4 ? plain_signals<Float8, 1>
-                          : kept - k > 1 ? plain_signals<Float4, 1>
-                                         : plain_signals<float, 1>;
-        some(in, step, stride, rows, n, basis_t + k, kept - k < 16 ? kept - k : 16,
-             out + k * out_step, out_step, out_stride);
+        const int left = kept - k;
+        const auto some = left > 8   ? plain_signals<Float8, 2>
+                          : left > 4 ? plain_signals<Float8, 1>
+                          : left > 1 ? plain_signals<Float4, 1>
+                                     : plain_signals<float, 1>;
+        some(in, step, stride, rows, n, basis_t + k, left, out + k * out_step, out_step,
+             out_stride);
     }
 }
 

@@ -80,30 +80,12 @@ template <int which> inline Int8 states_before() {
     return Int8{s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]};
 }
 
-// Amplitudes to two binary digits, as contexts see them: amplitude_of(amplitude_code(x)).
-inline Int8 seen_amplitudes(const Int8& amplitudes) {
-    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
-    const Int8 below = amplitudes < most ? amplitudes : Int8{} + most;
-    const auto digits = __builtin_bit_cast(Int8, __builtin_convertvector(below, Float8));
-    return __builtin_convertvector(
-        __builtin_bit_cast(Float8, digits & static_cast<std::int32_t>(0xFFC00000)), Int8);
-}
-
-// neighbour_class, of amplitudes' weighted sums.
-inline Int8 neighbour_classes_of(const Int8& sums, int share) {
-    constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
-    Int8 mean = (sums * share) >> 9;
-    mean = mean < most ? mean : Int8{} + most;
-    const auto bits = __builtin_bit_cast(Int8, __builtin_convertvector(mean, Float8));
-    const Int8 code = (bits >> 22) - 254; // right from 2 on
-    return mean < 2 ? mean : code;
-}
-
 #include "codec/search_kernels/path_rows.inl"
 
-inline float error_of_level(const TrellisTask& task, float amplitude, std::int32_t level) {
-    const float error =
-        amplitude - level_unit * (static_cast<float>(level) - task.offsets[level > 1 ? 1 : 0]);
+// Of levels that stand for what lies `offset` below them.
+template <class Value>
+inline Value squared_error(float amplitude, const Value& level, const Value& offset) {
+    const Value error = amplitude - level_unit * (level - offset);
     return error * error;
 }
 
@@ -118,13 +100,12 @@ inline Candidates candidates_of(const TrellisTask& task, float amplitude, std::i
     const Int4 levels = ((Int4{0, 1, 2, 3} - lowest) & 3) + lowest;
     const Int4 possible = levels > 0;
     const Float4 offset = levels > 1 ? Float4{} + task.offsets[1] : Float4{} + task.offsets[0];
-    const Float4 error =
-        amplitude - level_unit * (__builtin_convertvector(levels, Float4) - offset);
+    const Float4 error = squared_error(amplitude, __builtin_convertvector(levels, Float4), offset);
     // magnitude_token: up to 4 one each, then one for every power of two above 3.
     const Int4 magnitude = (levels + 1) >> 1;
     const auto power =
         __builtin_bit_cast(Int4, __builtin_convertvector(magnitude - 3, Float4)) >> 23;
-    return {possible & levels, possible ? error * error : Float4{} + __builtin_inff(),
+    return {possible & levels, possible ? error : Float4{} + __builtin_inff(),
             possible & (magnitude < 4 ? magnitude - 1 : power - 124)};
 }
 
@@ -150,7 +131,8 @@ inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, c
     if (a < smallest_dependent) { // 1 is what there is to choose, its token the first
         const Float8 odd_bits = look_up(flags[1] + neighbour_classes, classes) + token_bits(1, 0);
         const Float8 more = level_unit * (level_unit - 2 * a) + lambda * (odd_bits - zero_bits);
-        const Float8 odd = cost + error_of_level(task, a, 1) - energy + lambda * odd_bits;
+        const Float8 odd =
+            cost + squared_error(a, 1.0f, task.offsets[0]) - energy + lambda * odd_bits;
         const Int8 possible = second_quantiser & ~(more > most_for_a_path);
         return {zero, possible ? odd : infinite, Int8{}, by_quantiser(0, 1)};
     }
@@ -212,7 +194,7 @@ TrellisEnd run_trellis(const TrellisTask& task) {
         const Int8 level = best ? take_ways<1>(ways.even_level, ways.odd_level)
                                 : take_ways<0>(ways.even_level, ways.odd_level);
         __builtin_memcpy(task.level + at * quantiser_states, &level, sizeof level);
-        past.add(at, best ? states_before<1>() : states_before<0>(), seen_amplitudes(level));
+        past.add(at, best ? states_before<1>() : states_before<0>(), level);
         ends.offer(at, cost, task.end_cost[at]);
     }
     return ends.cheapest();

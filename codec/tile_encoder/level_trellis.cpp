@@ -141,8 +141,7 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
     const auto grow = [](auto& memory, std::size_t size) {
         memory.resize(std::max(memory.size(), size));
     };
-    constexpr std::size_t row = quantiser_states, rows_at_once = trellis_rows_at_once;
-    grow(paths.seen, places / (rows_at_once * row) + 1);
+    grow(paths.seen, count / trellis_rows_at_once + 1);
     grow(paths.before, places);
     grow(paths.level, places);
     grow(paths.flag_row, count);
@@ -173,7 +172,7 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
          {task.offsets[0], task.offsets[1]},
          paths.before.data(),
          paths.level.data(),
-         paths.seen.data()->row});
+         paths.seen.data()});
     const std::size_t before = out.size();
     out.resize(before + static_cast<std::size_t>(end.length));
     NonZero* to = out.data() + before;

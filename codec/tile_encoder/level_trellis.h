@@ -45,10 +45,7 @@ struct TrellisPaths {
     std::vector<float> end_cost;
     std::vector<std::uint8_t> before;
     std::vector<std::int32_t> level;
-    struct alignas(32) SeenRows {
-        std::uint8_t row[trellis_rows_at_once * quantiser_states];
-    };
-    std::vector<SeenRows> seen;
+    std::vector<TrellisRows> seen;
     ContextGrid grid; // without dependent quantisation
 };
 

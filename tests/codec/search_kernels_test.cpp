@@ -152,13 +152,9 @@ TEST_F(SearchPaths, TrellisesAreEqual) {
                 std::vector<std::int32_t> levels;
             };
             const auto run = [&](const SearchKernels& path) {
-                constexpr std::size_t row = trellis_rows_at_once * quantiser_states;
-                struct alignas(row) Rows {
-                    std::uint8_t states[row];
-                };
                 std::vector<std::uint8_t> before(count * quantiser_states);
                 std::vector<std::int32_t> level(before.size());
-                std::vector<Rows> seen(count / trellis_rows_at_once + 1);
+                std::vector<TrellisRows> seen(count / trellis_rows_at_once + 1);
                 const auto& flags = costs.flags[0];
                 const auto& tokens = costs.tokens[0];
                 Path found{
@@ -178,7 +174,7 @@ TEST_F(SearchPaths, TrellisesAreEqual) {
                          {0.1f, 0.05f},
                          before.data(),
                          level.data(),
-                         seen.data()->states}),
+                         seen.data()}),
                     {}};
                 auto state = static_cast<std::size_t>(found.end.state);
                 for (auto at = static_cast<std::size_t>(found.end.length); at-- > 0;) {
