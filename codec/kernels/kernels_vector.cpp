@@ -15,6 +15,7 @@ namespace tessera {
 namespace {
 
 typedef std::int32_t Int4 __attribute__((vector_size(16)));
+typedef std::uint32_t UInt4 __attribute__((vector_size(16))); // sums that wrap
 typedef std::int16_t Short8 __attribute__((vector_size(16)));
 typedef std::uint16_t UShort8 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
@@ -241,6 +242,9 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
         struct Parts {
             Int4 high, low;
         };
+        struct Sums {
+            UInt4 high{}, low{};
+        };
         const auto parts = [&](int k) {
             const Int4 a = column(k), b = column(k + 2);
             return Parts{((a >> low_bits) & 0xFFFF) | ((b >> low_bits) << 16),
@@ -251,25 +255,25 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
             even[p] = parts(4 * p + 2);
         for (int p = 0; p < odd_pairs; ++p)
             odd[p] = parts(4 * p + 1);
-        const Int4 dc = column(0);
-        const auto store = [&](int x, Int4 high, Int4 low, Int4 whole) {
-            const Int4 carry = (low + (1 << (basis_bits - 1))) >> low_bits;
-            const Int4 value = (high + carry + (whole << 4)) >> 4;
+        const auto dc = UInt4(column(0));
+        const auto store = [&](int x, UInt4 high, UInt4 low, UInt4 whole) {
+            const Int4 carry = Int4(low + (1u << (basis_bits - 1))) >> low_bits;
+            const Int4 value = Int4(high + UInt4(carry) + (whole << 4)) >> 4;
             __builtin_memcpy(out + x * inner + i, &value, sizeof value);
         };
         for (int x = 0; x <= n - 1 - x; ++x) {
-            Parts e{}, o{};
-            const auto add = [](Parts& sum, const Parts& values, std::int32_t pair) {
-                sum.high += pair_products(values.high, Int4{} + pair);
-                sum.low += pair_products(values.low, Int4{} + pair);
+            Sums e, o;
+            const auto add = [](Sums& sum, const Parts& values, std::int32_t pair) {
+                sum.high += UInt4(pair_products(values.high, Int4{} + pair));
+                sum.low += UInt4(pair_products(values.low, Int4{} + pair));
             };
             for (int p = 0; p < even_pairs; ++p)
                 add(e, even[p], table.even[x][p]);
             for (int p = 0; p < odd_pairs; ++p)
                 add(o, odd[p], table.odd[x][p]);
-            Int4 whole = dc;
+            UInt4 whole = dc;
             for (unsigned left = table.whole[x]; left != 0; left &= left - 1)
-                whole += column(4 * __builtin_ctz(left) + 4);
+                whole += UInt4(column(4 * __builtin_ctz(left) + 4));
             store(x, e.high + o.high, e.low + o.low, whole);
             store(n - 1 - x, e.high - o.high, e.low - o.low, whole);
         }

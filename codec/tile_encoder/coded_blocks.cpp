@@ -1,6 +1,8 @@
 #include "codec/tile_encoder/coded_blocks.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 #include <functional>
 #include <string_view>
@@ -10,7 +12,37 @@ namespace {
 
 // So that they take some MB; beyond, all are forgotten.
 constexpr std::size_t most_kept_levels = std::size_t{1} << 19;
-constexpr std::size_t most_kept_coefficients = std::size_t{1} << 20;
+constexpr std::size_t most_kept_blocks = std::size_t{1} << 16;
+
+// Not 0. Two blocks that differ have the same one all but once in 2^64; then one would take the other's levels,
+// which are dear and not wrong. Four states, as each waits for its product.
+std::uint64_t fingerprint_of(const BlockCoefficients& block, int planes) {
+    constexpr std::size_t lanes = 4;
+    // A bijection of the state for every value, as in pass/levels_sum.cpp; the multiplier is that of SplitMix64.
+    const auto add = [](std::uint64_t& state, std::uint64_t value) {
+        state = std::rotl((state ^ value) * 0xBF58476D1CE4E5B9u, 31);
+    };
+    std::array<std::uint64_t, lanes> states{1, 2, 3, 4};
+    const std::size_t bytes = static_cast<std::size_t>(block.shape.texels()) * sizeof(float);
+    for (std::size_t p = 0; p < static_cast<std::size_t>(planes); ++p) {
+        const auto* from = reinterpret_cast<const std::byte*>(block.plane[p].data());
+        std::array<std::uint64_t, lanes> values{};
+        std::size_t i = 0;
+        for (; i + sizeof values <= bytes; i += sizeof values) {
+            std::memcpy(values.data(), from + i, sizeof values);
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                add(states[lane], values[lane]);
+        }
+        values = {};
+        std::memcpy(values.data(), from + i, bytes - i);
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            add(states[lane], values[lane]);
+    }
+    std::uint64_t all = 0;
+    for (const std::uint64_t state : states)
+        add(all, state);
+    return std::max<std::uint64_t>(all, 1);
+}
 
 } // namespace
 
@@ -21,7 +53,6 @@ std::size_t CodedBlocks::Hash::operator()(const Key& key) const {
 void CodedBlocks::begin(bool keep) {
     keep_ = keep;
     known_.clear();
-    coefficients_ = 0;
     levels_.clear();
 }
 
@@ -32,7 +63,7 @@ CodedBlock& CodedBlocks::at(const Block& block, const BlockPrediction& predictio
         last_.moments.reset();
         return last_;
     }
-    if (levels_.nonzeros.size() > most_kept_levels || coefficients_ > most_kept_coefficients)
+    if (levels_.nonzeros.size() > most_kept_levels || known_.size() > most_kept_blocks)
         begin(keep_);
     const auto& o = block.origin;
     const auto& n = block.shape.n;
@@ -45,19 +76,10 @@ CodedBlock& CodedBlocks::at(const Block& block, const BlockPrediction& predictio
 void CodedBlocks::check(CodedBlock& coded, const BlockCoefficients& coefficients, int planes) {
     if (!keep_ || !coefficients.copies)
         return;
-    const auto count = static_cast<std::size_t>(coefficients.shape.texels());
-    const std::size_t all = count * static_cast<std::size_t>(planes);
-    const auto plane = [&](std::size_t p) { return coefficients.plane[p].data(); };
-    bool same = coded.coefficients.size() == all;
-    for (std::size_t p = 0; same && p < static_cast<std::size_t>(planes); ++p)
-        same = std::memcmp(coded.coefficients.data() + p * count, plane(p),
-                           count * sizeof(float)) == 0;
-    if (same)
+    const std::uint64_t fingerprint = fingerprint_of(coefficients, planes);
+    if (coded.fingerprint == fingerprint)
         return;
-    coefficients_ += all - coded.coefficients.size();
-    coded.coefficients.resize(all);
-    for (std::size_t p = 0; p < static_cast<std::size_t>(planes); ++p)
-        std::copy_n(plane(p), count, coded.coefficients.data() + p * count);
+    coded.fingerprint = fingerprint;
     coded.ways.clear();
     coded.moments.reset();
 }

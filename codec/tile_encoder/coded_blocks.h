@@ -25,7 +25,8 @@ struct CodedBlock {
     };
     std::vector<Way> ways;
     std::optional<ColourMoments> moments;
-    std::vector<float> coefficients; // of a block that copies: what it copies changes
+    // Of the coefficients of a block that copies, as what it copies changes; 0: there were none yet.
+    std::uint64_t fingerprint = 0;
 };
 
 // Of one thread.
@@ -57,7 +58,6 @@ private:
     bool keep_ = false;
     CodedBlock last_; // where none are kept
     std::unordered_map<Key, CodedBlock, Hash> known_;
-    std::size_t coefficients_ = 0; // of all that are known
     TileLevels levels_;
 };
 

@@ -6,7 +6,6 @@
 #include "format/texture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -19,13 +18,18 @@ constexpr std::uint64_t most_short_tiles = std::uint64_t{1} << 17;
 constexpr std::uint64_t fewest_patches = 2, most_patches = 16;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles are worth a trial
-// A first look at a low effort, which takes a third of the time, settles what is clear: it favours
-// many views by up to 4 % of the costs here, so a smaller difference is looked at again.
+// A first look at a low effort, which takes a third of the time, settles what is clear.
 constexpr int most_effort_of_trial = 4;
 // At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
 // fifths of the encode.
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
-constexpr double clear_difference = 0.08;
+// It favours many views, by up to 8 % of the costs: between these ratios it does not tell
+// (codec/DECISIONS.md, "Efforts").
+struct Unclear {
+    double from, to;
+};
+constexpr Unclear unclear_of_more_views{0.92, 1.02}, unclear_of_fewer_views{0.98, 1.035};
+constexpr Unclear unclear_of_even_more{0.92, 1}; // than a first step brought
 
 // How much texels that matter change from one to the next.
 std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {
@@ -155,8 +159,17 @@ Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, int eff
     return usual_cost > 0 ? cost / usual_cost : 1;
 }
 
-// Whether parts of the texture code better in tiles of `other` than of `usual`.
-Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Extent4& usual) {
+const Unclear& doubt(const Extent4& other, const Extent4& usual, bool is_first) {
+    const auto views = [](const Extent4& tile) { return tile[axis_s] * tile[axis_t]; };
+    if (views(other) < views(usual))
+        return unclear_of_fewer_views;
+    return is_first ? unclear_of_more_views : unclear_of_even_more;
+}
+
+// Whether parts of the texture code better in tiles of `other` than of `usual`. is_first: no step was
+// taken yet.
+Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Extent4& usual,
+                       bool is_first) {
     // Layers look at as large a part as wide tiles would need.
     const Extent4& smallest = plan.options.layers ? wide_tile : usual;
     TESSERA_TRY_ASSIGN(Sample patches,
@@ -166,12 +179,13 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
         TESSERA_TRY_ASSIGN(const double ratio, estimated_ratio(green, patches, other, usual));
         return ratio < 1;
     }
-    double ratio = 1;
-    for (const int most_effort : {quick_effort_of_trial, most_effort_of_trial}) {
-        const int effort = std::min(plan.options.effort, most_effort);
-        TESSERA_TRY_ASSIGN(ratio, cost_ratio(green, patches, effort, other, usual));
-        if (std::abs(ratio - 1) > clear_difference || effort == plan.options.effort)
-            break;
+    const auto ratio_at = [&](int most_effort) {
+        return cost_ratio(green, patches, std::min(plan.options.effort, most_effort), other, usual);
+    };
+    TESSERA_TRY_ASSIGN(double ratio, ratio_at(quick_effort_of_trial));
+    const Unclear& unclear = doubt(other, usual, is_first);
+    if (plan.options.effort > quick_effort_of_trial && ratio > unclear.from && ratio < unclear.to) {
+        TESSERA_TRY_ASSIGN(ratio, ratio_at(most_effort_of_trial));
     }
     return ratio < 1;
 }
@@ -205,8 +219,9 @@ Result<Extent4> choose_tile_extent(const EncodePlan& plan) {
             const std::size_t next = best + static_cast<std::size_t>(step);
             if (next >= shapes.tiles.size())
                 break; // below 0, too
-            TESSERA_TRY_ASSIGN(const bool better,
-                               is_better(plan, shapes.tiles[next], shapes.tiles[best]));
+            TESSERA_TRY_ASSIGN(
+                const bool better,
+                is_better(plan, shapes.tiles[next], shapes.tiles[best], best == shapes.usual));
             if (!better)
                 break;
             best = next;
