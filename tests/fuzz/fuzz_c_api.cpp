@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::c_api {
 namespace {
 
 constexpr std::size_t calls = 8;
@@ -101,18 +101,23 @@ std::vector<Bytes> seeds() {
             with_calls("\1\301\101\4\5\2\3\6", test::with_alignment(file, {1, -1}))};
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
-    if (size < fuzz::calls)
+int run(const std::uint8_t* data, std::size_t size) {
+    if (size < calls)
         return 0;
     tessera_decoder* decoder = nullptr;
-    const int error =
-        tessera_open_memory(data + fuzz::calls, size - fuzz::calls, nullptr, &decoder);
-    fuzz::require((error == TESSERA_OK) == (decoder != nullptr), "a decoder of a failed open");
-    for (std::size_t i = 0; i < fuzz::calls; ++i)
-        fuzz::call(data[i], decoder);
+    const int error = tessera_open_memory(data + calls, size - calls, nullptr, &decoder);
+    require((error == TESSERA_OK) == (decoder != nullptr), "a decoder of a failed open");
+    for (std::size_t i = 0; i < calls; ++i)
+        call(data[i], decoder);
     tessera_close(decoder);
     return 0;
 }
+
+const Registered registered({.name = "fuzz_c_api",
+                             .seeds = seeds,
+                             .run = run,
+                             .mend = mend,
+                             .alter = alter,
+                             .rounds = 400});
+
+} // namespace tessera::fuzz::c_api

@@ -2,7 +2,7 @@
 #include "format/tile/coding_parameters.h"
 #include "tests/fuzz/fuzz_target.h"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::coding_parameters {
 
 std::vector<Bytes> seeds() {
     CodingParameters changed;
@@ -18,19 +18,20 @@ std::vector<Bytes> seeds() {
     return {write_coding_parameters({}), write_coding_parameters(changed)};
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     const auto coding = read_coding_parameters({reinterpret_cast<const std::byte*>(data), size});
     if (!coding)
         return 0;
     const auto again = read_coding_parameters(write_coding_parameters(*coding));
-    fuzz::require(again && again->parameters == coding->parameters && again->step == coding->step &&
-                      again->filter == coding->filter && again->base == coding->base,
-                  "coding parameters change when written again");
+    require(again && again->parameters == coding->parameters && again->step == coding->step &&
+                again->filter == coding->filter && again->base == coding->base,
+            "coding parameters change when written again");
     const CodeTables tables(coding->parameters);
     for (const std::uint16_t zero : tables.zero)
-        fuzz::require(zero >= 1 && zero <= 4095, "zero frequency out of range");
+        require(zero >= 1 && zero <= 4095, "zero frequency out of range");
     return 0;
 }
+
+const Registered registered({.name = "fuzz_coding_parameters", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::coding_parameters

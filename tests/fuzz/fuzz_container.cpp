@@ -6,7 +6,7 @@
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::container {
 namespace {
 
 // Texels of aligned views are those that lie at their places in the grid.
@@ -101,11 +101,13 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    fuzz::read_everything(fuzz::Bytes(bytes, bytes + size));
+    read_everything(Bytes(bytes, bytes + size));
     return 0;
 }
+
+const Registered registered(
+    {.name = "fuzz_container", .seeds = seeds, .run = run, .mend = mend, .alter = alter});
+
+} // namespace tessera::fuzz::container

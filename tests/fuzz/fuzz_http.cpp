@@ -8,7 +8,7 @@
 
 #include <cstring>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::http {
 namespace {
 
 constexpr std::uint64_t file_bytes = 1000;
@@ -58,27 +58,28 @@ std::vector<Bytes> seeds() {
                      "\nHTTP/1.1 416 x\r\nContent-Range: bytes */0\r\n\r\n")};
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     std::string_view text(reinterpret_cast<const char*>(data), size);
     static const std::filesystem::path root = "/usr/include/linux";
-    const std::string path(fuzz::take_line(text));
+    const std::string path(take_line(text));
     if (const auto found = find_served(root, path))
-        fuzz::require(found->string().starts_with(root.string()), "a path outside the folder");
-    const std::string_view range = fuzz::take_line(text);
-    fuzz::check_content_range(range);
-    fuzz::check_ranges(range);
+        require(found->string().starts_with(root.string()), "a path outside the folder");
+    const std::string_view range = take_line(text);
+    check_content_range(range);
+    check_ranges(range);
     (void)parse_decimal(range);
     HttpHead head;
     while (!text.empty()) {
-        const std::string_view line = fuzz::take_line(text);
+        const std::string_view line = take_line(text);
         if (line.empty() || line == "\r")
             break;
         add_head_line(head, line);
     }
-    fuzz::check_content_range(head.field("content-range"));
-    fuzz::receive(head, std::as_bytes(std::span(text)));
+    check_content_range(head.field("content-range"));
+    receive(head, std::as_bytes(std::span(text)));
     return 0;
 }
+
+const Registered registered({.name = "fuzz_http", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::http

@@ -4,7 +4,7 @@
 #include "format/io/crc32c.h"
 #include "tests/fuzz/fuzz_target.h"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::index {
 namespace {
 
 constexpr std::size_t key_bytes = 8;
@@ -40,18 +40,15 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     const std::span input(reinterpret_cast<const std::byte*>(data), size);
-    if (size < fuzz::key_bytes)
+    if (size < key_bytes)
         return 0;
-    const GroupKey key = fuzz::key_of(input);
-    fuzz::Bytes record(input.begin() + fuzz::key_bytes, input.end());
+    const GroupKey key = key_of(input);
+    Bytes record(input.begin() + key_bytes, input.end());
     for (const bool mended : {false, true}) {
         if (mended && record.size() > 4) { // a checksum that fits lets the fuzzer past it
-            fuzz::Bytes seed;
+            Bytes seed;
             append_le(seed, key.identity);
             append_le(seed, key.group);
             const auto body = std::span(record).first(record.size() - 4);
@@ -60,26 +57,29 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Result<GroupIndex> index = read_index_record(record, key);
         if (!index)
             continue;
-        fuzz::require(index->starts.size() == key.tiles + 1 && index->starts[0] == key.data_begin &&
-                          index->starts.back() == key.data_end,
-                      "tiles do not span DATA");
+        require(index->starts.size() == key.tiles + 1 && index->starts[0] == key.data_begin &&
+                    index->starts.back() == key.data_end,
+                "tiles do not span DATA");
         for (std::size_t i = 0; i < key.tiles; ++i) {
-            fuzz::require(index->starts[i] <= index->starts[i + 1], "tiles overlap");
+            require(index->starts[i] <= index->starts[i + 1], "tiles overlap");
             if (index->starts[i] == index->starts[i + 1])
                 continue;
             const auto pages = index->pages_of(index->starts[i], index->starts[i + 1]);
-            fuzz::require(pages.begin < pages.end && pages.end <= index->pages.size(),
-                          "a tile without pages");
+            require(pages.begin < pages.end && pages.end <= index->pages.size(),
+                    "a tile without pages");
         }
         std::uint64_t at = key.data_begin;
         for (const Page& page : index->pages) {
-            fuzz::require(page.offset == at && page.length > 0, "pages with gaps");
+            require(page.offset == at && page.length > 0, "pages with gaps");
             at += page.length;
             const auto tiles = index->tiles_of(page);
-            fuzz::require(tiles.begin < tiles.end && tiles.end <= key.tiles,
-                          "a page without tiles");
+            require(tiles.begin < tiles.end && tiles.end <= key.tiles, "a page without tiles");
         }
-        fuzz::require(at == key.data_end, "pages do not span DATA");
+        require(at == key.data_end, "pages do not span DATA");
     }
     return 0;
 }
+
+const Registered registered({.name = "fuzz_index", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::index

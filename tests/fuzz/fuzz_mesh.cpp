@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::mesh {
 
 constexpr std::uint64_t most_memory = 64u << 20;
 
@@ -33,13 +33,13 @@ void check(const SurfaceMesh& mesh) {
     }
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
-    const auto mesh =
-        decode_mesh({reinterpret_cast<const std::byte*>(data), size}, fuzz::most_memory);
+int run(const std::uint8_t* data, std::size_t size) {
+    const auto mesh = decode_mesh({reinterpret_cast<const std::byte*>(data), size}, most_memory);
     if (mesh)
-        fuzz::check(*mesh);
+        check(*mesh);
     return 0;
 }
+
+const Registered registered({.name = "fuzz_mesh", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::mesh

@@ -4,7 +4,7 @@
 #include "tools/support/description_text.h"
 #include "tools/support/parse.h"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::metadata {
 namespace {
 
 // "field" and "value", with '=' between, as a line of text.
@@ -38,21 +38,22 @@ std::vector<Bytes> seeds() {
             bytes_of("alpha=straight")};
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     const std::span input(reinterpret_cast<const std::byte*>(data), size);
     const std::string_view text(reinterpret_cast<const char*>(data), size);
-    fuzz::describe(text);
+    describe(text);
     for (const char c : printable(std::string(text)))
-        fuzz::require(static_cast<unsigned char>(c) >= 32 && c != 127, "a control is printed");
+        require(static_cast<unsigned char>(c) >= 32 && c != 127, "a control is printed");
     const auto metadata = unpack_metadata(input);
     if (!metadata)
         return 0;
     const auto packed = pack_metadata(*metadata);
-    fuzz::require(packed.ok(), "what was read cannot be written");
+    require(packed.ok(), "what was read cannot be written");
     const auto again = unpack_metadata(*packed);
-    fuzz::require(again.ok() && *again == *metadata, "metadata change when written again");
+    require(again.ok() && *again == *metadata, "metadata change when written again");
     return 0;
 }
+
+const Registered registered({.name = "fuzz_metadata", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::metadata

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::model {
 namespace {
 
 const char* ending_of(char kind) {
@@ -43,25 +43,26 @@ std::vector<Bytes> seeds() {
                  "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")};
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     if (size == 0)
         return 0;
-    const std::string path = "/tmp/tessera_fuzz_" + std::to_string(::getpid()) +
-                             fuzz::ending_of(static_cast<char>(data[0]));
+    const std::string path =
+        "/tmp/tessera_fuzz_" + std::to_string(::getpid()) + ending_of(static_cast<char>(data[0]));
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(data + 1), static_cast<std::streamsize>(size - 1));
     const auto model = corpus::load_model(path);
     ::unlink(path.c_str());
     if (!model.ok())
         return 0;
-    fuzz::require(!model->materials.empty(), "a model without materials");
+    require(!model->materials.empty(), "a model without materials");
     for (const corpus::ModelTriangle& triangle : model->triangles) {
-        fuzz::require(triangle.material < model->materials.size(), "a material that is not there");
+        require(triangle.material < model->materials.size(), "a material that is not there");
         for (const std::uint32_t corner : triangle.vertices)
-            fuzz::require(corner < model->vertices.size(), "a corner that is no vertex");
+            require(corner < model->vertices.size(), "a corner that is no vertex");
     }
     return 0;
 }
+
+const Registered registered({.name = "fuzz_model", .seeds = seeds, .run = run, .rounds = 400});
+
+} // namespace tessera::fuzz::model

@@ -1,4 +1,4 @@
-// What libFuzzer asks of a target besides its function: a mutator that mends checksums, and
+// What libFuzzer asks of a target, the only one of its program: its function, a mutator that mends checksums, and
 //   fuzz_x --write-seeds DIR
 #include "tests/fuzz/fuzz_target.h"
 
@@ -7,20 +7,25 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    return tessera::fuzz::targets().front().run(data, size);
+}
+
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {
     using namespace tessera::fuzz;
     constexpr unsigned left_damaged = 8, altered = 16; // one in so many
-    const bool alters = is_there(alter) && seed % altered == 1;
+    const Target& target = targets().front();
+    const bool alters = target.alter != nullptr && seed % altered == 1;
     if (!alters)
         size = LLVMFuzzerMutate(data, size, most);
-    if (!is_there(mend) || seed % left_damaged == 0)
+    if (target.mend == nullptr || seed % left_damaged == 0)
         return size;
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
     Bytes input(bytes, bytes + size);
     if (alters)
-        alter(input, seed / altered);
-    mend(input);
+        target.alter(input, seed / altered);
+    target.mend(input);
     size = std::min(input.size(), most);
     std::memcpy(data, input.data(), size);
     return size;
@@ -28,7 +33,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     if (*argc == 3 && std::strcmp((*argv)[1], "--write-seeds") == 0) {
-        tessera::fuzz::write_seeds((*argv)[2]);
+        tessera::fuzz::write_seeds(tessera::fuzz::targets().front(), (*argv)[2]);
         std::exit(0);
     }
     return 0;

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <unistd.h>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::pictures {
 namespace {
 
 constexpr std::uint64_t most_texels = 1 << 16;
@@ -96,14 +96,11 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     if (size == 0)
         return 0;
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    const fuzz::Bytes file(bytes + 1, bytes + size);
+    const Bytes file(bytes + 1, bytes + size);
     TextureHints hints;
     hints.threads = 1;
     if (data[0] == 'E')
@@ -112,7 +109,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         hints.views.quilt = ViewGrid{4, 1};
     Description description;
     ViewsFacts facts;
-    fuzz::read_all(data[0] == 'E' ? open_exr(wrap_memory(file), hints, description)
-                                  : open_picture(wrap_memory(file), hints, facts));
+    read_all(data[0] == 'E' ? open_exr(wrap_memory(file), hints, description)
+                            : open_picture(wrap_memory(file), hints, facts));
     return 0;
 }
+
+const Registered
+    registered({.name = "fuzz_pictures", .seeds = seeds, .run = run, .mend = mend, .rounds = 400});
+
+} // namespace tessera::fuzz::pictures

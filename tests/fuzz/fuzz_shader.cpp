@@ -14,7 +14,7 @@
 
 #include <map>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::shader {
 namespace {
 
 using test::ShaderOracle;
@@ -167,24 +167,20 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     // Longer ones only take longer.
-    fuzz::Input input(
-        {reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 16384)});
+    Input input({reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 16384)});
     const std::uint32_t first = input.take(1);
-    const std::uint32_t grid = input.take(1) % fuzz::grids.size();
-    test::ShaderOracle& oracle = fuzz::oracle(first, grid);
-    const test::ShaderOracle::Layout layout{(first & 16u) != 0};
+    const std::uint32_t grid = input.take(1) % grids.size();
+    ShaderOracle& oracle = shader::oracle(first, grid);
+    const ShaderOracle::Layout layout{(first & 16u) != 0};
     const auto tiles = std::min<std::uint64_t>(1 + input.take(1) % 4, oracle.reader().tile_count());
     std::vector<std::pair<std::uint32_t, std::uint32_t>> changes;
     if (first & 128u)
         changes.resize(input.take(1) % 32);
     for (auto& [word, value] : changes)
         word = input.take(2), value = input.take(4);
-    std::vector<fuzz::Bytes> payloads;
+    std::vector<Bytes> payloads;
     for (std::uint64_t tile = 0; tile < tiles; ++tile) {
         const auto bytes = input.take_bytes(tile + 1 < tiles ? input.take(2) : size);
         payloads.emplace_back(bytes.begin(), bytes.end());
@@ -195,6 +191,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     };
     const std::string wrong = first & 128u ? oracle.check_changed(payloads, layout, change, 300000)
                                            : oracle.check(payloads, layout);
-    fuzz::require(wrong.empty(), wrong.c_str());
+    require(wrong.empty(), wrong.c_str());
     return 0;
 }
+
+const Registered registered({.name = "fuzz_shader", .seeds = seeds, .run = run, .rounds = 2000});
+
+} // namespace tessera::fuzz::shader

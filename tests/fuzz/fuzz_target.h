@@ -1,5 +1,5 @@
-// A fuzz target is one file with these two functions. With libFuzzer it is a fuzzer; with
-// fuzz_driver.cpp it is a test on a fixed pseudo-random corpus.
+// A fuzz target is one file that registers itself. With fuzz_mutator.cpp and libFuzzer it is a fuzzer; all of
+// them and fuzz_driver.cpp are the program of tests on a fixed pseudo-random corpus.
 #pragma once
 
 #include <cstddef>
@@ -12,32 +12,39 @@
 #include <string_view>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-
 namespace tessera::fuzz {
 
 using Bytes = std::vector<std::byte>;
 
-// Valid inputs, which the driver damages and --write-seeds stores for libFuzzer.
-std::vector<Bytes> seeds();
+struct Target {
+    std::string_view name; // of its file
+    // Valid inputs, which the driver damages and --write-seeds stores for libFuzzer.
+    std::vector<Bytes> (*seeds)();
+    // One input; returns 0.
+    int (*run)(const std::uint8_t* data, std::size_t size);
+    // Makes all checksums of a damaged input right again, so that what lies behind them is met, too. nullptr: inputs
+    // have no checksums.
+    void (*mend)(Bytes& input) = nullptr;
+    // Changes what damage to single bytes hits too rarely, by the bits of `random`. nullptr: there is nothing of
+    // that kind.
+    void (*alter)(Bytes& input, unsigned random) = nullptr;
+    int rounds = 4000; // of the driver; fewer where libraries and files make them slow
+};
 
-// Makes all checksums of a damaged input right again, so that what lies behind them is met, too. Without one
-// in the target's file, inputs have no checksums.
-[[gnu::weak]] void mend(Bytes& input);
-
-// Changes what damage to single bytes hits too rarely, by the bits of `random`. Without one in the target's file,
-// there is nothing of that kind.
-[[gnu::weak]] void alter(Bytes& input, unsigned random);
-
-// Whether the target's file has one of these two.
-template <class Function> bool is_there(Function* function) {
-    return function != nullptr;
+// Those of the program.
+inline std::vector<Target>& targets() {
+    static std::vector<Target> all;
+    return all;
 }
 
+struct Registered {
+    explicit Registered(const Target& target) { targets().push_back(target); }
+};
+
 // Stores the seeds in a folder.
-inline void write_seeds(const std::string& folder) {
+inline void write_seeds(const Target& target, const std::string& folder) {
     int number = 0;
-    for (const Bytes& seed : seeds())
+    for (const Bytes& seed : target.seeds())
         std::ofstream(folder + "/seed" + std::to_string(number++), std::ios::binary)
             .write(reinterpret_cast<const char*>(seed.data()),
                    static_cast<std::streamsize>(seed.size()));

@@ -8,7 +8,7 @@
 
 #include <memory>
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::tile {
 namespace {
 
 // The last two: a base picture that is cut in four, and more texels than a tile with corrections may have.
@@ -101,28 +101,29 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-} // namespace tessera::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tessera;
+int run(const std::uint8_t* data, std::size_t size) {
     if (size == 0)
         return 0;
-    const fuzz::Setting& setting = fuzz::settings()[data[0] % fuzz::settings_count];
-    const BlockShape shape = fuzz::shape_of_input(data[0]);
+    const Setting& setting = settings()[data[0] % settings_count];
+    const BlockShape shape = shape_of_input(data[0]);
     // A copy of the exact size, so that the address sanitizer sees a read past the end.
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
     const std::vector<std::byte> payload(bytes + 1, bytes + size);
     std::vector<std::byte> texels(static_cast<std::size_t>(shape.texels()) *
                                   setting.colour.desc.texel_bytes());
     const Status status = setting.decoder->decode(payload, shape, texels);
-    fuzz::require(status.ok() || status.code() == ErrorCode::invalid_file, "wrong kind of error");
+    require(status.ok() || status.code() == ErrorCode::invalid_file, "wrong kind of error");
     if (!status.ok())
         return 0;
     const TileLevels& levels = setting.decoder->levels();
-    fuzz::require(levels.blocks.size() <= max_leaves, "too many blocks");
+    require(levels.blocks.size() <= max_leaves, "too many blocks");
     int covered = 0;
     for (std::size_t i = levels.base_blocks; i < levels.blocks.size(); ++i)
         covered += levels.blocks[i].shape.texels();
-    fuzz::require(covered == shape.texels(), "blocks do not tile the tile");
+    require(covered == shape.texels(), "blocks do not tile the tile");
     return 0;
 }
+
+const Registered registered({.name = "fuzz_tile", .seeds = seeds, .run = run});
+
+} // namespace tessera::fuzz::tile
