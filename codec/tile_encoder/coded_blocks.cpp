@@ -14,34 +14,33 @@ namespace {
 constexpr std::size_t most_kept_levels = std::size_t{1} << 19;
 constexpr std::size_t most_kept_blocks = std::size_t{1} << 16;
 
-// Not 0. Two blocks that differ have the same one all but once in 2^64; then one would take the other's levels,
+// Two blocks that differ have the same one all but once in 2^64; then one would take the other's levels,
 // which are dear and not wrong. Four states, as each waits for its product.
 std::uint64_t fingerprint_of(const BlockCoefficients& block, int planes) {
-    constexpr std::size_t lanes = 4;
     // A bijection of the state for every value, as in pass/levels_sum.cpp; the multiplier is that of SplitMix64.
     const auto add = [](std::uint64_t& state, std::uint64_t value) {
         state = std::rotl((state ^ value) * 0xBF58476D1CE4E5B9u, 31);
     };
-    std::array<std::uint64_t, lanes> states{1, 2, 3, 4};
+    std::array<std::uint64_t, 4> states{1, 2, 3, 4};
+    constexpr std::size_t at_once = sizeof states;
+    const auto add_bytes = [&](const std::byte* from, std::size_t count) {
+        std::array<std::uint64_t, states.size()> values{};
+        std::memcpy(values.data(), from, count);
+        for (std::size_t lane = 0; lane < states.size(); ++lane)
+            add(states[lane], values[lane]);
+    };
     const std::size_t bytes = static_cast<std::size_t>(block.shape.texels()) * sizeof(float);
     for (std::size_t p = 0; p < static_cast<std::size_t>(planes); ++p) {
         const auto* from = reinterpret_cast<const std::byte*>(block.plane[p].data());
-        std::array<std::uint64_t, lanes> values{};
         std::size_t i = 0;
-        for (; i + sizeof values <= bytes; i += sizeof values) {
-            std::memcpy(values.data(), from + i, sizeof values);
-            for (std::size_t lane = 0; lane < lanes; ++lane)
-                add(states[lane], values[lane]);
-        }
-        values = {};
-        std::memcpy(values.data(), from + i, bytes - i);
-        for (std::size_t lane = 0; lane < lanes; ++lane)
-            add(states[lane], values[lane]);
+        for (; i + at_once <= bytes; i += at_once)
+            add_bytes(from + i, at_once);
+        add_bytes(from + i, bytes - i);
     }
     std::uint64_t all = 0;
     for (const std::uint64_t state : states)
         add(all, state);
-    return std::max<std::uint64_t>(all, 1);
+    return all;
 }
 
 } // namespace

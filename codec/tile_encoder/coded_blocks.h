@@ -25,8 +25,8 @@ struct CodedBlock {
     };
     std::vector<Way> ways;
     std::optional<ColourMoments> moments;
-    // Of the coefficients of a block that copies, as what it copies changes; 0: there were none yet.
-    std::uint64_t fingerprint = 0;
+    std::uint64_t fingerprint =
+        0; // of a block that copies: what it copies changes its coefficients
 };
 
 // Of one thread.

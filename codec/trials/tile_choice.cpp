@@ -20,9 +20,6 @@ constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr std::uint32_t smallest_side = 32;           // of textures whose tiles are worth a trial
 // A first look at a low effort, which takes a third of the time, settles what is clear.
 constexpr int most_effort_of_trial = 4;
-// At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
-// fifths of the encode.
-constexpr std::uint64_t fewest_patches_by_estimate = 1;
 // It favours many views, by up to 8 % of the costs: between these ratios it does not tell
 // (codec/DECISIONS.md, "Efforts").
 struct Unclear {
@@ -30,6 +27,9 @@ struct Unclear {
 };
 constexpr Unclear unclear_of_more_views{0.92, 1.02}, unclear_of_fewer_views{0.98, 1.035};
 constexpr Unclear unclear_of_even_more{0.92, 1}; // than a first step brought
+// At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
+// fifths of the encode.
+constexpr std::uint64_t fewest_patches_by_estimate = 1;
 
 // How much texels that matter change from one to the next.
 std::uint64_t liveliness(const TileTexels& tile, std::size_t texel_bytes) {

@@ -158,7 +158,7 @@ Run run(const std::string& command) {
 
 // What is compiled to SPIR-V would be linked into one program; plain sources can be many.
 bool goes_alone(ShaderDialect dialect) {
-    return dialect == ShaderDialect::vulkan;
+    return dialect != ShaderDialect::es310;
 }
 
 // glslangValidator's log when it refuses a source, else nothing. One process takes many: starting it is nearly all

@@ -101,10 +101,9 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-int run(const std::uint8_t* data, std::size_t size) {
+void run(const std::uint8_t* data, std::size_t size) {
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
     read_everything(Bytes(bytes, bytes + size));
-    return 0;
 }
 
 const Registered registered(

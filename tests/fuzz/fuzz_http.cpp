@@ -58,7 +58,7 @@ std::vector<Bytes> seeds() {
                      "\nHTTP/1.1 416 x\r\nContent-Range: bytes */0\r\n\r\n")};
 }
 
-int run(const std::uint8_t* data, std::size_t size) {
+void run(const std::uint8_t* data, std::size_t size) {
     std::string_view text(reinterpret_cast<const char*>(data), size);
     static const std::filesystem::path root = "/usr/include/linux";
     const std::string path(take_line(text));
@@ -77,7 +77,6 @@ int run(const std::uint8_t* data, std::size_t size) {
     }
     check_content_range(head.field("content-range"));
     receive(head, std::as_bytes(std::span(text)));
-    return 0;
 }
 
 const Registered registered({.name = "fuzz_http", .seeds = seeds, .run = run});

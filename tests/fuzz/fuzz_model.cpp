@@ -43,9 +43,9 @@ std::vector<Bytes> seeds() {
                  "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")};
 }
 
-int run(const std::uint8_t* data, std::size_t size) {
+void run(const std::uint8_t* data, std::size_t size) {
     if (size == 0)
-        return 0;
+        return;
     const std::string path =
         "/tmp/tessera_fuzz_" + std::to_string(::getpid()) + ending_of(static_cast<char>(data[0]));
     std::ofstream(path, std::ios::binary)
@@ -53,14 +53,13 @@ int run(const std::uint8_t* data, std::size_t size) {
     const auto model = corpus::load_model(path);
     ::unlink(path.c_str());
     if (!model.ok())
-        return 0;
+        return;
     require(!model->materials.empty(), "a model without materials");
     for (const corpus::ModelTriangle& triangle : model->triangles) {
         require(triangle.material < model->materials.size(), "a material that is not there");
         for (const std::uint32_t corner : triangle.vertices)
             require(corner < model->vertices.size(), "a corner that is no vertex");
     }
-    return 0;
 }
 
 const Registered registered({.name = "fuzz_model", .seeds = seeds, .run = run, .rounds = 400});

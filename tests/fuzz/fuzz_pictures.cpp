@@ -96,9 +96,9 @@ std::vector<Bytes> seeds() {
     return all;
 }
 
-int run(const std::uint8_t* data, std::size_t size) {
+void run(const std::uint8_t* data, std::size_t size) {
     if (size == 0)
-        return 0;
+        return;
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
     const Bytes file(bytes + 1, bytes + size);
     TextureHints hints;
@@ -111,7 +111,6 @@ int run(const std::uint8_t* data, std::size_t size) {
     ViewsFacts facts;
     read_all(data[0] == 'E' ? open_exr(wrap_memory(file), hints, description)
                             : open_picture(wrap_memory(file), hints, facts));
-    return 0;
 }
 
 const Registered

@@ -20,8 +20,7 @@ struct Target {
     std::string_view name; // of its file
     // Valid inputs, which the driver damages and --write-seeds stores for libFuzzer.
     std::vector<Bytes> (*seeds)();
-    // One input; returns 0.
-    int (*run)(const std::uint8_t* data, std::size_t size);
+    void (*run)(const std::uint8_t* data, std::size_t size);
     // Makes all checksums of a damaged input right again, so that what lies behind them is met, too. nullptr: inputs
     // have no checksums.
     void (*mend)(Bytes& input) = nullptr;
