@@ -77,11 +77,19 @@ struct CellViews {
     int row, s, t;
 };
 
+// Of values that are matched: squared differences of two columns of 64 rows are less than 2^31.
+constexpr int matching_limit = 2047;
+// Kernels read that many behind the last of them.
+constexpr std::size_t read_behind_matched = 3;
+
 // What bytes differ by.
 struct ByteErrors {
     std::uint64_t squared = 0; // summed
     std::uint32_t largest = 0;
 };
+
+// Rows that are summed at once, and how many of their differences 16 bits hold.
+constexpr std::size_t byte_lanes = 48, most_byte_rows = 128;
 
 // Planes of `images` (s, t) pairs times `texels` (u, v) places, less the background, in codes.
 struct Ycocg8Planes {
@@ -109,13 +117,19 @@ struct SearchKernels {
     // lowest forward_kept(nu) x forward_kept(nv) frequencies are written, row v after row v, the u
     // frequencies of a row in the order of forward_order(nu).
     void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
-    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n floats; row y of b is the one at
-    // first + y within 0..last. Rows of a lie a_stride apart, those of b b_stride.
-    void (*add_squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
-                                    int first, int last, int rows, int n, float* sums);
-    // Their sum, by columns in runs of eight, four, two and one.
-    float (*squared_differences)(const float* a, int a_stride, const float* b, int b_stride,
-                                 int first, int last, int rows, int n);
+    // to[i] = x[i] * scale, rounded, within +- matching_limit.
+    void (*to_matching_units)(const float* x, float scale, int n, std::int16_t* to);
+    // sums[i] += (a[i] - b[i])^2 over `rows` rows of n such values; row y of b is the one at first + y
+    // within 0..last. Rows of a lie a_stride apart, those of b b_stride. rows <= 64.
+    void (*add_squared_differences)(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                                    int b_stride, int first, int last, int rows, int n,
+                                    float* sums);
+    // The same of pairs of columns, i < n / 2; n is even.
+    void (*add_squared_pairs)(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                              int b_stride, int first, int last, int rows, int n, float* sums);
+    // Their sum.
+    std::uint64_t (*squared_differences)(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                                         int b_stride, int first, int last, int rows, int n);
     // Sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the cost
     // of zeroing or of coding each (see cell_costs.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
@@ -139,6 +153,9 @@ struct SearchKernels {
     // From 8-bit RGB with the pairs fastest: colour transform and transposition in one (FORMAT.md 4.5).
     void (*load_ycocg8)(const Ycocg8Planes& to, const unsigned char* in);
     ByteErrors (*compare_bytes)(const unsigned char* a, const unsigned char* b, std::size_t n);
+    // sums[i] += a[i] - b[i] of the byte_lanes columns of as many rows, most_byte_rows at most.
+    void (*add_byte_differences)(const unsigned char* a, const unsigned char* b, std::size_t rows,
+                                 std::int16_t* sums);
     // The cheapest path through the states of dependent quantisation.
     TrellisEnd (*run_trellis)(const TrellisTask& task);
     // to = in - predicted * unit, of `rows` rows of n values; those of `in` lie `stride` apart, others are dense.

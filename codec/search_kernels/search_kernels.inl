@@ -29,78 +29,8 @@ template <class Vector> inline void store(float* to, const Vector& x) {
 
 typedef std::int32_t Int8 __attribute__((vector_size(32)));
 
-// Row y of those that lie `stride` apart, or the nearest of 0..last.
-inline const float* nearest_row(const float* rows, int stride, int y, int last) {
-    return rows + (y < 0 ? 0 : y > last ? last : y) * stride;
-}
-
-// The same of `count` vectors of the sums.
-template <class Vector, int count>
-inline void add_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
-                            int last, int rows, float* sums) {
-    constexpr int width = sizeof(Vector) / sizeof(float);
-    Vector sum[count];
-    for (int i = 0; i < count; ++i)
-        sum[i] = load<Vector>(sums + i * width);
-    for (int y = 0; y < rows; ++y, a += a_stride) {
-        const float* from = nearest_row(b, b_stride, first + y, last);
-        for (int i = 0; i < count; ++i) {
-            const Vector difference = load<Vector>(a + i * width) - load<Vector>(from + i * width);
-            sum[i] += difference * difference;
-        }
-    }
-    for (int i = 0; i < count; ++i)
-        store(sums + i * width, sum[i]);
-}
-
-void add_squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
-                             int last, int rows, int n, float* sums) {
-    int x = 0;
-    for (; x + 32 <= n; x += 32)
-        add_differences<Float8, 4>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
-    for (; x + 16 <= n; x += 16)
-        add_differences<Float8, 2>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
-    for (; x + 8 <= n; x += 8)
-        add_differences<Float8, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
-    for (; x + 4 <= n; x += 4)
-        add_differences<Float4, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
-    for (; x < n; ++x)
-        add_differences<float, 1>(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
-}
-
 inline float sum_of(const Float8& s) {
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
-
-template <class Vector> inline void add_squared(const float* a, const float* b, Vector& sum) {
-    const Vector difference = load<Vector>(a) - load<Vector>(b);
-    sum += difference * difference;
-}
-
-float squared_differences(const float* a, int a_stride, const float* b, int b_stride, int first,
-                          int last, int rows, int n) {
-    Float8 eights{};
-    Float4 fours{};
-    Float2 twos{};
-    float ones{};
-    for (int y = 0; y < rows; ++y, a += a_stride) {
-        const float* from = nearest_row(b, b_stride, first + y, last);
-        int x = 0;
-        for (; x + 8 <= n; x += 8)
-            add_squared(a + x, from + x, eights);
-        if ((n & 4) != 0) {
-            add_squared(a + x, from + x, fours);
-            x += 4;
-        }
-        if ((n & 2) != 0) {
-            add_squared(a + x, from + x, twos);
-            x += 2;
-        }
-        if ((n & 1) != 0)
-            add_squared(a + x, from + x, ones);
-    }
-    return sum_of(eights) + ((fours[0] + fours[2]) + (fours[1] + fours[3])) +
-           ((twos[0] + twos[1]) + ones);
 }
 
 constexpr int views_at_once = 8; // texels of a row
@@ -689,6 +619,17 @@ ByteErrors compare_bytes(const unsigned char* a, const unsigned char* b, std::si
     return errors;
 }
 
+void add_byte_differences(const unsigned char* a, const unsigned char* b, std::size_t rows,
+                          std::int16_t* sums) {
+    std::int16_t sum[byte_lanes];
+    __builtin_memcpy(sum, sums, sizeof sum);
+    for (; rows > 0; --rows, a += byte_lanes, b += byte_lanes)
+        for (std::size_t i = 0; i < byte_lanes; ++i)
+            sum[i] = static_cast<std::int16_t>(sum[i] + a[i] - b[i]);
+    __builtin_memcpy(sums, sum, sizeof sum);
+}
+
+#include "codec/search_kernels/differences.inl"
 #include "codec/search_kernels/trellis.inl"
 
 template <class Vector, class Integers>
@@ -716,7 +657,9 @@ constexpr SearchKernels make_search_kernels() {
             forward_planes,
             forward_views,
             forward_image,
+            to_matching_units,
             add_squared_differences,
+            add_squared_pairs,
             squared_differences,
             coding_cost,
             largest_magnitude,
@@ -728,6 +671,7 @@ constexpr SearchKernels make_search_kernels() {
             add_singles,
             load_ycocg8,
             compare_bytes,
+            add_byte_differences,
             run_trellis,
             subtract_predicted};
 }

@@ -5,17 +5,25 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
 namespace tessera {
 namespace {
 
-float sum_over(const float* sums, const Segment& u) {
-    const float* const from = sums + u.begin;
-    if (u.size == 4) // most
-        return from[0] + from[1] + from[2] + from[3];
-    return std::accumulate(from, from + u.size, 0.0f);
+// Of columns, or of pairs of them.
+float sum_over(const float* sums, const Segment& u, bool pairs) {
+    if (pairs && u.size == 4) // most
+        return sums[u.begin / 2] + sums[u.begin / 2 + 1];
+    const int shift = pairs ? 1 : 0;
+    const float* const from = sums + (u.begin >> shift);
+    return std::accumulate(from, from + (u.size >> shift), 0.0f);
+}
+
+bool are_even(const std::vector<Segment>& segments) {
+    return std::all_of(segments.begin(), segments.end(),
+                       [](const Segment& one) { return one.begin % 2 == 0 && one.size % 2 == 0; });
 }
 
 // The first place of the least value.
@@ -75,7 +83,14 @@ void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>&
                                const std::vector<std::int32_t>& reconstructed, float unit,
                                bool smooth) {
     tile_ = tile;
-    source_ = source.data();
+    const SearchKernels& k = search_kernels();
+    const auto texels = static_cast<int>(source.size());
+    // As fine as the tile's texels let them be.
+    const float largest = k.largest_magnitude(source.data(), texels);
+    units_ = std::exp2(
+        std::floor(std::log2(static_cast<float>(matching_limit + 1) / std::max(largest, 1.0f))));
+    source_.resize(source.size() + read_behind_matched);
+    k.to_matching_units(source.data(), units_, texels, source_.data());
     make_phases(reconstructed, unit, smooth);
 }
 
@@ -83,7 +98,7 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
                                      bool smooth) {
     const int nu = tile_.n[0], nv = tile_.n[1], width = 3 * nu;
     const int views = tile_.n[2] * tile_.n[3];
-    const float scale = unit / static_cast<float>(1 << copy_shift(smooth));
+    const float scale = units_ * unit / static_cast<float>(1 << copy_shift(smooth));
     // A filter's sums one texel past an edge are those everywhere beyond it; they take two more.
     std::array<std::array<std::int32_t, max_tile_side + 4>, 3> padded;
     std::array<const std::int32_t*, 3> rows;
@@ -91,10 +106,10 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
         rows[i] = padded[i].data() + 1;
     for (int half_v = 0; half_v < 2; ++half_v)
         for (int half_u = 0; half_u < 2; ++half_u) {
-            std::vector<float>& out =
+            std::vector<std::int16_t>& out =
                 phase_[static_cast<std::size_t>(half_v)][static_cast<std::size_t>(half_u)];
-            out.resize(static_cast<std::size_t>(views * nv * width));
-            float* to = out.data();
+            out.resize(static_cast<std::size_t>(views * nv * width) + read_behind_matched);
+            std::int16_t* to = out.data();
             for (int view = 0; view < views; ++view)
                 for (int v = 0; v < nv; ++v, to += width) {
                     for (int i = 0; i < 3; ++i) {
@@ -109,12 +124,13 @@ void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstruc
                     std::array<std::int32_t, max_tile_side + 2> sums{};
                     kernels().add_copies(rows.data(), copy_filter(smooth, half_u, half_v), nu + 2,
                                          sums.data());
-                    std::fill_n(to, nu, scale * static_cast<float>(sums[0]));
-                    for (int u = 0; u < nu; ++u)
-                        to[nu + u] =
-                            scale * static_cast<float>(sums[static_cast<std::size_t>(u) + 1]);
-                    std::fill_n(to + 2 * nu, nu,
-                                scale * static_cast<float>(sums[static_cast<std::size_t>(nu) + 1]));
+                    std::array<float, max_tile_side + 2> floats;
+                    std::copy_n(sums.begin(), nu + 2, floats.begin());
+                    std::array<std::int16_t, max_tile_side + 2> row;
+                    search_kernels().to_matching_units(floats.data(), scale, nu + 2, row.data());
+                    std::fill_n(to, nu, row[0]);
+                    std::copy_n(row.begin() + 1, nu, to + nu);
+                    std::fill_n(to + 2 * nu, nu, row[static_cast<std::size_t>(nu) + 1]);
                 }
         }
 }
@@ -129,6 +145,7 @@ void DisplacementSearch::set_candidates(const DisplacementRange& range) {
         for (int u = -most_u_; u <= most_u_; u += 2)
             candidates_.push_back({static_cast<std::int8_t>(u), static_cast<std::int8_t>(v)});
     votes_[static_cast<std::size_t>(direction_)].resize(candidates_.size());
+    is_candidate_.assign(candidates_.size(), 1);
 }
 
 // Of all candidates, in hand, those that got most votes.
@@ -148,11 +165,23 @@ void DisplacementSearch::set_likely_candidates(const DisplacementRange& range) {
         chosen.push_back({});
     candidates_ = std::move(chosen);
     candidates_u_ = 0;
+    is_candidate_.assign(is_candidate_.size(), 0);
+    for (const Displacement& d : candidates_)
+        is_candidate_[place_of(d)] = 1;
+}
+
+// Of a whole one, among all candidates.
+std::size_t DisplacementSearch::place_of(const Displacement& d) const {
+    return static_cast<std::size_t>((d.v + most_v_) / 2 * (most_u_ + 1) + (d.u + most_u_) / 2);
+}
+
+bool DisplacementSearch::is_candidate(const Displacement& d) const {
+    return ((d.u | d.v) & 1) == 0 && std::abs(d.u) <= most_u_ && std::abs(d.v) <= most_v_ &&
+           is_candidate_[place_of(d)] != 0;
 }
 
 void DisplacementSearch::vote(const Displacement& whole, int texels) {
-    const int place = (whole.v + most_v_) / 2 * (most_u_ + 1) + (whole.u + most_u_) / 2;
-    votes_[static_cast<std::size_t>(direction_)][static_cast<std::size_t>(place)] +=
+    votes_[static_cast<std::size_t>(direction_)][place_of(whole)] +=
         static_cast<std::uint32_t>(texels);
 }
 
@@ -190,11 +219,11 @@ void DisplacementSearch::for_each_view(const Displacement& d, const Segment& u,
             const int from =
                 direction_ == 0 ? y * tile_.n[2] + s_.begin - 1 : (t_.begin - 1) * tile_.n[2] + x;
             const int half_u = steps * d.u, half_v = steps * d.v;
-            const std::vector<float>& phase =
+            const std::vector<std::int16_t>& phase =
                 phase_[static_cast<std::size_t>(half_v & 1)][static_cast<std::size_t>(half_u & 1)];
             // Past a tile's width there is nothing but its edge.
             const int moved_u = std::clamp(half_u >> 1, -nu, nu);
-            if (!visit(source_ + (y * tile_.n[2] + x) * nv * nu + u.begin,
+            if (!visit(source_.data() + (y * tile_.n[2] + x) * nv * nu + u.begin,
                        phase.data() + from * nv * 3 * nu + nu + u.begin + moved_u, half_v >> 1))
                 return;
         }
@@ -204,13 +233,14 @@ float DisplacementSearch::error_of(const Displacement& d, const Segment& u, cons
                                    float enough) const {
     const int nu = tile_.n[0], nv = tile_.n[1];
     const SearchKernels& k = search_kernels();
-    float error = 0;
-    for_each_view(d, u, [&](const float* own, const float* copied, int moved_v) {
+    const float codes = 1 / (units_ * units_);
+    std::uint64_t error = 0;
+    for_each_view(d, u, [&](const std::int16_t* own, const std::int16_t* copied, int moved_v) {
         error += k.squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
                                        nv - 1, v.size, u.size);
-        return error <= enough;
+        return static_cast<float>(error) * codes <= enough;
     });
-    return error;
+    return static_cast<float>(error) * codes;
 }
 
 // All candidates for all spatial cells of the angular cell in hand.
@@ -220,23 +250,27 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     const int nu = tile_.n[0], nv = tile_.n[1];
     const Segment row{0, nu};
     const auto width = static_cast<std::size_t>(nu);
-    const SearchKernels& k = search_kernels();
+    const bool pairs = are_even(finest[0]);
+    const auto add =
+        pairs ? search_kernels().add_squared_pairs : search_kernels().add_squared_differences;
+    const float codes = 1 / (units_ * units_);
     sums_.resize(finest[1].size() * width);
     for (std::size_t i = 0; i < count; ++i) {
         std::fill(sums_.begin(), sums_.end(), 0.0f);
-        for_each_view(candidates_[i], row, [&](const float* own, const float* copied, int moved_v) {
-            float* sums = sums_.data();
-            for (const Segment& v : finest[1]) {
-                k.add_squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
-                                          nv - 1, v.size, nu, sums);
-                sums += nu;
-            }
-            return true;
-        });
+        for_each_view(candidates_[i], row,
+                      [&](const std::int16_t* own, const std::int16_t* copied, int moved_v) {
+                          float* sums = sums_.data();
+                          for (const Segment& v : finest[1]) {
+                              add(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v, nv - 1,
+                                  v.size, nu, sums);
+                              sums += nu;
+                          }
+                          return true;
+                      });
         float* to = errors_.data() + i;
         for (std::size_t cv = 0; cv < finest[1].size(); ++cv)
             for (const Segment& u : finest[0]) {
-                *to = sum_over(sums_.data() + cv * width, u);
+                *to = codes * sum_over(sums_.data() + cv * width, u, pairs);
                 to += count;
             }
     }
@@ -324,7 +358,7 @@ void DisplacementSearch::choose(const Axes& cells, const std::uint8_t* wanted, c
                 u, v, known, bit_cost, {whole, own[place], bits_of(whole, known)}, totals_[place]};
             // Those first that cost no bits: where they fit, the others are not measured to their ends.
             for (const Displacement& d : known)
-                if (d != whole)
+                if (!is_candidate(d))
                     attempt(d, best);
             for (int dv = -1; half && dv <= 1; ++dv)
                 for (int du = -1; du <= 1; ++du) {

@@ -78,6 +78,8 @@ private:
                       Match* matches) const;
     // Calls visit(angle) for every angular cell that has views before it, in hand then.
     template <class Visit> void for_each_angle(const Axes& angular, const Visit& visit);
+    std::size_t place_of(const Displacement& d) const;
+    bool is_candidate(const Displacement& d) const;
     void vote(const Displacement& whole, int texels);
     void total_likely(const float* own, const std::array<Displacement, 2>& known, float bit_cost);
     void total_candidates(const float* own, const std::array<Displacement, 2>& known,
@@ -91,15 +93,17 @@ private:
     float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;
 
     BlockShape tile_;
-    const float* source_ = nullptr;
+    float units_ = 1; // a code in the units below
+    std::vector<std::int16_t> source_;
     // The decoded plane at whole and half texels, [half along v][half along u]; rows reach a tile's
     // width past both edges.
-    std::array<std::array<std::vector<float>, 2>, 2> phase_;
+    std::array<std::array<std::vector<std::int16_t>, 2>, 2> phase_;
     int direction_ = 0;
-    int most_u_ = 0, most_v_ = 0;          // of whole candidates, even
-    Segment s_, t_;                        // the angular cell in hand
-    std::vector<Displacement> candidates_; // row after row
-    std::size_t candidates_u_ = 0;         // of a row; 0: only likely ones, in no rows
+    int most_u_ = 0, most_v_ = 0;            // of whole candidates, even
+    Segment s_, t_;                          // the angular cell in hand
+    std::vector<Displacement> candidates_;   // row after row
+    std::size_t candidates_u_ = 0;           // of a row; 0: only likely ones, in no rows
+    std::vector<std::uint8_t> is_candidate_; // of those in rows
     // Of a direction's candidates, in rows: texels of the cells that took them.
     std::array<std::vector<std::uint32_t>, 2> votes_;
     std::vector<float> errors_; // of that cell: [depth, fine first][spatial cell][candidate]

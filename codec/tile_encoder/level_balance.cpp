@@ -61,8 +61,8 @@ LevelBalance::LevelBalance(const TileCoding& coding, const BitCosts& costs,
 }
 
 // One order whatever the heap looks like.
-bool LevelBalance::is_dearer(const Move& a, const Move& b) {
-    return a.price != b.price ? a.price > b.price : a.plane > b.plane;
+bool LevelBalance::is_dearer(const Offer& a, const Offer& b) {
+    return a.price != b.price ? a.price > b.price : a.move > b.move;
 }
 
 void LevelBalance::add(const BlockCoefficients& block) {
@@ -81,10 +81,10 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
     find_moves(debt, texels, tile);
     by_.assign(tile.planes.size(), 0);
     changed_.clear();
-    while (!moves_.empty() && largest_of(debt) > paid_mean * count) {
-        std::pop_heap(moves_.begin(), moves_.end(), is_dearer); // few of many are wanted
-        const Move move = moves_.back();
-        moves_.pop_back();
+    while (!offers_.empty() && largest_of(debt) > paid_mean * count) {
+        std::pop_heap(offers_.begin(), offers_.end(), is_dearer); // few of many are wanted
+        const Move& move = moves_[offers_.back().move];
+        offers_.pop_back();
         if (most_overpaid * product(debt, move.change) < square(move.change))
             continue;
         by_[move.plane] = static_cast<std::int8_t>(move.by);
@@ -102,6 +102,7 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
 // All that would pay.
 void LevelBalance::find_moves(const Means& debt, const TileTexels& texels, const TileLevels& tile) {
     moves_.clear();
+    offers_.clear();
     const auto planes = static_cast<std::size_t>(coding_->planes);
     for (std::size_t block = 0; block < tile.blocks.size(); ++block) {
         const BlockShape& shape = tile.blocks[block].shape;
@@ -139,13 +140,14 @@ void LevelBalance::find_moves(const Means& debt, const TileTexels& texels, const
             const double gain = std::fabs(along) - square(move.change) / 2;
             if (gain <= 0 || std::abs(level + move.by) > max_level)
                 continue;
-            move.price = static_cast<double>(cost_of(tile, block, plane, level + move.by) -
-                                             cost_of(tile, block, plane, level)) /
-                         gain;
+            const double price = static_cast<double>(cost_of(tile, block, plane, level + move.by) -
+                                                     cost_of(tile, block, plane, level)) /
+                                 gain;
+            offers_.push_back({price, static_cast<std::uint32_t>(moves_.size())});
             moves_.push_back(move);
         }
     }
-    std::make_heap(moves_.begin(), moves_.end(), is_dearer);
+    std::make_heap(offers_.begin(), offers_.end(), is_dearer);
 }
 
 // Of a first level, in squared steps. What comes after it is taken to cost the same.

@@ -40,11 +40,14 @@ private:
     struct Move {
         std::uint32_t plane; // of TileLevels::planes
         std::int32_t by;
-        double price;                         // squared steps for a code less of error
         std::array<float, max_planes> change; // of the sums of the channels, in codes
     };
+    struct Offer {
+        double price;       // squared steps for a code less of error
+        std::uint32_t move; // of moves_
+    };
 
-    static bool is_dearer(const Move& a, const Move& b);
+    static bool is_dearer(const Offer& a, const Offer& b);
     double step_of(bool rotated, std::size_t plane) const {
         return rotated ? rotated_step_ : step_[plane];
     }
@@ -59,8 +62,9 @@ private:
     std::array<double, max_planes> step_{};
     double rotated_step_;
     std::vector<std::array<float, max_planes>> firsts_; // coefficients of each block
-    std::vector<Move> moves_;                           // a heap, the cheapest first
-    std::vector<std::int8_t> by_;                       // of each plane of the tile
+    std::vector<Move> moves_;
+    std::vector<Offer> offers_;   // a heap, the cheapest first
+    std::vector<std::int8_t> by_; // of each plane of the tile
     std::vector<std::size_t> changed_;
 };
 

@@ -1,5 +1,6 @@
 #include "codec/tile_encoder/mean_balance.h"
 
+#include "codec/search_kernels/search_kernels.h"
 #include "format/samples.h"
 #include "format/tile/dequantizer.h"
 
@@ -23,25 +24,23 @@ Means planes_of(const Means& c, ColourTransform transform) {
 
 using ChannelSums = std::array<std::int64_t, max_planes>;
 
-// The sums of a - b by channel, in runs that 16 bits hold.
+// The sums of a - b by channel.
 ChannelSums differences_of_bytes(std::span<const std::byte> a, std::span<const std::byte> b,
                                  std::size_t channels) {
-    constexpr std::size_t lanes = 48, most_rounds = 128; // lanes: whole texels of 1 to 4 channels
+    static_assert(byte_lanes % 3 == 0 && byte_lanes % 4 == 0, "whole texels");
     ChannelSums sums{};
-    for (std::size_t at = 0; at < a.size();) {
-        std::array<std::int16_t, lanes> sum{};
-        for (std::size_t round = 0; round < most_rounds && at + lanes <= a.size();
-             ++round, at += lanes)
-            for (std::size_t i = 0; i < lanes; ++i)
-                sum[i] = static_cast<std::int16_t>(sum[i] + std::to_integer<int>(a[at + i]) -
-                                                   std::to_integer<int>(b[at + i]));
-        for (std::size_t i = 0; i < lanes; ++i)
+    std::size_t at = 0;
+    for (std::size_t run = 0; (run = std::min(most_byte_rows, (a.size() - at) / byte_lanes)) > 0;
+         at += run * byte_lanes) {
+        std::array<std::int16_t, byte_lanes> sum{};
+        search_kernels().add_byte_differences(reinterpret_cast<const unsigned char*>(&a[at]),
+                                              reinterpret_cast<const unsigned char*>(&b[at]), run,
+                                              sum.data());
+        for (std::size_t i = 0; i < byte_lanes; ++i)
             sums[i % channels] += sum[i];
-        if (at + lanes <= a.size())
-            continue;
-        for (; at < a.size(); ++at)
-            sums[at % channels] += std::to_integer<int>(a[at]) - std::to_integer<int>(b[at]);
     }
+    for (; at < a.size(); ++at)
+        sums[at % channels] += std::to_integer<int>(a[at]) - std::to_integer<int>(b[at]);
     return sums;
 }
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <numeric>
 #include <vector>
 
 namespace tessera::test {
@@ -98,28 +99,66 @@ TEST_F(SearchPaths, CodingCostsAreEqual) {
     }
 }
 
+// Values of either sign, all they can be; rows beyond both edges.
 TEST_F(SearchPaths, SquaredDifferencesAreEqualAndRight) {
     Random random(22);
+    const auto values = [&](int n) {
+        std::vector<std::int16_t> x(static_cast<std::size_t>(n) + read_behind_matched);
+        for (std::int16_t& one : x)
+            one = static_cast<std::int16_t>(
+                random.chance(0.5) ? random.range(-matching_limit, matching_limit)
+                                   : random.range(0, 1) * 2 * matching_limit - matching_limit);
+        return x;
+    };
     for (int n = 1; n <= max_tile_side; ++n)
-        for (const int rows : {1, 4, 7}) {
+        for (const int rows : {1, 4, 7, max_tile_side}) {
             const int a_stride = n + 1, b_stride = n + 3, first = random.range(-3, 5), last = 4;
-            const auto a = random_floats(random, a_stride * (rows - 1) + n, 255);
-            const auto b = random_floats(random, b_stride * last + n, 255);
-            const auto of = [&](const SearchKernels& path) {
-                return path.squared_differences(a.data(), a_stride, b.data(), b_stride, first, last,
-                                                rows, n);
-            };
-            double right = 0;
+            const auto a = values(a_stride * (rows - 1) + n), b = values(b_stride * last + n);
+            std::vector<std::int64_t> right(static_cast<std::size_t>(n));
             for (int y = 0; y < rows; ++y)
-                for (int x = 0; x < n; ++x)
-                    right += std::pow(
-                        static_cast<double>(a[static_cast<std::size_t>(y * a_stride + x)]) -
-                            static_cast<double>(b[static_cast<std::size_t>(
-                                std::clamp(first + y, 0, last) * b_stride + x)]),
-                        2);
-            ASSERT_EQ(of(search_kernels_scalar), of(search_kernels_avx2)) << n << " " << rows;
-            ASSERT_NEAR(of(search_kernels_scalar) / right, 1, 1e-5) << n << " " << rows;
+                for (int x = 0; x < n; ++x) {
+                    const int difference =
+                        a[static_cast<std::size_t>(y * a_stride + x)] -
+                        b[static_cast<std::size_t>(std::clamp(first + y, 0, last) * b_stride + x)];
+                    right[static_cast<std::size_t>(x)] += difference * difference;
+                }
+            const auto all = std::accumulate(right.begin(), right.end(), std::int64_t{});
+            for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+                std::vector<float> columns(right.size(), 1), pairs(right.size() / 2, 1);
+                path->add_squared_differences(a.data(), a_stride, b.data(), b_stride, first, last,
+                                              rows, n, columns.data());
+                path->add_squared_pairs(a.data(), a_stride, b.data(), b_stride, first, last, rows,
+                                        n & ~1, pairs.data());
+                for (std::size_t i = 0; i < right.size(); ++i)
+                    ASSERT_EQ(columns[i], static_cast<float>(right[i]) + 1) << n << " " << rows;
+                for (std::size_t i = 0; i < pairs.size(); ++i)
+                    ASSERT_EQ(pairs[i], static_cast<float>(right[2 * i] + right[2 * i + 1]) + 1)
+                        << n << " " << rows;
+                ASSERT_EQ(path->squared_differences(a.data(), a_stride, b.data(), b_stride, first,
+                                                    last, rows, n),
+                          static_cast<std::uint64_t>(all))
+                    << n << " " << rows;
+            }
         }
+}
+
+TEST_F(SearchPaths, MatchingUnitsAreEqualAndNearest) {
+    Random random(24);
+    for (int n = 1; n <= 40; ++n) {
+        const auto x = random_floats(random, n, 300);
+        for (const float scale : {8.0f, 0.03f, 100.0f}) { // the last leaves the limit
+            const auto of = [&](const SearchKernels& path) {
+                std::vector<std::int16_t> units(x.size());
+                path.to_matching_units(x.data(), scale, n, units.data());
+                return units;
+            };
+            const auto units = of(search_kernels_scalar);
+            ASSERT_EQ(units, of(search_kernels_avx2));
+            for (std::size_t i = 0; i < x.size(); ++i)
+                ASSERT_EQ(units[i], std::nearbyint(std::clamp(x[i] * scale, -1.0f * matching_limit,
+                                                              1.0f * matching_limit)));
+        }
+    }
 }
 
 // One plane of a block under random tables; far more of it coded than files have, and longer than rows are moved.
@@ -309,6 +348,31 @@ TEST_F(SearchPaths, BytesCompareAlike) {
             const ByteErrors errors = path->compare_bytes(a.data(), b.data(), n);
             EXPECT_EQ(errors.squared, squared) << n;
             EXPECT_EQ(errors.largest, largest) << n;
+        }
+    }
+}
+
+// All that 16 bits can come to hold.
+TEST_F(SearchPaths, ByteDifferencesAreEqualAndRight) {
+    Random random(35);
+    for (const std::size_t rows : {std::size_t{1}, std::size_t{5}, most_byte_rows}) {
+        std::vector<unsigned char> a(rows * byte_lanes), b(a.size());
+        std::vector<std::int16_t> right(byte_lanes);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const std::size_t lane =
+                i % byte_lanes; // the first and the last differ by all there is
+            a[i] = static_cast<unsigned char>(lane == 0                ? 255
+                                              : lane == byte_lanes - 1 ? 0
+                                                                       : random.range(0, 255));
+            b[i] = static_cast<unsigned char>(lane == 0                ? 0
+                                              : lane == byte_lanes - 1 ? 255
+                                                                       : random.range(0, 255));
+            right[lane] = static_cast<std::int16_t>(right[lane] + a[i] - b[i]);
+        }
+        for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+            std::vector<std::int16_t> sums(byte_lanes);
+            path->add_byte_differences(a.data(), b.data(), rows, sums.data());
+            EXPECT_EQ(sums, right) << rows;
         }
     }
 }
