@@ -22,8 +22,7 @@ void to_matching_units(const float* x, float scale, int n, std::int16_t* to) {
     };
     int i = 0;
     for (; i + 8 <= n; i += 8) {
-        const Short8 eight =
-            __builtin_convertvector(units(load<Float8>(x + i), Int8{}), Short8);
+        const Short8 eight = __builtin_convertvector(units(load<Float8>(x + i), Int8{}), Short8);
         __builtin_memcpy(to + i, &eight, sizeof eight);
     }
     for (; i < n; ++i)
@@ -188,8 +187,8 @@ void add_squared_pairs(const std::int16_t* a, int a_stride, const std::int16_t* 
     for (; x + 4 <= n; x += 4) {
         Int4 sum{};
         for (int y = 0; y < rows; ++y)
-            sum += squared_fours(a + y * a_stride + x,
-                                 nearest_row(b, b_stride, first + y, last) + x);
+            sum +=
+                squared_fours(a + y * a_stride + x, nearest_row(b, b_stride, first + y, last) + x);
         sums[x / 2] += static_cast<float>(sum[0] + sum[1]);
         sums[x / 2 + 1] += static_cast<float>(sum[2] + sum[3]);
     }
@@ -231,8 +230,8 @@ void add_squared_differences(const std::int16_t* a, int a_stride, const std::int
     for (; x + 4 <= n; x += 4) {
         Int4 sum{};
         for (int y = 0; y < rows; ++y)
-            sum += squared_fours(a + y * a_stride + x,
-                                 nearest_row(b, b_stride, first + y, last) + x);
+            sum +=
+                squared_fours(a + y * a_stride + x, nearest_row(b, b_stride, first + y, last) + x);
         store(sums + x, load<Float4>(sums + x) + __builtin_convertvector(sum, Float4));
     }
     for (; x < n; ++x) {

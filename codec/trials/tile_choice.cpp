@@ -27,6 +27,9 @@ struct Unclear {
 };
 constexpr Unclear unclear_of_more_views{0.92, 1.02}, unclear_of_fewer_views{0.98, 1.035};
 constexpr Unclear unclear_of_even_more{0.92, 1}; // than a first step brought
+// Of textures of so many times the patches that are compared a second look costs little.
+constexpr std::uint64_t large_of_patches = 16;
+constexpr Unclear unclear_of_fewer_of_large{0.98, 1.09};
 // At quick efforts a trial is no more than the search's estimates: passes over the patches would be two
 // fifths of the encode.
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
@@ -159,10 +162,10 @@ Result<double> cost_ratio(const EncodePlan& plan, const Sample& patches, int eff
     return usual_cost > 0 ? cost / usual_cost : 1;
 }
 
-const Unclear& doubt(const Extent4& other, const Extent4& usual, bool is_first) {
+const Unclear& doubt(const Extent4& other, const Extent4& usual, bool is_first, bool is_large) {
     const auto views = [](const Extent4& tile) { return tile[axis_s] * tile[axis_t]; };
     if (views(other) < views(usual))
-        return unclear_of_fewer_views;
+        return is_large ? unclear_of_fewer_of_large : unclear_of_fewer_views;
     return is_first ? unclear_of_more_views : unclear_of_even_more;
 }
 
@@ -183,7 +186,9 @@ Result<bool> is_better(const EncodePlan& plan, const Extent4& other, const Exten
         return cost_ratio(green, patches, std::min(plan.options.effort, most_effort), other, usual);
     };
     TESSERA_TRY_ASSIGN(double ratio, ratio_at(quick_effort_of_trial));
-    const Unclear& unclear = doubt(other, usual, is_first);
+    const bool is_large = texel_count(plan.colour.desc.size) >=
+                          large_of_patches * patches.boxes.size() * patches.boxes[0].texels();
+    const Unclear& unclear = doubt(other, usual, is_first, is_large);
     if (plan.options.effort > quick_effort_of_trial && ratio > unclear.from && ratio < unclear.to) {
         TESSERA_TRY_ASSIGN(ratio, ratio_at(most_effort_of_trial));
     }
