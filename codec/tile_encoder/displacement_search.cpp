@@ -87,8 +87,8 @@ void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>&
     const auto texels = static_cast<int>(source.size());
     // As fine as the tile's texels let them be.
     const float largest = k.largest_magnitude(source.data(), texels);
-    units_ = std::exp2(
-        std::floor(std::log2(static_cast<float>(matching_limit + 1) / std::max(largest, 1.0f))));
+    units_ = std::ldexp(
+        1.0f, std::ilogb(static_cast<float>(matching_limit + 1) / std::max(largest, 1.0f)));
     source_.resize(source.size() + read_behind_matched);
     k.to_matching_units(source.data(), units_, texels, source_.data());
     make_phases(reconstructed, unit, smooth);
