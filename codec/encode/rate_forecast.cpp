@@ -10,10 +10,11 @@ namespace tessera {
 namespace {
 
 constexpr int quick_effort = 1;
-constexpr int most_quick_passes = 6; // for one goal
-constexpr double near_enough = 0.01; // on the axis of RatePoint: 0.06 dB, 0.7 % of bytes
-constexpr double most_shift = 1.5;   // on that axis; more is a cliff, such as stored tiles
-constexpr double head_bytes = 1000;  // of a file, about
+constexpr int most_quick_passes = 6;        // for one goal
+constexpr double near_enough = 0.01;        // on the axis of RatePoint: 0.06 dB, 0.7 % of bytes
+constexpr double near_enough_to_look = 0.1; // at all of the texture, which moves the goal
+constexpr double most_shift = 1.5;          // on that axis; more is a cliff, such as stored tiles
+constexpr double head_bytes = 1000;         // of a file, about
 
 EncodePlan quick_plan(const EncodePlan& plan) {
     EncodePlan quick = plan;
@@ -50,8 +51,8 @@ double next_step(std::vector<RatePoint> points, double goal) {
         (p.reached < goal ? low : high) =
             p.reached < goal ? std::max(low, p.log_step) : std::min(high, p.log_step);
     if (low < high && high - low < 20) {
-        // Where the curve has a cliff the secant creeps; every third step halves the bracket.
-        if (points.size() % 3 == 0)
+        // Where the curve has a cliff the secant creeps; every fifth step halves the bracket.
+        if (points.size() % 5 == 0)
             return (low + high) / 2;
         next = std::clamp(next, low + 0.02 * (high - low), high - 0.02 * (high - low));
     }
@@ -97,7 +98,7 @@ Status RateForecast::look_at_all(double log_step) {
     return {};
 }
 
-Result<double> RateForecast::quick_step_for(double goal) {
+Result<double> RateForecast::quick_step_for(double goal, double near_enough) {
     double log_step =
         points_.empty() ? (range_.low + range_.high) / 2 - 1 : next_step(points_, goal);
     for (int i = 0;; ++i) {
@@ -116,10 +117,10 @@ Result<double> RateForecast::quick_step_for(double goal) {
 
 Result<double> RateForecast::step_for(double goal) {
     if (!looked_at_all_) {
-        TESSERA_TRY_ASSIGN(const double first, quick_step_for(goal));
+        TESSERA_TRY_ASSIGN(const double first, quick_step_for(goal, near_enough_to_look));
         TESSERA_TRY(look_at_all(first));
     }
-    return quick_step_for(goal - shift_);
+    return quick_step_for(goal - shift_, near_enough);
 }
 
 Status RateForecast::learn_from_sample(double log_step, const PassResult& pass) {

@@ -52,7 +52,7 @@ private:
     Result<double> quick(double log_step);
     Status look_at_all(double log_step);
     // The step at which a quick pass over the sample reaches `goal`.
-    Result<double> quick_step_for(double goal);
+    Result<double> quick_step_for(double goal, double near_enough);
 
     const EncodePlan quick_;
     const Sample& sample_;
