@@ -98,13 +98,13 @@ Status RateForecast::look_at_all(double log_step) {
     return {};
 }
 
-Result<double> RateForecast::quick_step_for(double goal, double near_enough) {
+Result<double> RateForecast::quick_step_for(double goal, double tolerance) {
     double log_step =
         points_.empty() ? (range_.low + range_.high) / 2 - 1 : next_step(points_, goal);
     for (int i = 0;; ++i) {
         log_step = std::clamp(log_step, range_.low, range_.high);
         TESSERA_TRY_ASSIGN(const double reached, quick(log_step));
-        if (std::fabs(reached - goal) < near_enough || i + 1 == most_quick_passes)
+        if (std::fabs(reached - goal) < tolerance || i + 1 == most_quick_passes)
             break;
         const double next = std::clamp(next_step(points_, goal), range_.low, range_.high);
         if (std::fabs(next - log_step) < 1e-3)

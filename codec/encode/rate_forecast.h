@@ -51,8 +51,8 @@ private:
     double reached_by_sample(const PassResult& pass) const;
     Result<double> quick(double log_step);
     Status look_at_all(double log_step);
-    // The step at which a quick pass over the sample reaches `goal`.
-    Result<double> quick_step_for(double goal, double near_enough);
+    // The step at which a quick pass over the sample reaches `goal`, once one came within `tolerance`.
+    Result<double> quick_step_for(double goal, double tolerance);
 
     const EncodePlan quick_;
     const Sample& sample_;

@@ -2,7 +2,6 @@
 // order.
 
 typedef std::int16_t Short4 __attribute__((vector_size(8)));
-typedef std::int32_t Int4 __attribute__((vector_size(16)));
 typedef std::int16_t Short8 __attribute__((vector_size(16)));
 
 // Row y of those that lie `stride` apart, or the nearest of 0..last.
@@ -29,26 +28,33 @@ void to_matching_units(const float* x, float scale, int n, std::int16_t* to) {
         to[i] = static_cast<std::int16_t>(units(x[i], std::int32_t{}));
 }
 
-inline int squared_difference(std::int16_t a, std::int16_t b) {
-    return (a - b) * (a - b);
-}
-
-inline Int4 squared_fours(const std::int16_t* a, const std::int16_t* b) {
-    Short4 four_a, four_b;
-    __builtin_memcpy(&four_a, a, sizeof four_a);
-    __builtin_memcpy(&four_b, b, sizeof four_b);
-    const Int4 difference = __builtin_convertvector(four_a - four_b, Int4);
-    return difference * difference;
-}
-
-inline float squares_of_2(const std::int16_t* a, int a_stride, const std::int16_t* b, int b_stride,
-                          int first, int last, int rows) {
+// Of `rows` rows of one column, of four.
+inline int squares_of_column(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                             int b_stride, int first, int last, int rows) {
     int sum = 0;
     for (int y = 0; y < rows; ++y, a += a_stride) {
-        const std::int16_t* const from = nearest_row(b, b_stride, first + y, last);
-        sum += squared_difference(a[0], from[0]) + squared_difference(a[1], from[1]);
+        const int difference = *a - *nearest_row(b, b_stride, first + y, last);
+        sum += difference * difference;
     }
-    return static_cast<float>(sum);
+    return sum;
+}
+inline Int4 squares_of_columns(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                               int b_stride, int first, int last, int rows) {
+    Int4 sum{};
+    for (int y = 0; y < rows; ++y, a += a_stride) {
+        Short4 four_a, four_b;
+        __builtin_memcpy(&four_a, a, sizeof four_a);
+        __builtin_memcpy(&four_b, nearest_row(b, b_stride, first + y, last), sizeof four_b);
+        const Int4 difference = __builtin_convertvector(four_a - four_b, Int4);
+        sum += difference * difference;
+    }
+    return sum;
+}
+inline float squares_of_pair(const std::int16_t* a, int a_stride, const std::int16_t* b,
+                             int b_stride, int first, int last, int rows) {
+    return static_cast<float>(
+        squares_of_column(a, a_stride, b, b_stride, first, last, rows) +
+        squares_of_column(a + 1, a_stride, b + 1, b_stride, first, last, rows));
 }
 
 #ifdef __AVX2__
@@ -153,7 +159,7 @@ void add_squared_pairs(const std::int16_t* a, int a_stride, const std::int16_t* 
         x += 8;
     }
     for (; x < n; x += 2)
-        sums[x / 2] += squares_of_2(a + x, a_stride, b + x, b_stride, first, last, rows);
+        sums[x / 2] += squares_of_pair(a + x, a_stride, b + x, b_stride, first, last, rows);
 }
 
 std::uint64_t squared_differences(const std::int16_t* a, int a_stride, const std::int16_t* b,
@@ -185,36 +191,26 @@ void add_squared_pairs(const std::int16_t* a, int a_stride, const std::int16_t* 
                        int first, int last, int rows, int n, float* sums) {
     int x = 0;
     for (; x + 4 <= n; x += 4) {
-        Int4 sum{};
-        for (int y = 0; y < rows; ++y)
-            sum +=
-                squared_fours(a + y * a_stride + x, nearest_row(b, b_stride, first + y, last) + x);
+        const Int4 sum = squares_of_columns(a + x, a_stride, b + x, b_stride, first, last, rows);
         sums[x / 2] += static_cast<float>(sum[0] + sum[1]);
         sums[x / 2 + 1] += static_cast<float>(sum[2] + sum[3]);
     }
     for (; x < n; x += 2)
-        sums[x / 2] += squares_of_2(a + x, a_stride, b + x, b_stride, first, last, rows);
+        sums[x / 2] += squares_of_pair(a + x, a_stride, b + x, b_stride, first, last, rows);
 }
 
 std::uint64_t squared_differences(const std::int16_t* a, int a_stride, const std::int16_t* b,
                                   int b_stride, int first, int last, int rows, int n) {
     std::uint64_t total = 0;
-    for (int x = 0; x < n; x += 4) {
-        Int4 fours{};
-        std::uint64_t ones = 0;
-        for (int y = 0; y < rows; ++y) {
-            const std::int16_t* const own = a + y * a_stride;
-            const std::int16_t* const from = nearest_row(b, b_stride, first + y, last);
-            if (x + 4 <= n)
-                fours += squared_fours(own + x, from + x);
-            else
-                for (int i = x; i < n; ++i)
-                    ones += static_cast<std::uint64_t>(squared_difference(own[i], from[i]));
-        }
+    int x = 0;
+    for (; x + 4 <= n; x += 4) {
+        const Int4 sum = squares_of_columns(a + x, a_stride, b + x, b_stride, first, last, rows);
         for (int i = 0; i < 4; ++i)
-            ones += static_cast<std::uint64_t>(fours[i]);
-        total += ones;
+            total += static_cast<std::uint64_t>(sum[i]);
     }
+    for (; x < n; ++x)
+        total += static_cast<std::uint64_t>(
+            squares_of_column(a + x, a_stride, b + x, b_stride, first, last, rows));
     return total;
 }
 
@@ -228,17 +224,10 @@ void add_squared_differences(const std::int16_t* a, int a_stride, const std::int
         add_squares_of_8(a + x, a_stride, b + x, b_stride, first, last, rows, sums + x);
 #endif
     for (; x + 4 <= n; x += 4) {
-        Int4 sum{};
-        for (int y = 0; y < rows; ++y)
-            sum +=
-                squared_fours(a + y * a_stride + x, nearest_row(b, b_stride, first + y, last) + x);
+        const Int4 sum = squares_of_columns(a + x, a_stride, b + x, b_stride, first, last, rows);
         store(sums + x, load<Float4>(sums + x) + __builtin_convertvector(sum, Float4));
     }
-    for (; x < n; ++x) {
-        int sum = 0;
-        for (int y = 0; y < rows; ++y)
-            sum += squared_difference(a[y * a_stride + x],
-                                      nearest_row(b, b_stride, first + y, last)[x]);
-        sums[x] += static_cast<float>(sum);
-    }
+    for (; x < n; ++x)
+        sums[x] += static_cast<float>(
+            squares_of_column(a + x, a_stride, b + x, b_stride, first, last, rows));
 }

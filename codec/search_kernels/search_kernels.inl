@@ -28,6 +28,7 @@ template <class Vector> inline void store(float* to, const Vector& x) {
 }
 
 typedef std::int32_t Int8 __attribute__((vector_size(32)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
 
 inline float sum_of(const Float8& s) {
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));

@@ -9,8 +9,6 @@ constexpr float smallest_dependent = 0.4f;
 constexpr float most_for_a_path = 0.3f;
 constexpr float level_unit = 0.5f; // in steps
 
-typedef std::int32_t Int4 __attribute__((vector_size(16)));
-
 template <class Vector> inline Vector everywhere(float value) {
     return Vector{} + value;
 }

@@ -25,8 +25,8 @@ struct CodedBlock {
     };
     std::vector<Way> ways;
     std::optional<ColourMoments> moments;
-    std::uint64_t fingerprint =
-        0; // of a block that copies: what it copies changes its coefficients
+    // Of a block that copies: what it copies changes its coefficients.
+    std::uint64_t fingerprint = 0;
 };
 
 // Of one thread.

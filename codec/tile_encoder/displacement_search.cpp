@@ -87,18 +87,19 @@ void DisplacementSearch::begin(const BlockShape& tile, const std::vector<float>&
     const auto texels = static_cast<int>(source.size());
     // As fine as the tile's texels let them be.
     const float largest = k.largest_magnitude(source.data(), texels);
-    units_ = std::ldexp(
+    const float units = std::ldexp( // a code
         1.0f, std::ilogb(static_cast<float>(matching_limit + 1) / std::max(largest, 1.0f)));
+    squared_unit_ = 1 / (units * units);
     source_.resize(source.size() + read_behind_matched);
-    k.to_matching_units(source.data(), units_, texels, source_.data());
-    make_phases(reconstructed, unit, smooth);
+    k.to_matching_units(source.data(), units, texels, source_.data());
+    make_phases(reconstructed, units * unit, smooth);
 }
 
 void DisplacementSearch::make_phases(const std::vector<std::int32_t>& reconstructed, float unit,
                                      bool smooth) {
     const int nu = tile_.n[0], nv = tile_.n[1], width = 3 * nu;
     const int views = tile_.n[2] * tile_.n[3];
-    const float scale = units_ * unit / static_cast<float>(1 << copy_shift(smooth));
+    const float scale = unit / static_cast<float>(1 << copy_shift(smooth));
     // A filter's sums one texel past an edge are those everywhere beyond it; they take two more.
     std::array<std::array<std::int32_t, max_tile_side + 4>, 3> padded;
     std::array<const std::int32_t*, 3> rows;
@@ -233,14 +234,15 @@ float DisplacementSearch::error_of(const Displacement& d, const Segment& u, cons
                                    float enough) const {
     const int nu = tile_.n[0], nv = tile_.n[1];
     const SearchKernels& k = search_kernels();
-    const float codes = 1 / (units_ * units_);
-    std::uint64_t error = 0;
+    std::uint64_t sum = 0;
+    float error = 0;
     for_each_view(d, u, [&](const std::int16_t* own, const std::int16_t* copied, int moved_v) {
-        error += k.squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
-                                       nv - 1, v.size, u.size);
-        return static_cast<float>(error) * codes <= enough;
+        sum += k.squared_differences(own + v.begin * nu, nu, copied, 3 * nu, v.begin + moved_v,
+                                     nv - 1, v.size, u.size);
+        error = squared_unit_ * static_cast<float>(sum);
+        return error <= enough;
     });
-    return static_cast<float>(error) * codes;
+    return error;
 }
 
 // All candidates for all spatial cells of the angular cell in hand.
@@ -253,7 +255,6 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
     const bool pairs = are_even(finest[0]);
     const auto add =
         pairs ? search_kernels().add_squared_pairs : search_kernels().add_squared_differences;
-    const float codes = 1 / (units_ * units_);
     sums_.resize(finest[1].size() * width);
     for (std::size_t i = 0; i < count; ++i) {
         std::fill(sums_.begin(), sums_.end(), 0.0f);
@@ -270,7 +271,7 @@ void DisplacementSearch::measure_all(const std::vector<Axes>& spatial) {
         float* to = errors_.data() + i;
         for (std::size_t cv = 0; cv < finest[1].size(); ++cv)
             for (const Segment& u : finest[0]) {
-                *to = codes * sum_over(sums_.data() + cv * width, u, pairs);
+                *to = squared_unit_ * sum_over(sums_.data() + cv * width, u, pairs);
                 to += count;
             }
     }

@@ -93,9 +93,10 @@ private:
     float bits_of(const Displacement& d, const std::array<Displacement, 2>& known) const;
 
     BlockShape tile_;
-    float units_ = 1; // a code in the units below
+    // In units as fine as its texels let them be; the square of one, in codes.
     std::vector<std::int16_t> source_;
-    // The decoded plane at whole and half texels, [half along v][half along u]; rows reach a tile's
+    float squared_unit_ = 1;
+    // The decoded plane in the same units, at whole and half texels, [half along v][half along u]; rows reach a tile's
     // width past both edges.
     std::array<std::array<std::vector<std::int16_t>, 2>, 2> phase_;
     int direction_ = 0;

@@ -29,17 +29,17 @@ ChannelSums differences_of_bytes(std::span<const std::byte> a, std::span<const s
                                  std::size_t channels) {
     static_assert(byte_lanes % 3 == 0 && byte_lanes % 4 == 0, "whole texels");
     ChannelSums sums{};
-    std::size_t at = 0;
-    for (std::size_t run = 0; (run = std::min(most_byte_rows, (a.size() - at) / byte_lanes)) > 0;
-         at += run * byte_lanes) {
+    const std::size_t rows = a.size() / byte_lanes;
+    for (std::size_t row = 0; row < rows; row += most_byte_rows) {
+        const std::size_t at = row * byte_lanes;
         std::array<std::int16_t, byte_lanes> sum{};
         search_kernels().add_byte_differences(reinterpret_cast<const unsigned char*>(&a[at]),
-                                              reinterpret_cast<const unsigned char*>(&b[at]), run,
-                                              sum.data());
+                                              reinterpret_cast<const unsigned char*>(&b[at]),
+                                              std::min(most_byte_rows, rows - row), sum.data());
         for (std::size_t i = 0; i < byte_lanes; ++i)
             sums[i % channels] += sum[i];
     }
-    for (; at < a.size(); ++at)
+    for (std::size_t at = rows * byte_lanes; at < a.size(); ++at)
         sums[at % channels] += std::to_integer<int>(a[at]) - std::to_integer<int>(b[at]);
     return sums;
 }
