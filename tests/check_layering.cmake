@@ -4,7 +4,8 @@
 #      module's own business: tools see public headers of other modules only, and so do corpus and
 #      public headers themselves. (codec and decoder_glsl are built on format's insides.)
 #   3. The folders of a module see themselves and those before them in the order of folders_*. Files
-#      directly in a module's folder see all of it.
+#      directly in a module's folder see all of it. tools/lab, the laboratory, comes last, so that no
+#      folder of the product sees it.
 #   4. There are at most 20 public headers.
 #   cmake -DROOT=folder -P check_layering.cmake
 cmake_policy(SET CMP0057 NEW) # IN_LIST
@@ -19,7 +20,7 @@ set(folders_format io tile surface container)
 set(folders_codec kernels search_kernels tile texels entropy reconstruct decode tile_encoder journal fit pass trials encode compare c_api)
 set(folders_decoder_glsl shaders batch cache gl residency draw)
 set(folders_corpus surface model trace model_surface)
-set(folders_tools support http picture texture_io verbs scenes view bench rd web server page full_verbs)
+set(folders_tools support http picture texture_io verbs scenes view web server page full_verbs lab)
 set(built_on_insides codec decoder_glsl) # of format
 set(public_modules format codec decoder_glsl)
 if(NOT DEFINED most_public_headers)

@@ -1,5 +1,5 @@
 // Measures what each coding tool is worth: encodes without it, and writes tables between the two
-// marks in ablation.md. tools/scripts/ablation.sh builds and runs it.
+// marks in ablation.md. tools/lab/scripts/ablation.sh builds and runs it.
 //   ablation ablation.md [--size UxVxSxT] [--scenes NAME,...] [--tools NAME,... | --efforts N,...]
 //            [TEXTURE_UxVxSxT.rgb[:Q,Q,Q]]...
 // Baked scenes of that size, and textures from elsewhere: raw 8-bit RGB whose name ends in their size,
@@ -10,7 +10,7 @@
 #include "codec/tile_encoder/tool_switches.h"
 #include "format/texture.h"
 #include "tests/regression/textures.h"
-#include "tools/rd/bd_rate.h"
+#include "tools/lab/rd/bd_rate.h"
 
 #include <algorithm>
 #include <cstdio>

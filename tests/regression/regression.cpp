@@ -6,7 +6,7 @@
 #include "codec/encoder.h"
 #include "format/texture.h"
 #include "tests/regression/textures.h"
-#include "tools/rd/access_cost.h"
+#include "tools/lab/rd/access_cost.h"
 
 #include <chrono>
 #include <cstdio>

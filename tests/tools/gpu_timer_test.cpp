@@ -1,4 +1,4 @@
-#include "tools/bench/gpu_timer.h"
+#include "tools/lab/bench/gpu_timer.h"
 
 #include "tests/support/gpu_fixture.h"
 

@@ -1,14 +1,14 @@
 // `tessera rd`: the figures, the rivals' tools (stood in for by scripts), what is kept between
 // runs, and the report.
 #include "tests/support/test_folder.h"
-#include "tools/rd/bd_rate.h"
-#include "tools/rd/plot.h"
-#include "tools/rd/plot_labels.h"
-#include "tools/rd/rivals.h"
-#include "tools/rd/subprocess.h"
-#include "tools/rd/sweep.h"
-#include "tools/rd/tessera_codec.h"
-#include "tools/rd/view_layout.h"
+#include "tools/lab/rd/bd_rate.h"
+#include "tools/lab/rd/plot.h"
+#include "tools/lab/rd/plot_labels.h"
+#include "tools/lab/rd/rivals.h"
+#include "tools/lab/rd/subprocess.h"
+#include "tools/lab/rd/sweep.h"
+#include "tools/lab/rd/tessera_codec.h"
+#include "tools/lab/rd/view_layout.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/rd/view_poses.h"
+#include "tools/lab/rd/view_poses.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
-#include "tools/bench/prefix_curve.h"
 #include "tools/full_verbs/all_verbs.h"
+#include "tools/full_verbs/prefix_curve.h"
 #include "tools/http/open_bytes.h"
 #include "tools/scenes/baked_original.h"
 #include "tools/scenes/scene_name.h"
