@@ -44,7 +44,7 @@ Material glowing(const glm::dvec3& emission) {
     return material;
 }
 
-// PAPER.md's table. No shadows: the purple cylinder would put the white sphere in the dark.
+// The paper's table. No shadows: the purple cylinder would put the white sphere in the dark.
 Scene composed() {
     Scene scene;
     scene.objects = {

@@ -1,4 +1,4 @@
-// What the four coordinates mean (PAPER.md, equations 3 to 5). Baker, CPU sampler and shader must
+// What the four coordinates mean (FORMAT.md 5.1). Baker, CPU sampler and shader must
 // agree on this file. Everything is double precision, pure and thread-safe.
 //
 // Texel centres sit at (i + 0.5) / N on every axis; u wraps around, v, s and t end at 0 and 1.

@@ -16,7 +16,7 @@ set(sees_decoder_glsl decoder_glsl format)
 set(sees_corpus corpus format)
 set(sees_tools tools codec corpus decoder_glsl format)
 
-set(folders_format io tile surface container)
+set(folders_format tables io tile surface container)
 set(folders_codec kernels search_kernels tile texels entropy reconstruct decode tile_encoder journal fit pass trials encode compare c_api)
 set(folders_decoder_glsl shaders batch cache gl residency draw)
 set(folders_corpus surface model trace model_surface)

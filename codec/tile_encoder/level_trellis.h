@@ -16,7 +16,7 @@ namespace tessera {
 
 // Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
 struct QuantizerOptions {
-    float lambda = 0.11f; // squared steps per bit (DESIGN: 0.10 to 0.12)
+    float lambda = 0.11f; // squared steps per bit
     bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
 };
 

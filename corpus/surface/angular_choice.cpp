@@ -10,7 +10,7 @@ namespace {
 constexpr double apart = 4; // texels
 
 // Of the change between places, this share is left as error when a file is coded, about: with it, the choice
-// is that of measured files (SURFACES.md: mirrored is 3 dB better at 5.5 kB of `composed`, where
+// is that of measured files (mirrored is 3 dB better at 5.5 kB of `composed`, where
 // highlights stay in their cells, and 0.8 dB worse at 0.5 MB of `mirror`, where blur rules).
 constexpr double share_left = 0.02;
 

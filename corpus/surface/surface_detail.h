@@ -15,7 +15,7 @@ struct SurfaceDetail {
     Extent4 tile{0, 0, 0, 0}; // charts begin at multiples of its first two
 };
 
-// What is given is kept, the rest suits the scene (measured: SURFACES.md).
+// What is given is kept, the rest suits the scene.
 struct SurfaceWish {
     std::optional<double> density;
     std::optional<Texels2> directions;

@@ -1,4 +1,4 @@
-// Blocks inside a tile and how they split, normative (FORMAT.md 3.2).
+// Blocks inside a tile and how they split, normative (FORMAT.md 3.4).
 #pragma once
 
 #include "format/tile/limits.h"

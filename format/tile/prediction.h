@@ -1,5 +1,5 @@
 // Prediction of blocks from views of the same tile that are reconstructed before, normative
-// (FORMAT.md 3.5 and 4.5).
+// (FORMAT.md 3.4 and 4.6).
 //
 // A view of a light field is its neighbour displaced, by an amount that depends on depth. A block
 // may copy the view before its first one along s or along t, or all its views from a picture that the

@@ -4,11 +4,7 @@
 #include "tests/support/efforts.h"
 #include "tests/support/moving_views.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <sstream>
 
 namespace tessera {
 namespace {
@@ -147,22 +143,6 @@ TEST(Reference, Metadata) {
         for (const auto& [key, value] : metadata)
             EXPECT_EQ(outcome.metadata.at(key), value);
     }
-}
-
-// The copy of the normative table is the table.
-TEST(Reference, DefaultParametersAreCopiedRight) {
-    const std::filesystem::path root =
-        std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-    std::ifstream in(root / "format/tile/default_parameters.cpp");
-    ASSERT_TRUE(in) << "the test needs the source tree";
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    const std::size_t begin = text.find("= {") + 3;
-    std::string list = text.substr(begin, text.find("};") - begin);
-    std::replace(list.begin(), list.end(), ',', ' ');
-    std::istringstream numbers(list);
-    const std::vector<int> table{std::istream_iterator<int>(numbers), {}};
-    const auto copy = reference::default_parameters();
-    EXPECT_EQ(std::vector<int>(copy.begin(), copy.end()), table);
 }
 
 } // namespace

@@ -11,7 +11,7 @@ namespace tessera_reference::spec {
 namespace {
 
 constexpr uint8_t default_parameter_list[] = {
-#include "tests/reference/default_parameters.inc"
+#include "format/tables/default_parameters.inc"
 };
 constexpr size_t parameter_count = 5809;
 static_assert(std::size(default_parameter_list) == parameter_count);
@@ -167,7 +167,3 @@ Code read_code(Bytes section) {
 }
 
 } // namespace tessera_reference::spec
-
-std::span<const std::uint8_t> tessera_reference::default_parameters() {
-    return spec::default_parameter_list;
-}

@@ -1,4 +1,5 @@
 // A second, plain decoder of the Tessera format, written from format/FORMAT.md alone.
+// It reads the normative tables in format/tables/, too.
 //
 // It shares no code with the library and takes no shortcuts: the whole file in memory, everything
 // checked, one tile after the other. It exists so that the document and the library can be checked
@@ -29,8 +30,5 @@ std::optional<Decoded> decode(std::span<const std::byte> file, std::string& erro
 
 // CRC32C as FORMAT.md's notation defines it; `crc` continues the CRC of the bytes before.
 std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t crc = 0);
-
-// The copy of the default parameters that the decoder uses (3.5).
-std::span<const std::uint8_t> default_parameters();
 
 } // namespace tessera_reference

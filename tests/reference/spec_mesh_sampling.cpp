@@ -33,7 +33,7 @@ void fold(double& p, double& q) {
     q = new_q;
 }
 
-// "d is first made a direction that leaves the surface"
+// "d is first replaced by a direction that leaves the surface"
 Vector leaving(const Vector& d, const Vector& ez) {
     const Vector flat = sum(1, d, -std::min(0.0, dot(d, ez)), ez);
     return std::sqrt(dot(flat, flat)) < 1e-12 ? ez : unit(flat);

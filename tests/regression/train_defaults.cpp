@@ -1,16 +1,39 @@
-// Prints format/tile/default_parameters.cpp for the symbols of some .tess files, each file weighing the
+// Prints format/tables/default_parameters.inc for the symbols of some .tess files, each file weighing the
 // same. Used when the contexts change:
-//   train_defaults a.tess b.tess ... > format/tile/default_parameters.cpp
+//   train_defaults a.tess b.tess ... > format/tables/default_parameters.inc
 #include "codec/decoder.h"
 #include "codec/fit/table_fit.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "format/io/crc32c.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 using namespace tessera;
 
 namespace {
+
+struct ParameterArray {
+    const char* name;
+    int end;  // of its parameters
+    int line; // length of its last dimension
+};
+constexpr ParameterArray arrays[] = {
+    {"zero[2][2][7][6][16]", magnitude_offset, neighbour_classes},
+    {"magnitude[2][2][66][9]", first_length_offset, magnitude_chain},
+    {"first_length[18][13]", other_length_offset, length_tokens - 1},
+    {"other_length[14][13]", split_offset, length_tokens - 1},
+    {"split[6][6][2]", correction_offset, split_kinds - 1},
+    {"correction[21][10]", colour_offset, correction_chain},
+    {"colour[2][2]", prediction_offset, colour_kinds - 1},
+    {"prediction[6][2]", displacement_kind_offset, prediction_kinds - 1},
+    {"displacement_kind[2][2]", displacement_offset, displacement_kinds - 1},
+    {"displacement[2][8]", base_offset, displacement_tokens - 1},
+    {"base[1]", from_base_offset, 1},
+    {"from_base[2][1]", base_displacement_offset, 1},
+    {"base_displacement[8]", parameter_count, displacement_tokens - 1}};
 
 // Symbol counts of one file.
 Result<Statistics> statistics_of(const char* path) {
@@ -63,17 +86,26 @@ int main(int argc, char** argv) {
             goes[p] += 1e6 * static_cast<double>(file->goes[p]) / total;
         }
     }
-    std::printf("// Made by tests/regression/train_defaults from files of the corpus.\n"
-                "#include \"format/tile/code_tables.h\"\n\nnamespace tessera {\n\n"
-                "const Parameters& default_parameters() {\n"
-                "    static const Parameters parameters = {\n");
+    std::vector<std::byte> fitted;
     for (std::size_t p = 0; p < parameter_count; ++p) {
         // A few imagined counts at the old value keep rare contexts sensible.
         const double old = 1.0 / (1.0 + std::exp2((default_parameters()[p] - 32) / 3.0));
         const double stop = stops[p] + 4 * old, go = goes[p] + 4 * (1 - old);
-        const long fitted = std::lround(32 + 3 * std::log2(go / stop));
-        std::printf("%s%ld,%s", p % 20 == 0 ? "        " : " ", std::clamp(fitted, 0L, 63L),
-                    p % 20 == 19 || p + 1 == parameter_count ? "\n" : "");
+        const long nearest = std::lround(32 + 3 * std::log2(go / stop));
+        fitted.push_back(static_cast<std::byte>(std::clamp(nearest, 0L, 63L)));
     }
-    std::printf("    };\n    return parameters;\n}\n\n} // namespace tessera\n");
+    std::printf(
+        "// The default parameters: normative, FORMAT.md 3.5.\n//\n"
+        "// 5,809 numbers 0..63, separated by commas, in the order of FORMAT.md 3.5. A comment "
+        "names each array;\n// its last index runs fastest, and a line holds the numbers of "
+        "one last index.\n// CRC32C of the numbers as bytes: 0x%08X.\n",
+        static_cast<unsigned>(crc32c(fitted)));
+    std::size_t p = 0;
+    for (const auto& [name, end, line] : arrays) {
+        std::printf("// %s\n", name);
+        for (const std::size_t first = p; p < static_cast<std::size_t>(end); ++p) {
+            const bool is_last = (p - first + 1) % static_cast<std::size_t>(line) == 0;
+            std::printf("%d,%s", std::to_integer<int>(fitted[p]), is_last ? "\n" : " ");
+        }
+    }
 }

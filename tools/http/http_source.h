@@ -12,7 +12,7 @@
 namespace tessera {
 
 // Opening costs one request, which brings the size and the first bytes; those are kept. After that a
-// read() is one request, and a read_many() as few as merge_reads() (format/io/read_plan.h) makes of it,
+// read() is one request, and a read_many() as few as merge_reads() (format/byte_source.h) makes of it,
 // in flight together. Every answer must be the part that was asked for, of the file as it was when it
 // was opened: same size, ETag and Last-Modified (asked for by If-Match or If-Unmodified-Since, and
 // compared). A redirect is followed anew by every request, since its target may expire.

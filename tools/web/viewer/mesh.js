@@ -1,4 +1,4 @@
-// The mesh of a texture, as `tessera view` writes it beside the file (tools/web/page/view_data.h): columns of
+// The mesh of a texture, as `tessera view` writes it beside the file (tools/page/view_data.h): columns of
 // integers, each the difference to the one before it, zigzag, split into planes of bytes.
 
 class MeshData {

@@ -1,0 +1,67 @@
+// The tables beside FORMAT.md are what the library computes.
+#include "format/io/crc32c.h"
+#include "format/tile/code_tables.h"
+#include "format/tile/colour_rotation.h"
+#include "format/tile/dct_basis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+
+namespace tessera {
+namespace {
+
+constexpr std::uint32_t frequencies[] = {
+#include "format/tables/frequencies.inc"
+};
+constexpr std::int32_t basis_waves[] = {
+#include "format/tables/basis.inc"
+};
+constexpr std::int32_t colour_rotations[] = {
+#include "format/tables/colour_rotations.inc"
+};
+
+TEST(FormatTables, DefaultParametersHaveTheStatedChecksum) {
+    EXPECT_EQ(crc32c(std::as_bytes(std::span(default_parameters()))), 0x324C373Fu);
+}
+
+TEST(FormatTables, FrequenciesOfParameters) {
+    ASSERT_EQ(std::size(frequencies), std::size_t{parameter_count_of_odds});
+    for (std::uint8_t p = 0; p < parameter_count_of_odds; ++p)
+        EXPECT_EQ(frequencies[p], stop_frequency(p)) << int{p};
+}
+
+TEST(FormatTables, Basis) {
+    const std::int32_t* wave = basis_waves;
+    for (int n = 1; n <= max_tile_side; ++n) {
+        ASSERT_LE(wave + n + 1, std::end(basis_waves)) << n;
+        for (int k = 0; k < std::min(n, max_frequencies); ++k)
+            for (int x = 0; x < n; ++x) { // by the rule in the table's header
+                int a = (2 * x + 1) * k % (4 * n);
+                a = a > 2 * n ? 4 * n - a : a;
+                ASSERT_EQ(basis(n)[k * n + x], a <= n ? wave[a] : -wave[2 * n - a])
+                    << n << ' ' << k << ' ' << x;
+            }
+        wave += n + 1;
+    }
+    EXPECT_EQ(wave, std::end(basis_waves));
+}
+
+TEST(FormatTables, ColourRotations) {
+    ASSERT_EQ(std::size(colour_rotations), std::size_t{12} * rotation_count);
+    const std::int32_t* next = colour_rotations;
+    for (int index = 0; index < rotation_count; ++index) {
+        for (const int component : rotation_direction(index))
+            EXPECT_EQ(*next++, component) << index;
+        for (const auto& row : rotation_matrix(index))
+            for (const std::int32_t element : row)
+                EXPECT_EQ(*next++, element) << index;
+    }
+}
+
+} // namespace
+} // namespace tessera
