@@ -66,6 +66,11 @@ void regenerate_golden() {
                           return test::moving_picture(64 * u + by * s, 64 * v + 0.75 * by * t, c);
                       });
     write("rgb8_large.tess", large, {Kind::quality, 60}, {64, 64, 5, 4}, usual_effort);
+    // The file of format/EXAMPLE.md: one tile of two blocks, one for each view, and an empty tile.
+    CodeTexture example({{8, 4, 2, 1}, unorm8, 1}, [](double u, double v, double s, double, int) {
+        return u > 0.5 ? 0.0 : (s > 0.5 ? 100 : 17.5 + 120 * u + 40 * v) / 255;
+    });
+    write("example.tess", example, {Kind::quality, 60}, {4, 4, 2, 1}, 0);
     scene("rgb8.tess", "composed", {32, 16, 8, 8}, {Kind::quality, 60}, {32, 32, 8, 8});
     scene("rgb8_tiles.tess", "gallery", {13, 7, 5, 6}, {Kind::quality, 60}, {5, 7, 3, 2});
     scene("rgb8_bounded.tess", "mirror", {10, 8, 6, 5}, {Kind::max_error, 3}, {8, 8, 4, 4});
@@ -106,7 +111,7 @@ TEST(GoldenFiles, DecodeAsTheyDid) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 14);
+    EXPECT_EQ(count, 15);
 }
 
 } // namespace
