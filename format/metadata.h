@@ -4,9 +4,13 @@
 
 #include "format/status.h"
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
@@ -66,11 +70,48 @@ constexpr bool is_sphere(Proxy proxy) {
     return proxy == Proxy::sphere || proxy == Proxy::sphere_inside;
 }
 
-const char* name_of(Proxy);
-const char* name_of(SurfaceMap);
-const char* name_of(AngularMap);
-const char* name_of(Transfer);
-const char* name_of(Primaries);
-const char* name_of(AlphaMode);
+// The names of an enumeration's values in the order of their numbers, which start at 0. `info` prints
+// these names and options accept them. A new value is an enumerator above and a name here.
+template <class Enum> inline constexpr std::array<const char*, 0> value_names{};
+template <>
+inline constexpr std::array<const char*, 4> value_names<Proxy>{"none", "sphere", "mesh",
+                                                               "sphere-inside"};
+template <>
+inline constexpr std::array<const char*, 3> value_names<SurfaceMap>{
+    "none", "sphere-longitude-latitude", "mesh-uv"};
+template <>
+inline constexpr std::array<const char*, 5> value_names<AngularMap>{
+    "none", "hemisphere-alpha-beta", "planar-views", "octahedral-hemisphere",
+    "octahedral-mirrored"};
+template <>
+inline constexpr std::array<const char*, 3> value_names<Transfer>{"unspecified", "srgb", "linear"};
+template <>
+inline constexpr std::array<const char*, 2> value_names<Primaries>{"unspecified", "bt709"};
+template <>
+inline constexpr std::array<const char*, 3> value_names<AlphaMode>{"none", "straight",
+                                                                   "premultiplied"};
+
+template <class Enum>
+concept NamedEnum = (value_names<Enum>.size() > 0);
+
+// Whether FORMAT.md defines the value. A file may hold others of these enumerations.
+template <NamedEnum Enum> constexpr bool is_known(Enum value) {
+    return static_cast<std::size_t>(value) < value_names<Enum>.size();
+}
+
+// "unknown" for a value that is not known.
+template <NamedEnum Enum> constexpr const char* name_of(Enum value) {
+    return is_known(value) ? value_names<Enum>[static_cast<std::size_t>(value)] : "unknown";
+}
+
+// The index of the name that equals `text`, none if there is none. Only letters and digits are
+// compared, without case: "BT.709" is "bt709" and "mesh uv" is "mesh-uv".
+std::optional<std::size_t> find_name(std::span<const char* const> names, std::string_view text);
+
+// The value with the name `text`, compared as find_name() does; none if there is none.
+template <NamedEnum Enum> std::optional<Enum> parse_value(std::string_view text) {
+    const std::optional<std::size_t> index = find_name(value_names<Enum>, text);
+    return index ? std::optional(static_cast<Enum>(*index)) : std::nullopt;
+}
 
 } // namespace tessera

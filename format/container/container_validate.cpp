@@ -12,7 +12,7 @@ constexpr std::uint64_t max_listed_boxes = 8; // in one finding
 constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 30;
 
 Finding finding(ContainerRule rule, bool fatal, std::string text) {
-    return {static_cast<int>(rule), fatal, std::move(text), 0, 0};
+    return {.number = static_cast<int>(rule), .fatal = fatal, .text = std::move(text)};
 }
 
 // "tiles 3..4; tile 3 is texels 0:4,..., tile 4 is texels 4:8,..."
@@ -33,17 +33,17 @@ std::string describe_tiles(const LevelTable& table, bool aligned, std::uint64_t 
 }
 
 void note_unknown_values(const Description& d, const std::string& name, std::vector<Finding>& out) {
-    const auto note = [&](const char* field, int value, int largest) {
-        if (value > largest)
+    const auto note = [&](const char* field, auto value) {
+        if (!is_known(value))
             out.push_back(finding(ContainerRule::unknown_value, false,
                                   name + ": header field " + field + " has unknown value " +
-                                      std::to_string(value)));
+                                      std::to_string(static_cast<int>(value))));
     };
-    note("proxy", static_cast<int>(d.proxy), 3);
-    note("surface_map", static_cast<int>(d.surface_map), 2);
-    note("angular_map", static_cast<int>(d.angular_map), 4);
-    note("transfer", static_cast<int>(d.transfer), 2);
-    note("primaries", static_cast<int>(d.primaries), 1);
+    note("proxy", d.proxy);
+    note("surface_map", d.surface_map);
+    note("angular_map", d.angular_map);
+    note("transfer", d.transfer);
+    note("primaries", d.primaries);
 }
 
 void check_mesh_section(std::span<const std::byte> stream, const std::string& name,

@@ -136,6 +136,17 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
 #endif
 }
 
+// In lower case.
+std::string letters_and_digits(std::string_view text) {
+    std::string out;
+    for (const char c : text)
+        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
+            out += c;
+        else if (c >= 'A' && c <= 'Z')
+            out += static_cast<char>(c - 'A' + 'a');
+    return out;
+}
+
 } // namespace
 
 Status check_metadata(const Metadata& metadata) {
@@ -197,80 +208,12 @@ Result<Metadata> unpack_metadata(std::span<const std::byte> section) {
     return parse_text(text);
 }
 
-const char* name_of(Proxy value) {
-    switch (value) {
-    case Proxy::none:
-        return "none";
-    case Proxy::sphere:
-        return "sphere";
-    case Proxy::mesh:
-        return "mesh";
-    case Proxy::sphere_inside:
-        return "sphere from inside";
-    }
-    return "unknown";
-}
-
-const char* name_of(SurfaceMap value) {
-    switch (value) {
-    case SurfaceMap::none:
-        return "none";
-    case SurfaceMap::sphere_longitude_latitude:
-        return "sphere longitude/latitude";
-    case SurfaceMap::mesh_uv:
-        return "mesh uv";
-    }
-    return "unknown";
-}
-
-const char* name_of(AngularMap value) {
-    switch (value) {
-    case AngularMap::none:
-        return "none";
-    case AngularMap::hemisphere_alpha_beta:
-        return "hemisphere alpha/beta";
-    case AngularMap::planar_views:
-        return "planar views";
-    case AngularMap::octahedral_hemisphere:
-        return "octahedral hemisphere";
-    case AngularMap::octahedral_mirrored:
-        return "octahedral mirrored";
-    }
-    return "unknown";
-}
-
-const char* name_of(Transfer value) {
-    switch (value) {
-    case Transfer::unspecified:
-        return "unspecified";
-    case Transfer::srgb:
-        return "sRGB";
-    case Transfer::linear:
-        return "linear";
-    }
-    return "unknown";
-}
-
-const char* name_of(Primaries value) {
-    switch (value) {
-    case Primaries::unspecified:
-        return "unspecified";
-    case Primaries::bt709:
-        return "BT.709";
-    }
-    return "unknown";
-}
-
-const char* name_of(AlphaMode value) {
-    switch (value) {
-    case AlphaMode::none:
-        return "none";
-    case AlphaMode::straight:
-        return "straight";
-    case AlphaMode::premultiplied:
-        return "premultiplied";
-    }
-    return "unknown";
+std::optional<std::size_t> find_name(std::span<const char* const> names, std::string_view text) {
+    const std::string wanted = letters_and_digits(text);
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (letters_and_digits(names[i]) == wanted)
+            return i;
+    return std::nullopt;
 }
 
 } // namespace tessera

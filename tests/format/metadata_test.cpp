@@ -100,5 +100,42 @@ TEST(Metadata, HostileSections) {
     }
 }
 
+template <class Enum> void check_value_names() {
+    for (std::size_t i = 0; i < value_names<Enum>.size(); ++i) {
+        const auto value = static_cast<Enum>(i);
+        const std::string name = name_of(value);
+        EXPECT_TRUE(is_known(value));
+        EXPECT_EQ(name, value_names<Enum>[i]);
+        EXPECT_EQ(parse_value<Enum>(name), value) << name;
+        EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), name.npos);
+    }
+    const auto next = static_cast<Enum>(value_names<Enum>.size());
+    EXPECT_FALSE(is_known(next));
+    EXPECT_STREQ(name_of(next), "unknown");
+    for (const char* wrong : {"", "-", "unknown", "nonesuch"})
+        EXPECT_EQ(parse_value<Enum>(wrong), std::nullopt) << wrong;
+}
+
+TEST(Metadata, ValuesAreParsedByTheirNames) {
+    check_value_names<Proxy>();
+    check_value_names<SurfaceMap>();
+    check_value_names<AngularMap>();
+    check_value_names<Transfer>();
+    check_value_names<Primaries>();
+    check_value_names<AlphaMode>();
+    EXPECT_STREQ(name_of(Proxy::sphere_inside), "sphere-inside");
+    EXPECT_STREQ(name_of(SurfaceMap::mesh_uv), "mesh-uv");
+    EXPECT_STREQ(name_of(AngularMap::octahedral_mirrored), "octahedral-mirrored");
+    EXPECT_STREQ(name_of(Transfer::linear), "linear");
+    EXPECT_STREQ(name_of(Primaries::bt709), "bt709");
+    EXPECT_STREQ(name_of(AlphaMode::premultiplied), "premultiplied");
+    // As files of other programs and command lines spell them.
+    EXPECT_EQ(parse_value<Transfer>("sRGB"), Transfer::srgb);
+    EXPECT_EQ(parse_value<Primaries>("BT.709"), Primaries::bt709);
+    EXPECT_EQ(parse_value<SurfaceMap>("sphere longitude/latitude"),
+              SurfaceMap::sphere_longitude_latitude);
+    EXPECT_EQ(parse_value<AngularMap>("octahedral mirrored"), AngularMap::octahedral_mirrored);
+}
+
 } // namespace
 } // namespace tessera

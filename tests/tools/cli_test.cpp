@@ -143,12 +143,12 @@ TEST_F(Cli, KeepsTheMesh) {
     std::ofstream(at("box.drc"), std::ios::binary)
         .write(reinterpret_cast<const char*>(mesh.data()), static_cast<long>(mesh.size()));
     std::ofstream(at("a.gray")) << std::string(16, 'x');
-    succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --surface-map 'mesh uv' "
-            "--angular-map 'octahedral mirrored' -o a.tess");
+    succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --surface-map mesh-uv "
+            "--angular-map octahedral-mirrored -o a.tess");
     succeed("encode a.tess -q --quality 10 -o b.tess"); // keeps it
     const Json info = json("info b.tess --json");
     EXPECT_EQ(info["description"]["proxy"], "mesh");
-    EXPECT_EQ(info["description"]["angular-map"], "octahedral mirrored");
+    EXPECT_EQ(info["description"]["angular-map"], "octahedral-mirrored");
     EXPECT_EQ(info["mesh"]["triangles"], 48);
     EXPECT_EQ(info["mesh"]["bytes"], mesh.size());
     EXPECT_EQ(info["mesh"]["high"], Json({1, 1, 1}));

@@ -76,7 +76,7 @@ TEST_F(CliUsage, UnknownValuesAreAnsweredWithTheNearest) {
          {"--dialect: 'vulcan' is not one of: gl450, es310, vulkan; did you mean vulkan?"});
     fail(1, "render a.tess -o x.png --via lod", {"--via", "; did you mean load?"});
     fail(1, "rd a.tess -o report --rivals x266", {"'x266'", "; did you mean x265"});
-    fail(1, usage_scene + "-o x.tess --transfer srbg", {"--transfer: ", "; did you mean sRGB?"});
+    fail(1, usage_scene + "-o x.tess --transfer srbg", {"--transfer: ", "; did you mean srgb?"});
     EXPECT_EQ(names(), before);
 }
 

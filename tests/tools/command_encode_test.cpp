@@ -240,7 +240,7 @@ TEST_F(EncodeVerb, TakesViewsOfCameras) {
               0u)
         << coded.out;
     const Json info = json("info a.tess --json");
-    EXPECT_EQ(info["description"]["angular-map"], "planar views");
+    EXPECT_EQ(info["description"]["angular-map"], "planar-views");
     EXPECT_EQ(info["metadata"]["Cameras"], "0.5,0.5,4,2.91176187");
     succeed("decode a.tess -q -o b.rgb");
     EXPECT_EQ(slurp(at("b.rgb")) == texels, true);

@@ -214,7 +214,7 @@ const tests = {
     async descriptionsAreThere() {
         const sphere = codec.openBytes(fs.readFileSync(layered)).info;
         assert.equal(sphere.proxy, 'sphere');
-        assert.equal(sphere.angularMap, 'hemisphere alpha/beta');
+        assert.equal(sphere.angularMap, 'hemisphere-alpha-beta');
         assert(sphere.radius > 0 && !sphere.inside && sphere.transfer === 'srgb');
         const plain = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8.tess'))).info;
         assert.deepEqual(plain.metadata, {Software: 'golden', Title: 'rgb8.tess'});

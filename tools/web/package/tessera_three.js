@@ -7,7 +7,7 @@
 // Colours are written as they are stored, ready for the display: no lights, no tone mapping.
 import {sampling} from './sampling.js';
 
-const mirrored = 'octahedral mirrored';
+const mirrored = 'octahedral-mirrored';
 
 const vertexShader = `precision highp float;
 precision highp int;
