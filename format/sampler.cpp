@@ -50,18 +50,19 @@ Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre, c
             const Neighbours t = neighbours(angles.y, size[axis_t], false);
             for (int l = 0; l < 2; ++l)
                 for (int k = 0; k < 2; ++k)
-                    out[next++] = {u.texel[i], v.texel[j], s.texel[k], t.texel[l],
-                                   u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};
+                    out[next++] = {.u = u.texel[i],
+                                   .v = v.texel[j],
+                                   .s = s.texel[k],
+                                   .t = t.texel[l],
+                                   .weight = u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};
         }
     return out;
 }
 
 glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel) {
     glm::dvec4 value{0.0};
-    for (int c = 0; c < desc.channels; ++c, texel += sample_bytes(desc.type)) {
-        const std::uint16_t sample = load_sample(texel, desc.type);
-        value[c] = desc.type == SampleType::unorm8 ? sample / 255.0 : half_to_float(sample);
-    }
+    for (int c = 0; c < desc.channels; ++c, texel += sample_bytes(desc.type))
+        value[c] = sample_value(load_sample(texel, desc.type), desc.type);
     return value;
 }
 

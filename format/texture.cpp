@@ -59,7 +59,7 @@ Status check_desc(const TextureDesc& desc) {
     if (desc.channels < 1 || desc.channels > 4)
         return {ErrorCode::bad_argument,
                 std::to_string(desc.channels) + " channels, only 1 to 4 are defined"};
-    if (desc.type != SampleType::unorm8 && desc.type != SampleType::half16)
+    if (!is_known(desc.type))
         return {ErrorCode::bad_argument, "unknown sample type"};
     return {};
 }

@@ -7,6 +7,7 @@
 // Samples are one byte (unorm8) or one IEEE 754 binary16, little-endian (half16).
 #pragma once
 
+#include "format/samples.h"
 #include "format/status.h"
 
 #include <array>
@@ -16,12 +17,6 @@
 #include <string>
 
 namespace TESSERA_PUBLIC tessera {
-
-enum class SampleType : std::uint8_t { unorm8 = 0, half16 = 1 };
-
-constexpr std::size_t sample_bytes(SampleType type) {
-    return type == SampleType::unorm8 ? 1 : 2;
-}
 
 // The four axes in the order in which sizes are written.
 enum Axis { axis_u = 0, axis_v = 1, axis_s = 2, axis_t = 3 };

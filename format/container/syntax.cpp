@@ -135,7 +135,8 @@ Status check_channel_use(const FileHeader& h) {
         return invalid("header field colour is YCoCg-R with " + std::to_string(h.desc.channels) +
                        " channels");
     const AlphaMode alpha = h.description.alpha;
-    TESSERA_TRY(check_range("alpha", static_cast<std::uint8_t>(alpha), 0, 2));
+    TESSERA_TRY(check_range("alpha", static_cast<std::uint8_t>(alpha), 0,
+                            value_names<AlphaMode>.size() - 1));
     if (alpha != AlphaMode::none && h.desc.channels % 2 != 0)
         return invalid(std::string("header field alpha is ") + name_of(alpha) + " with " +
                        std::to_string(h.desc.channels) + " channels");
@@ -145,9 +146,7 @@ Status check_channel_use(const FileHeader& h) {
 Status check_background(const FileHeader& h) {
     for (std::size_t channel = 0; channel < h.background.size(); ++channel) {
         const std::uint16_t sample = h.background[channel];
-        const bool finite =
-            h.desc.type == SampleType::unorm8 ? sample <= 255 : (sample & 0x7C00) != 0x7C00;
-        if (channel < h.desc.channels ? !finite : sample != 0)
+        if (channel < h.desc.channels ? !has_code(sample, h.desc.type) : sample != 0)
             return invalid("header field background[" + std::to_string(channel) + "] is " +
                            std::to_string(sample) + ", not a sample of this texture");
     }
@@ -202,7 +201,8 @@ Status check_features(const FileHeader& header) {
 }
 
 Status check_fields(const FileHeader& h) {
-    TESSERA_TRY(check_range("sample_type", static_cast<std::uint8_t>(h.desc.type), 0, 1));
+    TESSERA_TRY(check_range("sample_type", static_cast<std::uint8_t>(h.desc.type), 0,
+                            sample_types.size() - 1));
     if (const Status status = check_desc(h.desc); !status)
         return invalid("header field size or channels: " + status.message());
     TESSERA_TRY(check_range("head_size", h.head_size, 0, max_head_bytes));

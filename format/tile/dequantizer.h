@@ -11,16 +11,16 @@ namespace tessera {
 
 // Coefficients and intermediate values count in 2^-fraction_bits of a sample step.
 constexpr int fraction_bits(SampleType type) {
-    return type == SampleType::unorm8 ? 14 : 8;
+    return traits_of(type).fraction_bits;
 }
 
 // Values between the transform and the texels (4.3) count in 2^-value_bits of a code, and those that are
 // copied or filtered lie within -value_limit .. value_limit - 1.
 constexpr int value_bits(SampleType type) {
-    return type == SampleType::unorm8 ? 4 : 0;
+    return traits_of(type).value_bits;
 }
 constexpr std::int32_t value_limit(SampleType type) {
-    return type == SampleType::unorm8 ? 1 << 14 : 1 << 18;
+    return traits_of(type).value_limit;
 }
 
 constexpr std::int32_t max_level = (1 << 20) - 1;

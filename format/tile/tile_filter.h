@@ -49,7 +49,7 @@ struct TileFilter {
 
 // Differences count no more than this where a share is found.
 constexpr std::uint32_t most_difference(SampleType type) {
-    return type == SampleType::unorm8 ? 4095 : 65535;
+    return traits_of(type).most_difference;
 }
 
 // By how much a ring's share falls for each value of difference, in 2^-12 of 1/256; at most 65535.
