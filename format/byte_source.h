@@ -64,18 +64,12 @@ public:
     };
     // Not thread-safe against read().
     const std::vector<Read>& reads() const { return reads_; }
-    // Bytes that were asked for: those of reads() without the gaps that travel along.
-    std::uint64_t asked() const { return asked_; }
-    void reset() {
-        reads_.clear();
-        asked_ = 0;
-    }
+    void reset() { reads_.clear(); }
 
 private:
     ByteSource& inner_;
     bool wants_prefetch_;
     std::vector<Read> reads_;
-    std::uint64_t asked_ = 0;
 };
 
 // For passes through a whole file over a network:

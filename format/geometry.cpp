@@ -46,13 +46,6 @@ glm::dvec2 sphere_place(const glm::dvec3& from_centre) {
     return {u >= 1.0 ? 0.0 : u, v};
 }
 
-glm::dvec3 outgoing_direction(const SurfaceFrame& frame, double s, double t) {
-    const double alpha = s * pi - pi / 2.0;
-    const double beta = t * pi - pi / 2.0;
-    return frame.ex * (std::sin(alpha) * std::cos(beta)) + frame.ey * std::sin(beta) +
-           frame.ez * (std::cos(alpha) * std::cos(beta));
-}
-
 glm::dvec2 direction_angles(const SurfaceFrame& frame, const glm::dvec3& d) {
     const double x = glm::dot(frame.ex, d);
     const double z = glm::dot(frame.ez, d);

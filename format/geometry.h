@@ -38,9 +38,6 @@ SurfaceFrame sphere_frame(Proxy proxy, double u, double v);
 // u is in [0, 1), v in [0, 1]; on the axis (x = z = 0) u = 1/2.
 glm::dvec2 sphere_place(const glm::dvec3& from_centre);
 
-// Equation 5 inverted: the unit direction that leaves the surface at (s, t), both in 0..1.
-glm::dvec3 outgoing_direction(const SurfaceFrame& frame, double s, double t);
-
 // Equation 5: (s, t) in [0, 1] of unit direction `d`, pointing away from the surface.
 glm::dvec2 direction_angles(const SurfaceFrame& frame, const glm::dvec3& d);
 

@@ -167,8 +167,11 @@ Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& r
     }
     rule = ContainerRule::section_crc;
     for (const SectionEntry& entry : entries) {
-        sections_.push_back({entry.name(), entry.offset, entry.length, entry.required(),
-                             is_known_section(entry.name())});
+        sections_.push_back({.type = entry.name(),
+                             .offset = entry.offset,
+                             .length = entry.length,
+                             .required = entry.required(),
+                             .known = is_known_section(entry.name())});
         const bool own_checksums = entry.name() == "INDX" || entry.name() == "DATA";
         if (!own_checksums && crc32c(section_bytes(entry.name())) != entry.crc)
             return invalid("the checksum of section " + entry.name() + at_offset(entry.offset) +

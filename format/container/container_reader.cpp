@@ -59,13 +59,13 @@ std::uint32_t ContainerReader::group_count() const {
 
 FileFacts ContainerReader::facts() const {
     const FileHeader& h = header();
-    return {h.version_major,
-            h.version_minor,
-            feature_names(h.required_features),
-            feature_names(h.optional_features),
-            name_of(h.colour),
-            h.page_bytes(),
-            h.background};
+    return {.version_major = h.version_major,
+            .version_minor = h.version_minor,
+            .required_features = feature_names(h.required_features),
+            .optional_features = feature_names(h.optional_features),
+            .colour = name_of(h.colour),
+            .page_bytes = h.page_bytes(),
+            .background = h.background};
 }
 
 std::uint64_t ContainerReader::file_bytes() const {

@@ -19,18 +19,18 @@ std::span<const std::byte> OpenContainer::section_bytes(const std::string& type)
 
 OpenContainer::RootEntry OpenContainer::root(std::uint32_t group) const {
     const std::byte* at = root_.data() + std::size_t{group} * root_entry_bytes;
-    return {load_le<std::uint64_t>(at),
-            std::uint64_t{header_.head_size} + load_le<std::uint32_t>(at + 8)};
+    return {.data = load_le<std::uint64_t>(at),
+            .index = std::uint64_t{header_.head_size} + load_le<std::uint32_t>(at + 8)};
 }
 
 GroupKey OpenContainer::group_key(std::uint32_t group) const {
-    return {header_.identity,
-            group,
-            table_.tiles_of(group).count,
-            root(group).data,
-            root(group + 1).data,
-            header_.page_bytes(),
-            header_.max_tile_bytes()};
+    return {.identity = header_.identity,
+            .group = group,
+            .tiles = table_.tiles_of(group).count,
+            .data_begin = root(group).data,
+            .data_end = root(group + 1).data,
+            .page_bytes = header_.page_bytes(),
+            .longest = header_.max_tile_bytes()};
 }
 
 OpenContainer::IndexRange OpenContainer::index_range(std::uint32_t group) const {

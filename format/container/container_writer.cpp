@@ -138,7 +138,7 @@ Status Builder::check() {
 
 Status Builder::make_level_table() {
     entries_ = {
-        LevelEntry{AlignedViews(contents_.desc.size, contents_.alignment).grid_size(), 0, 0, 0}};
+        LevelEntry{.size = AlignedViews(contents_.desc.size, contents_.alignment).grid_size()}};
     entries_.insert(entries_.end(), contents_.coarse_levels.begin(), contents_.coarse_levels.end());
     Result<LevelTable> table = LevelTable::make(entries_, contents_.tile_extent);
     if (!table)
@@ -296,7 +296,7 @@ Status Builder::write(ByteSink& sink) const {
     std::vector<std::byte> table;
     std::uint64_t offset = header_bytes + header_.section_count * section_entry_bytes;
     const auto add_entry = [&](const std::string& type, std::uint32_t crc, std::uint64_t length) {
-        SectionEntry entry{{}, crc, offset, length};
+        SectionEntry entry{.crc = crc, .offset = offset, .length = length};
         std::copy_n(type.begin(), entry.type.size(), entry.type.begin());
         append_bytes(table, store_section(entry));
         offset += length;

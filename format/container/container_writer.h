@@ -36,19 +36,6 @@ private:
     OutputFile& file_;
 };
 
-// Appends to a vector.
-class VectorSink : public ByteSink {
-public:
-    explicit VectorSink(std::vector<std::byte>& out) : out_(out) {}
-    Status append(std::span<const std::byte> bytes) override {
-        out_.insert(out_.end(), bytes.begin(), bytes.end());
-        return {};
-    }
-
-private:
-    std::vector<std::byte>& out_;
-};
-
 struct ExtraSection {
     std::string type; // four ASCII letters, none that FORMAT.md defines
     std::span<const std::byte> bytes;

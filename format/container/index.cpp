@@ -209,7 +209,8 @@ Result<GroupIndex> read_index_record(std::span<const std::byte> record, const Gr
     index.pages.reserve(pages.size());
     std::uint64_t offset = key.data_begin;
     for (const std::uint32_t length : pages) {
-        index.pages.push_back({offset, length, load_le<std::uint32_t>(crcs.data())});
+        index.pages.push_back(
+            {.offset = offset, .length = length, .crc = load_le<std::uint32_t>(crcs.data())});
         crcs = crcs.subspan(checksum_bytes);
         offset += length;
     }

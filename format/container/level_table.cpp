@@ -53,7 +53,9 @@ Result<LevelTable> LevelTable::make(std::span<const LevelEntry> entries,
     LevelTable table;
     for (std::size_t i = 0; i < entries.size(); ++i) {
         TESSERA_TRY(check_entry(entries, i));
-        Level level{entries[i], table.tile_count_, 0, 0, TileGrid(entries[i].size, tile_extent)};
+        Level level{entries[i]};
+        level.first_tile = table.tile_count_;
+        level.grid = TileGrid(entries[i].size, tile_extent);
         table.tile_count_ += level.grid.tiles(); // each at most 2^48
         if (table.tile_count_ > max_tiles)
             return Status(ErrorCode::invalid_file,

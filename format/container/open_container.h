@@ -5,13 +5,26 @@
 //   container_validate.cpp  all of them
 #pragma once
 
-#include "format/container/container_caches.h"
+#include "format/container/index.h"
 #include "format/container/level_table.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
+#include "format/io/claim_cache.h"
 #include "format/levels.h"
 
 namespace tessera {
+
+constexpr std::uint64_t cached_groups = 1024;
+constexpr std::uint64_t cached_page_bytes = std::uint64_t{16} << 20;
+
+struct ContainerCaches {
+    using Bytes = std::vector<std::byte>;
+    ClaimCache<GroupIndex> groups{cached_groups,
+                                  [](const GroupIndex&) { return std::uint64_t{1}; }};
+    // By the offset of the first byte. A tile of several pages is one entry.
+    ClaimCache<Bytes> pages{cached_page_bytes,
+                            [](const Bytes& bytes) { return std::uint64_t{bytes.size()}; }};
+};
 
 class OpenContainer {
 public:

@@ -15,7 +15,6 @@ public:
     void bits(std::uint32_t value, unsigned count) {
         pending_ |= (value & ((std::uint64_t{1} << count) - 1)) << pending_count_;
         pending_count_ += count;
-        bits_ += count;
         while (pending_count_ >= 8)
             flush_byte();
     }
@@ -23,13 +22,11 @@ public:
     // `count` (0..32) 1 bits.
     void ones(unsigned count) { bits(0xFFFFFFFFu, count); }
 
-    std::uint64_t position() const { return bits_; } // bits written
-
     // The bytes, the last one filled with zeros. The writer is empty afterwards.
     std::vector<std::byte> take() {
         if (pending_count_ > 0)
             flush_byte();
-        pending_ = bits_ = 0;
+        pending_ = 0;
         pending_count_ = 0;
         return std::exchange(bytes_, {});
     }
@@ -42,7 +39,7 @@ private:
     }
 
     std::vector<std::byte> bytes_;
-    std::uint64_t pending_ = 0, bits_ = 0;
+    std::uint64_t pending_ = 0;
     unsigned pending_count_ = 0;
 };
 

@@ -112,7 +112,6 @@ Status CountingByteSource::read(std::uint64_t offset, std::span<std::byte> out) 
     {
         const std::lock_guard lock(counting_mutex);
         reads_.push_back({offset, out.size()});
-        asked_ += out.size();
     }
     return inner_.read(offset, out);
 }
@@ -124,8 +123,6 @@ Status CountingByteSource::read_many(std::span<const ReadRequest> requests) {
         const std::lock_guard lock(counting_mutex);
         for (const MergedRead& read : merge_reads(requests))
             reads_.push_back({read.offset, read.length});
-        for (const ReadRequest& request : requests)
-            asked_ += request.out.size();
     }
     return inner_.read_many(requests);
 }

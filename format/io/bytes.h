@@ -45,7 +45,6 @@ public:
     explicit ByteReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
     std::size_t remaining() const { return rest_.size(); }
-    std::span<const std::byte> rest() const { return rest_; }
 
     // Past the end: returns false and leaves `value` alone.
     template <std::unsigned_integral T> [[nodiscard]] bool take(T& value) {

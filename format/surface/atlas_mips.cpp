@@ -189,8 +189,11 @@ Footprint AtlasMips::footprint(AngularMap map, const glm::dvec2& uv, const glm::
     }
     if (own == 0 || !(sum > 0.0))
         return mesh_footprint(size_, map, uv, st);
-    for (WeightedTexel& tap : found)
-        tap = {tap.u + level.begin[0], tap.v + level.begin[1], tap.s, tap.t, tap.weight / sum};
+    for (WeightedTexel& tap : found) {
+        tap.u += level.begin[0];
+        tap.v += level.begin[1];
+        tap.weight /= sum;
+    }
     return found;
 }
 

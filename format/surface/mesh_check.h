@@ -1,4 +1,4 @@
-// What a surface mesh must hold, whoever made it: FORMAT.md 5.2.
+// The rules that a surface mesh must keep, and the normals of one that has none (FORMAT.md 5.2).
 #pragma once
 
 #include "format/surface_mesh.h"
@@ -17,5 +17,8 @@ Status check_mesh(const SurfaceMesh& mesh, bool with_normals, ErrorCode code);
 
 // Whether two corners lie at one place: the triangle covers nothing, and Draco leaves it out.
 bool has_equal_corners(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle);
+
+// One normal per vertex, of unit length. `mesh.normals` is not read.
+std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh);
 
 } // namespace tessera

@@ -1,5 +1,4 @@
 #include "format/surface/mesh_check.h"
-#include "format/surface/mesh_normals.h"
 
 #include <algorithm>
 #include <draco/compression/expert_encode.h>

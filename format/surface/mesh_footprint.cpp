@@ -55,9 +55,11 @@ Footprint mesh_footprint(const Extent4& size, AngularMap map, const glm::dvec2& 
                         folds ? folded(s.texel[k], t.texel[l], size)
                               : std::array{ended(s.texel[k], size[axis_s]),
                                            ended(t.texel[l], size[axis_t])};
-                    out[next++] = {ended(u.texel[i], size[axis_u]), ended(v.texel[j], size[axis_v]),
-                                   angle[0], angle[1],
-                                   u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};
+                    out[next++] = {.u = ended(u.texel[i], size[axis_u]),
+                                   .v = ended(v.texel[j], size[axis_v]),
+                                   .s = angle[0],
+                                   .t = angle[1],
+                                   .weight = u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};
                 }
     return out;
 }

@@ -1,4 +1,4 @@
-#include "format/surface/mesh_normals.h"
+#include "format/surface/mesh_check.h"
 
 #include <algorithm>
 #include <cmath>

@@ -50,7 +50,7 @@ constexpr std::optional<BlockShape> base_shape(const BlockShape& tile,
 
 // The root of its split tree. It is as a view cut from the tile: tables of splits go by that.
 constexpr Block base_root(const BlockShape& base) {
-    return Block{{0, 0, 0, 0}, base, 0, 5};
+    return Block{.shape = base, .spatial_depth = 0, .angular_depth = 5};
 }
 
 // k: the steps of a tile's base picture are 2^(-k / 2) times the file's. 0 for fewer than 2 views.

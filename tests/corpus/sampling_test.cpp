@@ -1,7 +1,7 @@
 // Rays of a texel.
 #include "corpus/intersect.h"
 #include "corpus/sampling.h"
-#include "format/geometry.h"
+#include "tests/support/angular_maps.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ TEST(Sampling, OneSampleIsTheCentre) {
         const Ray ray = window_ray({}, sampler.angles(centre, 0, sampler.rotation(i)));
         const glm::dvec3 normal = sphere_normal((i + 0.5) / 7, (i + 0.5) / 5);
         const glm::dvec3 d =
-            outgoing_direction(surface_frame(normal), (i + 0.5) / 3, (i + 0.5) / 4);
+            test::outgoing_direction(surface_frame(normal), (i + 0.5) / 3, (i + 0.5) / 4);
         EXPECT_LT(glm::distance(ray.origin, normal * window_radius), 1e-14);
         EXPECT_LT(glm::distance(ray.direction, -d), 1e-14);
     }

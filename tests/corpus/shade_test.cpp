@@ -1,7 +1,7 @@
 // What a camera sees of a scene.
 #include "corpus/intersect.h"
 #include "corpus/shade.h"
-#include "format/geometry.h"
+#include "tests/support/angular_maps.h"
 #include "tests/support/corpus_support.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,8 @@ TEST(Trace, SeesTheSameAsTheTexel) {
     const TextureDesc desc{size, SampleType::unorm8, 3};
     for (std::uint32_t i = 0; i < 5; ++i) {
         const glm::dvec3 n = sphere_normal((i + 5.5) / 12, (i + 1.5) / 7);
-        const glm::dvec3 d = outgoing_direction(surface_frame(n), (i + 0.5) / 5, (i + 0.5) / 6);
+        const glm::dvec3 d =
+            test::outgoing_direction(surface_frame(n), (i + 0.5) / 5, (i + 0.5) / 6);
         const glm::dvec3 seen = trace_scene(scene, {n * window_radius + d * 4.0, -d});
         const Bytes texel =
             cut_out(texels, desc, {{i + 5, i + 1, i, i}, {i + 6, i + 2, i + 1, i + 1}});

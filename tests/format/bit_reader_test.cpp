@@ -16,7 +16,6 @@ TEST(Bits, FirstBitIsLowest) {
     writer.bits(1, 1);
     writer.bits(0b10, 2);
     writer.bits(0x1FF, 9);
-    EXPECT_EQ(writer.position(), 12u);
     const std::vector<std::byte> bytes = writer.take();
     ASSERT_EQ(bytes.size(), 2u);
     EXPECT_EQ(bytes[0], std::byte{0b11111101});
@@ -28,13 +27,14 @@ TEST(Bits, RandomRoundTrip) {
     Random random(1);
     std::vector<std::pair<std::uint32_t, unsigned>> fields;
     BitWriter writer;
+    std::uint64_t bits = 0;
     for (int i = 0; i < 20000; ++i) {
         const unsigned count = random() % 33;
         const std::uint32_t value = random();
         fields.emplace_back(value & static_cast<std::uint32_t>((1ull << count) - 1), count);
         writer.bits(value, count);
+        bits += count;
     }
-    const std::uint64_t bits = writer.position();
     const std::vector<std::byte> bytes = writer.take();
     EXPECT_EQ(bytes.size(), (bits + 7) / 8);
     BitReader reader(bytes);

@@ -3,6 +3,7 @@
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
 #include "tests/support/container_samples.h"
+#include "tests/support/vector_sink.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Places on the sphere and directions, there and back.
-#include "format/geometry.h"
+#include "tests/support/angular_maps.h"
 #include "tests/support/random_rays.h"
 
 #include <gtest/gtest.h>

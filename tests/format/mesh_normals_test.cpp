@@ -1,5 +1,5 @@
 // Normals of meshes whose streams have none.
-#include "format/surface/mesh_normals.h"
+#include "format/surface/mesh_check.h"
 #include "tests/support/meshes.h"
 
 #include <glm/geometric.hpp>

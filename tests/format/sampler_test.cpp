@@ -84,7 +84,8 @@ TEST(Sampler, FromInsideGivesTheTexelAtItsCentreToo) {
             EXPECT_LT(glm::distance(frame.ey, surface_frame(n).ey), 1e-12);
             for (std::uint32_t t = 0; t < 3; ++t)
                 for (std::uint32_t s = 0; s < 4; ++s) {
-                    const glm::dvec3 d = outgoing_direction(frame, (s + 0.5) / 4, (t + 0.5) / 3);
+                    const glm::dvec3 d =
+                        test::outgoing_direction(frame, (s + 0.5) / 4, (t + 0.5) / 3);
                     EXPECT_NEAR(sample(texture, n, d, Proxy::sphere_inside)->x,
                                 texture.at(u, v, s, t), 1e-9);
                 }
@@ -102,7 +103,7 @@ TEST(Sampler, TexelCentresGiveTheTexel) {
                 for (std::uint32_t s = 0; s < 6; ++s) {
                     const glm::dvec3 n = texel_normal(size, u, v);
                     const glm::dvec3 d =
-                        outgoing_direction(surface_frame(n), (s + 0.5) / 6, (t + 0.5) / 5);
+                        test::outgoing_direction(surface_frame(n), (s + 0.5) / 6, (t + 0.5) / 5);
                     EXPECT_NEAR(sampled(texture, n * 3.5, d * 2.0), texture.at(u, v, s, t), 1e-9);
                 }
 }

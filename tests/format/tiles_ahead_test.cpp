@@ -1,6 +1,6 @@
 // Windows of tiles that are brought while those before them are used.
-#include "format/container/container_writer.h"
 #include "format/container/tiles_ahead.h"
+#include "tests/support/vector_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ Bytes file_of(const std::vector<Bytes>& tiles) {
     contents.codec_parameters = code;
     contents.tile = [&](std::uint64_t tile) { return std::span(tiles[tile]); };
     Bytes file;
-    VectorSink sink(file);
+    test::VectorSink sink(file);
     EXPECT_TRUE(write_container(contents, sink).ok());
     return file;
 }

@@ -1,11 +1,22 @@
+// Short names of the maps of directions on surfaces, and the inverse of hemisphere alpha/beta.
 #pragma once
 
-#include "format/metadata.h"
+#include "format/geometry.h"
+
+#include <cmath>
+#include <numbers>
 
 namespace tessera::test {
 
-// Short names of the maps of directions on surfaces.
 inline constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
 inline constexpr AngularMap mirrored = AngularMap::octahedral_mirrored;
+
+// The unit direction that leaves the surface at (s, t), both in 0..1: direction_angles() inverted.
+inline glm::dvec3 outgoing_direction(const SurfaceFrame& frame, double s, double t) {
+    const double alpha = s * std::numbers::pi - std::numbers::pi / 2;
+    const double beta = t * std::numbers::pi - std::numbers::pi / 2;
+    return frame.ex * (std::sin(alpha) * std::cos(beta)) + frame.ey * std::sin(beta) +
+           frame.ez * (std::cos(alpha) * std::cos(beta));
+}
 
 } // namespace tessera::test

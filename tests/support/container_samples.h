@@ -1,11 +1,11 @@
 // Containers for the tests of reading and writing them.
 #pragma once
 
-#include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
+#include "tests/support/vector_sink.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -5,7 +5,6 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/reconstruct/tile_decoder.h"
-#include "format/container/container_writer.h"
 #include "format/tile/coding_parameters.h"
 #include "tests/support/efforts.h"
 #include "tests/support/format_values.h"
@@ -13,6 +12,7 @@
 #include "tests/support/random.h"
 #include "tests/support/random_predictions.h"
 #include "tests/support/random_tile.h"
+#include "tests/support/vector_sink.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Files made of other files' parts.
 #pragma once
 
-#include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
+#include "tests/support/vector_sink.h"
 
 #include <gtest/gtest.h>
 #include <vector>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "format/sampler.h"
+#include "tests/support/angular_maps.h"
 
 #include <algorithm>
 #include <cmath>

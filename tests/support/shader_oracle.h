@@ -3,8 +3,8 @@
 #pragma once
 
 #include "codec/reconstruct/tile_decoder.h"
-#include "format/container/container_writer.h"
 #include "tests/support/shader_machine.h"
+#include "tests/support/vector_sink.h"
 
 #include <functional>
 #include <memory>

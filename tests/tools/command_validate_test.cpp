@@ -1,10 +1,10 @@
 // Work is bounded by what a file has, not by what it claims: small files that claim much, under a limit
 // of the system's on CPU time.
-#include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/tile/coding_parameters.h"
 #include "tests/support/cli_fixture.h"
 #include "tests/support/forged_alignment.h"
+#include "tests/support/vector_sink.h"
 
 namespace {
 
@@ -33,7 +33,7 @@ protected:
         }
         contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
         std::vector<std::byte> file;
-        tessera::VectorSink sink(file);
+        VectorSink sink(file);
         const auto written = write_container(contents, sink);
         ASSERT_TRUE(written.ok()) << written.status().message();
         spit(at(name), std::string(reinterpret_cast<const char*>(file.data()), file.size()));
@@ -98,7 +98,7 @@ TEST_F(ValidateVerb, TilesThatDoNotDecodeAreNamed) {
         return std::span<const std::byte>(noise).first(tile == 7 || tile == 299 ? 9 : 0);
     };
     std::vector<std::byte> file;
-    tessera::VectorSink sink(file);
+    VectorSink sink(file);
     ASSERT_TRUE(write_container(contents, sink).ok());
     spit(at("x.tess"), std::string(reinterpret_cast<const char*>(file.data()), file.size()));
     const Outcome o = run("validate x.tess --json");
