@@ -1,9 +1,10 @@
-// The levels of a file, which are the texture itself and coarser copies of it, and how a level is cut
-// into tiles: FORMAT.md 1.4 and part 2.
+// The levels of a file, which are the texture itself and coarser copies of it, and how a level is
+// cut into tiles (FORMAT.md 1.4 and part 2).
 //
 // Along an axis of D texels with largest tile extent T there are n = ceil(D / T) tiles, and tile i
-// covers [floor(i D / n), floor((i + 1) D / n)). Extents along an axis differ by at most one, so no
-// tile is a sliver. Tiles are numbered ((it * ns + is) * nv + iv) * nu + iu.
+// covers [floor(i D / n), floor((i + 1) D / n)). The extents of tiles along an axis differ by at
+// most one, so that no tile is a sliver. A tile has the number ((it * ns + is) * nv + iv) * nu +
+// iu.
 #pragma once
 
 #include "format/texture.h"
@@ -16,17 +17,18 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// How far views lie apart in the grid of tiles (FORMAT.md part 2): those of each next s are `u` texels
-// further along u, those of each next t `v` along v. What moves by the opposite from view to view stands
-// still there, and so lies in one tile in all views. 0, 0: texels lie where the texture has them.
+// By how much views are shifted in the grid of tiles (FORMAT.md part 2): the views of each next s
+// lie `u` texels further along u, and those of each next t lie `v` texels further along v. Content
+// that moves by the opposite amount from view to view stays in place in the grid, and so lies in
+// one tile in all views. 0, 0: the grid is the texture itself.
 struct ViewAlignment {
-    std::int8_t u = 0, v = 0; // texels a view
+    std::int8_t u = 0, v = 0; // texels per view
 
     bool any() const { return u != 0 || v != 0; }
     bool operator==(const ViewAlignment&) const = default;
 };
 
-// A value type; everything is pure and thread-safe.
+// How a level is cut into tiles. A value type; all members are pure and thread-safe.
 class TileGrid {
 public:
     TileGrid() = default;
@@ -38,7 +40,8 @@ public:
     const Extent4& count() const { return count_; }             // tiles along each axis
     std::uint64_t tiles() const { return texel_count(count_); } // at most 2^48
 
-    // Tile number <-> tile coordinates. Preconditions: number < tiles(), coordinates < count().
+    // Convert between the number and the coordinates of a tile. Preconditions: number < tiles(),
+    // coordinates < count().
     std::uint64_t number(const Extent4& coordinates) const;
     Extent4 coordinates(std::uint64_t number) const;
 
@@ -46,14 +49,14 @@ public:
     Box4 box(const Extent4& coordinates) const;
     Box4 box(std::uint64_t number) const { return box(coordinates(number)); }
 
-    // The tile coordinates whose tiles meet `texels`, as a half-open box.
+    // The coordinates of the tiles that have texels in `texels`, as a half-open box.
     // Precondition: is_inside(texels, size()).
     Box4 touched(const Box4& texels) const;
 
-    // Their numbers, ascending.
+    // The numbers of these tiles, ascending.
     std::vector<std::uint64_t> tiles_touched(const Box4& texels) const;
 
-    // Calls visit(tile number) for every tile of a box of tile coordinates, in ascending order.
+    // Calls visit(number) for every tile of a box of tile coordinates, in ascending order.
     template <class Visit> void for_each(const Box4& tiles, Visit visit) const;
 
 private:
@@ -68,12 +71,14 @@ template <class Visit> void TileGrid::for_each(const Box4& tiles, Visit visit) c
                     visit(number({u, v, s, t}));
 }
 
-// Where the texels of aligned views lie in the grid of tiles. A value type; everything is pure and thread-safe.
-// Without an alignment grid and texture are the same.
+// Converts between the positions of texels in the texture and in the grid of tiles, in which views
+// are shifted. Without an alignment both are the same. A value type; all members are pure and
+// thread-safe.
 class AlignedViews {
 public:
     AlignedViews() = default;
-    // Precondition: `texture` is accepted by check_desc. The grid may be too large to be.
+    // Precondition: `texture` is accepted by check_desc(). The grid may be too large to be
+    // accepted.
     AlignedViews(const Extent4& texture, ViewAlignment alignment)
         : texture_(texture), alignment_(alignment) {}
 
@@ -82,30 +87,30 @@ public:
     const Extent4& texture_size() const { return texture_; }
     Extent4 grid_size() const;
 
-    // How many texels further along u the views of `s` lie in the grid, along v those of `t`; 0 in the first
-    // or in the last view.
+    // By how many texels the views of `s` are shifted along u, and those of `t` along v. The shift
+    // is 0 in the first view or, if the alignment is negative, in the last one.
     std::uint32_t shift_u(std::uint32_t s) const {
         return shift(alignment_.u, s, texture_[axis_s]);
     }
     std::uint32_t shift_v(std::uint32_t t) const {
         return shift(alignment_.v, t, texture_[axis_t]);
     }
-    // Where a texel of the texture lies in the grid.
+    // The position in the grid of a texel of the texture.
     Extent4 place(const Extent4& texel) const {
         const auto& [u, v, s, t] = texel;
         return {u + shift_u(s), v + shift_v(t), s, t};
     }
 
-    // How many texels of the texture lie in a box of the grid.
+    // The number of texels of the texture in a box of the grid.
     std::uint64_t texels_in(const Box4& grid_box) const;
 
-    // The tiles of `grid` that a box of the texture touches, ascending.
-    // Preconditions: `grid` is of grid_size(), is_inside(texels, texture_size()).
+    // The numbers of the tiles of `grid` that hold texels of a box of the texture, ascending.
+    // Preconditions: grid.size() == grid_size(), is_inside(texels, texture_size()).
     std::vector<std::uint64_t> tiles_touched(const TileGrid& grid, const Box4& texels) const;
 
-    // Copies all texels that lie in both, a box of the grid and one of the texture, from the dense texels of
-    // the first to those of the second, or the other way. Where views are aligned, one texel as `from` stands
-    // for a box of the grid that is alike everywhere.
+    // Copy all texels that lie both in a box of the grid and in a box of the texture, from the
+    // dense texels of one box to those of the other. If views are shifted, copy_from_grid() also
+    // accepts a single texel as `from`, which then is the value of the whole box of the grid.
     void copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
                         const Box4& texture_box, std::span<std::byte> to,
                         std::size_t texel_bytes) const;
@@ -124,23 +129,25 @@ private:
 constexpr unsigned max_lod = 20; // 2^20 is the largest extent
 constexpr unsigned max_step_shift = 15;
 
-// What section LEVL says of one level: its size in the grid of tiles, which is that of its texels but where
-// views are aligned. A texel of it stands for 2^spatial_lod texels of level 0 along
-// u and v, and 2^angular_lod along s and t; its steps are those of CODE times 2^step_shift.
+// What section LEVL says about one level. A texel of the level stands for 2^spatial_lod texels of
+// level 0 along u and v, and for 2^angular_lod along s and t. Its quantiser steps are those of
+// section CODE times 2^step_shift.
 struct LevelEntry {
-    Extent4 size{0, 0, 0, 0};
+    Extent4 size{0, 0, 0,
+                 0}; // of the grid of tiles, which is larger than the texture if views are shifted
     std::uint8_t spatial_lod = 0, angular_lod = 0, step_shift = 0;
 
     unsigned lod(int axis) const { return axis < axis_s ? spatial_lod : angular_lod; }
     bool operator==(const LevelEntry&) const = default;
 };
 
-// The entry of the level that is `full` with every 2^lod texels joined.
+// The entry of a coarse level of a texture of size `full`.
 LevelEntry coarse_level(const Extent4& full, unsigned spatial_lod, unsigned angular_lod,
                         unsigned step_shift);
 
+// A level and its share of the file's tiles and groups (FORMAT.md 1.4).
 struct Level : LevelEntry {
-    std::uint64_t first_tile = 0;
+    std::uint64_t first_tile = 0; // tiles are numbered over all levels
     std::uint32_t first_group = 0, group_count = 0;
     TileGrid grid;
 };

@@ -1,5 +1,5 @@
-// What a file says about its texels besides the texels: key/values and the description; and the one
-// place that knows version numbers.
+// What a file says about its texels: the description and the key/value pairs. Version numbers are
+// defined here, too.
 #pragma once
 
 #include "format/status.h"
@@ -18,26 +18,28 @@ namespace TESSERA_PUBLIC tessera {
 // Version of the library and the tools.
 inline constexpr const char* library_version = "0.1.0";
 
-// Version of FORMAT.md that is written, and the only one that is read.
+// The version of FORMAT.md that is written, and the only one that is read.
 inline constexpr std::uint16_t format_version_major = 0;
 inline constexpr std::uint16_t format_version_minor = 3;
 
-// UTF-8 keys (1..255 bytes, no NUL) to UTF-8 values (up to 1 MiB), sorted by key bytes.
+// Keys (UTF-8, 1..255 bytes, no NUL) and their values (UTF-8, up to 1 MiB, no NUL), sorted by the
+// bytes of the keys.
 using Metadata = std::map<std::string, std::string>;
 
-// Keys that say how a file was encoded, FORMAT.md 5.5; the encoder writes all with this prefix.
+// Keys that say how a file was encoded (FORMAT.md 5.5), each with an example of a value. Keys with
+// the prefix belong to the encoder.
 inline constexpr const char* made_prefix = "tessera:";
 inline constexpr const char* software_key = "Software";          // "Tessera 0.1.0"
 inline constexpr const char* made_rate_key = "tessera:rate";     // "psnr 40"
 inline constexpr const char* made_effort_key = "tessera:effort"; // "3"
-inline constexpr const char* made_tools_key = "tessera:tools";   // "-copies"; only where switched
+inline constexpr const char* made_tools_key = "tessera:tools";   // "-copies"; absent by default
 
-// Meaning of the coordinates and the samples. Numbers are those of FORMAT.md.
+// What the coordinates and the samples mean. The numbers are those of FORMAT.md 1.1.
 enum class Proxy : std::uint8_t {
     none = 0,
     sphere = 1,       // seen from outside
-    mesh = 2,         // in section `prxy`, format/surface_mesh.h
-    sphere_inside = 3 // the sphere seen from inside: its normals point to the centre
+    mesh = 2,         // stored in section `prxy`, see format/surface_mesh.h
+    sphere_inside = 3 // the sphere seen from inside; its normals point to the centre
 };
 enum class SurfaceMap : std::uint8_t { none = 0, sphere_longitude_latitude = 1, mesh_uv = 2 };
 enum class AngularMap : std::uint8_t {
@@ -59,19 +61,18 @@ struct Description {
     Primaries primaries = Primaries::unspecified;
     AlphaMode alpha = AlphaMode::none;
     float sphere_centre[3] = {0, 0, 0}; // world units
-    float sphere_radius = 0;            // world units, above 0 when proxy is a sphere
-    float viewing_radius[2] = {0, 0};   // viewing volume: nearest and farthest observer distance
-                                        // from the centre; {0, 0} is "anywhere that sees it"
+    float sphere_radius = 0;            // world units; above 0 for a sphere, 0 for any other proxy
+    float viewing_radius[2] = {0, 0};   // nearest and farthest distance of an observer from the
+                                        // centre; {0, 0}: anywhere that sees the surface
     bool operator==(const Description&) const = default;
 };
 
-// Either of the two.
 constexpr bool is_sphere(Proxy proxy) {
     return proxy == Proxy::sphere || proxy == Proxy::sphere_inside;
 }
 
-// The names of an enumeration's values in the order of their numbers, which start at 0. `info` prints
-// these names and options accept them. A new value is an enumerator above and a name here.
+// The names of an enumeration's values in the order of their numbers, which start at 0. `info`
+// prints these names and options accept them. A new value is an enumerator above and a name here.
 template <class Enum> inline constexpr std::array<const char*, 0> value_names{};
 template <>
 inline constexpr std::array<const char*, 4> value_names<Proxy>{"none", "sphere", "mesh",

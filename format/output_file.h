@@ -1,4 +1,4 @@
-// A file, or a folder of files, that appears under its final name only when it is whole.
+// A file, or a folder of files, that appears under its final name only when it is complete.
 #pragma once
 
 #include "format/status.h"
@@ -11,10 +11,10 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// Writes to "<path>.<pid>.tmp" beside the target; commit() syncs and renames it over `path`.
-// Destroyed without commit(), it removes the temporary file; an existing file at `path` is
-// untouched until the rename. Errors: io, with the path and the system's reason. Not thread-safe,
-// except write_at.
+// Writes to a temporary file "<path>.<pid>.tmp". commit() flushes it to the disk and renames it to
+// `path`; an existing file of that name is untouched until then. Without commit() the destructor
+// removes the temporary file. Errors of all members: io, with the path and the system's reason. Not
+// thread-safe, except for write_at().
 class OutputFile {
 public:
     OutputFile() = default;
@@ -23,15 +23,15 @@ public:
     ~OutputFile();
 
     static Result<OutputFile> create(const std::string& path);
-    // With a temporary name of the caller's choice, on the same file system and the caller's alone;
-    // what a killed run left there is replaced.
+    // Uses a temporary name that the caller chooses on the same file system, and that nobody else
+    // uses. A file that a killed run left there is replaced.
     static Result<OutputFile> create(const std::string& path, const std::string& temporary);
 
     Status append(std::span<const std::byte> bytes);
     // Thread-safe for disjoint ranges. Does not move the append position.
     Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
     Status commit();
-    std::uint64_t appended() const { return appended_; }
+    std::uint64_t appended() const { return appended_; } // bytes
     const std::string& path() const { return path_; }
 
 private:
@@ -41,9 +41,10 @@ private:
     std::uint64_t appended_ = 0;
 };
 
-// Files go to "<path>.<pid>.tmp"; commit() renames that folder to `path`, in place of a folder that
-// is there, which is put back where that fails. Destroyed without commit(), it removes what it made.
-// Errors: io, with the path and the system's reason. Movable; add() is thread-safe for different names.
+// Writes files to a temporary folder "<path>.<pid>.tmp". commit() renames it to `path` and replaces
+// a folder of that name, which is put back if the rename fails. Without commit() the destructor
+// removes the temporary folder. Errors of all members: io, with the path and the system's reason.
+// Not thread-safe, except for add() with different names.
 class OutputFolder {
 public:
     OutputFolder() = default;
@@ -52,19 +53,20 @@ public:
     ~OutputFolder();
 
     static Result<OutputFolder> create(const std::string& path);
-    // Writes one new file of the folder.
+    // Writes one new file in the folder.
     Status add(const std::string& name, std::span<const std::byte> bytes) const;
     Status commit();
     const std::string& path() const { return path_; }
 
 private:
     void discard();
-    std::string path_, temporary_; // the latter empty: there is nothing to remove
+    std::string path_, temporary_; // temporary_ is empty when there is nothing to remove
 };
 
-// Removes the temporary files and folders of all outputs that are not committed, in any thread, and returns
-// what is worth keeping: folders of journals with finished tiles. For a process that ends by _exit() next:
-// whoever begins, finishes or discards an output after this waits for ever.
+// Removes the temporary files and folders of all outputs of the process that are not committed.
+// Returns the paths that it keeps: folders of journals that hold finished tiles. Thread-safe. The
+// process must end by _exit() next, because a thread that begins, commits or discards an output now
+// waits forever.
 std::vector<std::string> remove_unfinished_outputs();
 
 } // namespace tessera

@@ -1,4 +1,5 @@
-// How a 2+2D texture on a sphere is sampled: FORMAT.md 5.1, the paper's steps for drawing. Double precision; the judge of decoder_glsl/shaders/surface.glsl.
+// How a texture on a sphere is sampled (FORMAT.md 5.1), in double precision. Tests compare the
+// shader decoder_glsl/shaders/surface.glsl with it. All functions are thread-safe.
 #pragma once
 
 #include "format/geometry.h"
@@ -15,20 +16,21 @@ struct WeightedTexel {
     double weight = 0;
 };
 
-// Four surface texels times four texels of the angular image of each; the weights add up to 1. A
-// texel may stand in it more than once, where an axis ends or has one texel.
+// The texels of one sample: four texels of the surface, and four texels of the angular image of
+// each. The weights add up to 1. A texel may appear more than once where an axis ends or has a
+// single texel.
 using Footprint = std::array<WeightedTexel, 16>;
 
-// The texels seen at the surface place in direction `from_centre` (any length above 0), from
-// direction `d`, away from the surface (any length above 0): out of the sphere, or into it where
-// `proxy` is the sphere seen from inside. No extent of `size` is 0.
+// The texels seen at a point of the sphere. `from_centre` points from the centre to that point, and
+// `d` from that point to the observer: out of the sphere, or into it if `proxy` is the sphere seen
+// from inside. Both may have any length above 0. Precondition: no extent of `size` is 0.
 Footprint sample_footprint(const Extent4& size, const glm::dvec3& from_centre, const glm::dvec3& d,
                            Proxy proxy = Proxy::sphere);
 
-// The samples of one texel as numbers, unorm8 as 0..1; channels that the texture lacks are 0.
+// The sample_value() of each channel of a texel; 0 for channels that the texture does not have.
 glm::dvec4 texel_value(const TextureDesc& desc, const std::byte* texel);
 
-// Texels by their coordinates, as texel_value() gives them.
+// Looks up texels by their coordinates and returns them as texel_value() does.
 class TexelLookup {
 public:
     virtual ~TexelLookup() = default;
@@ -41,6 +43,7 @@ public:
 // The weighted sum of the footprint's texels. Texels of weight 0 are not looked up. Errors: those
 // of the lookup.
 Result<glm::dvec4> sample(TexelLookup& lookup, const Footprint& footprint);
+// The same for the sample_footprint() of the lookup's texture.
 Result<glm::dvec4> sample(TexelLookup& lookup, const glm::dvec3& from_centre, const glm::dvec3& d,
                           Proxy proxy = Proxy::sphere);
 

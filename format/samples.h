@@ -1,5 +1,5 @@
-// The types of samples: how a sample is stored, which number it stands for, and the integer that it is
-// coded as (FORMAT.md 4.5). All functions are pure and thread-safe.
+// The types of samples: how a sample is stored, which number it stands for, and the integer that it
+// is coded as (FORMAT.md 4.5). All functions are pure and thread-safe.
 #pragma once
 
 #include "format/status.h"
@@ -17,8 +17,8 @@ enum class SampleType : std::uint8_t {
     half16 = 1  // IEEE 754 binary16
 };
 
-// What depends on the type of a sample. Code that works for every type reads these members instead of
-// comparing types, so that a new type is one enumerator and one entry of `sample_types`.
+// What depends on the type of a sample. Code that works for every type reads these members instead
+// of comparing types, so that a new type is one enumerator and one entry of `sample_types`.
 struct SampleTraits {
     const char* name;  // as `info` prints it
     std::size_t bytes; // of a stored sample, little-endian: 1 or 2
@@ -121,8 +121,8 @@ inline double sample_value(std::uint16_t sample, SampleType type) {
                            : static_cast<double>(sample) / traits.one;
 }
 
-// The code of a sample: an integer sample itself; of a half, its 15 low bits, negated if the sign bit
-// is set. Both zeros have code 0. Precondition: has_code(sample, type).
+// The code of a sample: an integer sample itself; of a half, its 15 low bits, negated if the sign
+// bit is set. Both zeros have code 0. Precondition: has_code(sample, type).
 inline std::int32_t sample_code(std::uint16_t sample, SampleType type) {
     return traits_of(type).is_float && sample >= 0x8000 ? -(sample & 0x7FFF) : sample;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-// What public headers declare can be seen from outside a shared library; nothing else can.
+// Declarations of public headers are visible outside a shared library. All others are hidden.
 #if defined(__GNUC__)
 #define TESSERA_PUBLIC [[gnu::visibility("default")]]
 #else
@@ -14,21 +14,21 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// What kind of thing went wrong. The numbers are the tool's exit codes and stay fixed; over_budget, which
-// whoever allows more memory can mend, exits with the code of unsupported.
+// The kinds of errors. The numbers never change. They are the tool's exit codes, except that the
+// tool exits with the code of unsupported for over_budget.
 enum class ErrorCode {
     ok = 0,
-    bad_argument = 1,  // the caller asked for something that makes no sense
-    io = 2,            // the operating system refused a read or a write
-    invalid_file = 3,  // the bytes are not what FORMAT.md (or the file's own kind) allows
-    runtime = 4,       // out of memory, a failed self-check
+    bad_argument = 1,  // the arguments are not allowed or contradict each other
+    io = 2,            // a read or a write failed
+    invalid_file = 3,  // the bytes break the rules of FORMAT.md, or of another file format
+    runtime = 4,       // out of memory, or a failed self-check
     unsupported = 5,   // valid, but this version cannot do it
-    target_missed = 6, // a file was made, but not as good as it had to be
+    target_missed = 6, // a file was written that misses its target
     difference = 7,    // a comparison missed its threshold
-    over_budget = 8,   // more memory is needed than the caller allows
+    over_budget = 8,   // the work needs more memory than the caller allows
 };
 
-// Success, or a code with one plain sentence that names the file and the place.
+// Success, or a code with one sentence that names the file and the position.
 class [[nodiscard]] Status {
 public:
     Status() = default;
@@ -49,15 +49,15 @@ private:
     std::string message_;
 };
 
-// A value, or the Status that says why there is none: ok() and status().ok() are always the same.
+// A value, or the Status that says why there is none. ok() and status().ok() are always equal.
 template <class T> class [[nodiscard]] Result {
 public:
     Result(T value) : value_(std::move(value)) {}
-    // `status` should be an error. Success without a value is a mistake of whoever wrote the call, and
-    // becomes an error of its own, so that nobody looks at a value that is not there.
+    // `status` must be an error. Success without a value is a bug in the caller. It becomes an
+    // error, so that nobody reads a value that does not exist.
     Result(Status status) : status_(std::move(status)) {
         if (status_.ok())
-            status_ = {ErrorCode::runtime, "internal error: a result without value"};
+            status_ = {ErrorCode::runtime, "internal error: a result without a value"};
     }
 
     bool ok() const { return value_.has_value(); }
@@ -68,7 +68,7 @@ public:
         status_ = status_.with_context(context);
         return std::move(*this);
     }
-    // Precondition for these: ok().
+    // Precondition of these six: ok().
     T& value() { return *value_; }
     const T& value() const { return *value_; }
     T& operator*() { return *value_; }
@@ -82,7 +82,6 @@ private:
 };
 
 namespace detail {
-// What TESSERA_TRY looks at.
 inline Status status_of(Status status) {
     return status;
 }
@@ -91,11 +90,13 @@ template <class T> Status status_of(const Result<T>& result) {
 }
 } // namespace detail
 
-// Leaves the enclosing function with the error of `expression`, a Status or a Result, if it has one.
-// The counter keeps the names of nested uses (a lambda inside the expression) apart.
+// TESSERA_TRY(expression) evaluates a Status or a Result and returns its error, if it has one, from
+// the enclosing function. The counter makes the names of nested uses (in a lambda inside the
+// expression) distinct.
 #define TESSERA_TRY(...) TESSERA_TRY_STATUS(TESSERA_TRY_NAME(__COUNTER__), __VA_ARGS__)
-// The same for a Result whose value is wanted: TESSERA_TRY_ASSIGN(const auto box, parse_box(text));
-// The value is moved out. Two statements: it needs the braces of an if or a loop around it.
+// The same for a Result whose value is needed: TESSERA_TRY_ASSIGN(const auto box, parse_box(text));
+// The value is moved out. The macro is several statements, so an `if` or a loop needs braces around
+// it.
 #define TESSERA_TRY_ASSIGN(declaration, ...)                                                       \
     TESSERA_TRY_VALUE(declaration, TESSERA_TRY_NAME(__COUNTER__), __VA_ARGS__)
 

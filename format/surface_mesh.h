@@ -1,6 +1,6 @@
-// The surface that a texture lies on: triangles with a place of the atlas at every corner, and what
-// their coordinates mean (FORMAT.md 5.2). The baker, the CPU sampler and the shaders agree
-// on this file.
+// The surface that a texture lies on: triangles with a position in the atlas at every corner, and
+// what the coordinates of the texture mean on it (FORMAT.md 5.2). The baker, the CPU sampler and
+// the shaders must agree on this file. All functions are thread-safe.
 #pragma once
 
 #include "format/levels.h"
@@ -18,98 +18,110 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// Vertices belong to one chart: where two charts meet they stand twice. World units.
+// A vertex belongs to one chart: where two charts meet, two vertices have the same position.
 struct SurfaceMesh {
-    std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals; // of unit length, one a vertex; away from the inside
-    std::vector<glm::vec2> uv; // 0..1 over the atlas, one a vertex; texel i of N at (i + 0.5) / N
+    std::vector<glm::vec3> positions; // world units
+    std::vector<glm::vec3> normals;   // unit length, one per vertex, pointing out of the object
+    std::vector<glm::vec2>
+        uv; // 0..1, one per vertex; the centre of texel i of N is at (i + 0.5) / N
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-// How finely a stream holds the numbers: bits of a coordinate over the longest side of the mesh's
-// box, of uv over 0..1 (both 4..24), and of each of a normal's two octahedral coordinates (3..16).
-// 0 bits of normals: the stream has none, and readers compute them (FORMAT.md 5.2), smooth where
-// triangles meet at less than 45 degrees. That saves a sixth of a closed surface's bytes.
+// The precision of an encoded mesh. Without stored normals, readers compute them (FORMAT.md 5.2),
+// smooth across edges where triangles meet at less than 45 degrees; a closed surface then takes a
+// sixth fewer bytes.
 struct MeshQuantisation {
-    unsigned position_bits = 12, uv_bits = 12, normal_bits = 0;
+    unsigned position_bits = 12; // 4..24, per coordinate, over the longest side of the bounding box
+    unsigned uv_bits = 12;       // 4..24, per coordinate, over 0..1
+    unsigned normal_bits = 0;    // 3..16, per octahedral coordinate; 0: no normals are stored
 };
 
-// Section `prxy`: a Draco stream. What decodes has the same triangles, but for those with two corners
-// at one place, and may have other vertices in another order: only the decoded mesh is what viewers
-// see, and bakers must start from it. `mesh.normals` may be empty where none are stored. The bytes
-// depend on the arguments only. Time: some 10 microseconds a triangle. Errors: bad_argument, naming
-// the first element that is wrong (index out of range, a number that is not finite, uv outside 0..1),
-// or where no triangle is left; runtime (out of memory, the bytes do not decode to the same count).
+// Encodes a mesh as a Draco stream, the content of section `prxy`. `mesh.normals` may be empty if
+// none are stored. The decoded mesh has the same triangles, except those with two corners at the
+// same position, but may have other vertices in another order. Viewers see only the decoded mesh,
+// so bakers must start from it. The bytes depend only on the arguments. Takes about 10 microseconds
+// per triangle. Errors: bad_argument, which names the first wrong element (index out of range, a
+// number that is not finite, uv outside 0..1) or says that no triangle is left; runtime (out of
+// memory, or the bytes decode to another number of triangles).
 Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQuantisation& bits);
 
-// Checked like all else from outside. Errors: invalid_file; unsupported where it could take more
-// than `most_bytes` of memory, for which a stream claims 1,000 bytes a triangle and 16 MiB; runtime
-// (out of memory).
+// Decodes section `prxy`, which may be damaged or malicious. Computes normals if none are stored.
+// Errors: invalid_file; unsupported if it could take more than `most_bytes` of memory, counting
+// 1,000 bytes per triangle and 16 MiB; runtime (out of memory).
 Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes);
 
-// Of each vertex, of unit length and at right angles to its normal: the way in which u grows over
-// the triangles around it, weighted by their areas; where that is undefined, the axis that leans
-// least to the normal, made so.
+// A tangent per vertex, of unit length and perpendicular to the vertex's normal: the direction in
+// which u grows, averaged over the triangles around the vertex by their areas. Where that is
+// undefined, it is the coordinate axis that is closest to perpendicular to the normal, made
+// perpendicular.
 std::vector<glm::vec3> mesh_tangents(const SurfaceMesh& mesh);
 
-// A place on the mesh: normal and tangent interpolated, made of unit length and at right angles.
-// With normals that cancel out, those of the first corner.
+// A point on the mesh. The normal and the tangent of its frame are interpolated and made
+// orthonormal. If the interpolated normals cancel out, the normal is that of the first corner.
 struct SurfacePoint {
     glm::dvec3 position{0.0};
     SurfaceFrame frame{}; // ex along the tangent, ez the normal, ey = ez x ex
     glm::dvec2 uv{0.0};
 };
 
-// `barycentric`: weights of the triangle's second and third corner.
+// The point of a triangle with these barycentric weights of its second and third corner. `tangents`
+// are those of mesh_tangents().
 SurfacePoint surface_point(const SurfaceMesh& mesh, std::span<const glm::vec3> tangents,
                            std::uint32_t triangle, const glm::dvec2& barycentric);
 
-// (s, t) in 0..1 of the unit direction `d`, away from the surface, in one of the octahedral maps of
-// a mesh; and back: the unit direction that leaves at (s, t). A direction into the surface
-// (d . ez < 0) is taken for the nearest one along it, one against the normal for the normal. With the
-// mirrored map some (s, t) stand for directions into the surface: nobody sees them.
+// (s, t) in 0..1 of the unit direction `d`, which points away from the surface, in an octahedral
+// map. A direction into the surface (d . ez < 0) is replaced by the nearest one along the surface,
+// and -ez by ez. octahedral_direction() is the inverse: the unit direction that leaves the surface
+// at (s, t). In the mirrored map, some (s, t) stand for directions into the surface, which no
+// observer sees.
 glm::dvec2 octahedral_place(AngularMap map, const SurfaceFrame& frame, const glm::dvec3& d);
 glm::dvec3 octahedral_direction(AngularMap map, const SurfaceFrame& frame, double s, double t);
 
-// The texels seen at the place `uv` of the atlas and (s, t) of the angular image: linear along all
-// four axes; (u, v) end at the atlas' edges, (s, t) go on as the map folds. No extent of `size` is 0.
+// The texels seen at `uv` of the atlas and `st` of the angular image, interpolated linearly along
+// all four axes. (u, v) are clamped at the edges of the atlas; beyond the edges of the angular
+// image, (s, t) continue as the map folds. Precondition: no extent of `size` is 0.
 Footprint mesh_footprint(const Extent4& size, AngularMap map, const glm::dvec2& uv,
                          const glm::dvec2& st);
 
-// Calls visit(u, v) for the texels of `size` whose squares have a place in common with a triangle of the
-// atlas, its corners in texels; none where it has no area.
+// Calls visit(u, v) for each texel of an atlas of `size` whose square intersects the triangle with
+// these corners, which are in texels. A triangle without area covers none.
 void visit_covered_texels(const std::array<glm::dvec2, 3>& corners,
                           const std::array<std::uint32_t, 2>& size,
                           const std::function<void(std::uint32_t u, std::uint32_t v)>& visit);
 
-// Mip levels of an atlas, which readers make of its texels (FORMAT.md 5.2): which there are, which chart
-// each of their texels shows, and where they are kept beside the atlas, mip 0. Immutable.
+// The mip levels of an atlas, which readers compute from its texels (FORMAT.md 5.2): how many there
+// are, which chart each of their texels shows, and where they are stored beside the atlas. The
+// atlas is mip 0. Immutable.
 class AtlasMips {
 public:
-    static constexpr unsigned most = 4; // besides the atlas
+    static constexpr unsigned most = 4; // the largest count()
 
-    AtlasMips() = default; // the atlas alone, of no texels
-    // Of a texture that `grid` cuts into tiles. None where tiles cannot be halved, of atlases of more
-    // than 2^26 texels, and where triangles cover them many times. Memory: 6 bytes a texel of U x V.
+    AtlasMips() = default; // for an atlas without texels: there are no mips
+    // For a texture that `grid` cuts into tiles. There are no mips if the tiles do not begin at
+    // even texels, if the atlas has more than 2^26 texels, or if the triangles cover it many times.
+    // Takes 6 bytes of memory per texel of the atlas.
     AtlasMips(const SurfaceMesh& mesh, const TileGrid& grid);
 
+    // The number of mips besides the atlas.
     unsigned count() const { return static_cast<unsigned>(levels_.size()) - 1; }
     std::array<std::uint32_t, 2> size(unsigned mip) const { return levels_[mip].size; }
-    // Of each texel, u fastest: 1 + the number of its chart's first triangle; 0: it shows none. Empty where
-    // there are no mips.
+    // Per texel, u fastest: 1 + the index of the first triangle of the chart that it shows, or 0 if
+    // it shows none. Empty if there are no mips.
     std::span<const std::uint32_t> charts(unsigned mip) const { return levels_[mip].charts; }
 
-    // A texture that has the mips, too: as wide as three halves of the atlas, in whole tiles. Mip 1 and
-    // above lie beside the atlas at begin(). Of any mesh on such a texture the same.
+    // The size of a texture that holds the atlas and, beside it, mip 1 and above at begin(): one
+    // and a half times as wide as the atlas, rounded up to whole tiles. It does not depend on the
+    // mesh.
     static Extent4 kept_size(const TileGrid& grid);
+    // The same, but the size of the texture itself if there are no mips.
     Extent4 kept_size() const { return kept_; }
     std::array<std::uint32_t, 2> begin(unsigned mip) const { return levels_[mip].begin; }
 
-    // Which mip suits a ray that stands for this many texels of the atlas along u and v: between two,
-    // the samples of both are mixed linearly.
+    // The mip for a pixel that covers this many texels of the atlas along u and along v. Between
+    // two whole numbers, the samples of both mips are mixed linearly.
     double mip_for(const glm::dvec2& texels) const;
-    // mesh_footprint() in one mip of the texture of kept_size(). Of the texels around the place those
-    // count that show its chart; where none does, the atlas' own.
+    // mesh_footprint() in one mip, in a texture of kept_size(). Only texels that show the chart at
+    // `uv` count. If none of them does, it is the footprint in the atlas.
     Footprint footprint(AngularMap map, const glm::dvec2& uv, const glm::dvec2& st,
                         unsigned mip) const;
 

@@ -1,10 +1,12 @@
-// What a 4D texture is, and how texels move: box by box, never the whole texture.
+// What a 4D texture is, and how its texels are read and written: box by box, never all at once.
 //
-// T(u,v,s,t): (u,v) is the place on the surface, (s,t) the direction leaving it.
-// Sizes are written UxVxSxT. A box of texels is stored dense in the order v, u, t, s with s fastest
-// and the channels of one texel adjacent:
-//   index = ((((v - v0) * U' + (u - u0)) * T' + (t - t0)) * S' + (s - s0)) * channels + channel
-// Samples are one byte (unorm8) or one IEEE 754 binary16, little-endian (half16).
+// In T(u,v,s,t), (u,v) is a position on the surface, and (s,t) is the direction in which light
+// leaves it. Sizes are written UxVxSxT. The texels of a box are stored densely in the order v, u,
+// t, s with s fastest, and the channels of a texel are adjacent. The sample of a channel has the
+// index
+//   ((((v - v0) * U' + (u - u0)) * T' + (t - t0)) * S' + (s - s0)) * channels + channel
+// in a box that begins at (u0, v0, s0, t0) and has the extent U'xV'xS'xT'. samples.h describes
+// samples.
 #pragma once
 
 #include "format/samples.h"
@@ -18,28 +20,28 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// The four axes in the order in which sizes are written.
+// The axes in the order in which sizes are written.
 enum Axis { axis_u = 0, axis_v = 1, axis_s = 2, axis_t = 3 };
 constexpr char axis_name(int axis) {
     return "uvst"[axis];
 }
 
-// Number of texels along u, v, s, t.
+// A number along each of u, v, s, t: texels unless a comment says otherwise.
 using Extent4 = std::array<std::uint32_t, 4>;
 
-// Largest extent along one axis, and the largest number of texels, that Tessera accepts. The
-// product of all four extents and the bytes of any box then fit 64 bits with room to spare.
+// The largest extent along an axis and the largest number of texels that Tessera accepts. The bytes
+// of any box then fit 64 bits.
 constexpr std::uint32_t max_extent = 1u << 20;
 constexpr std::uint64_t max_texels = 1ull << 48;
 
-// Product of the extents. Exact for extents accepted by check_extent.
+// The product of the extents. Exact for extents accepted by check_desc().
 constexpr std::uint64_t texel_count(const Extent4& e) {
     return std::uint64_t{e[0]} * e[1] * e[2] * e[3];
 }
 
 std::string to_string(const Extent4& extent); // "512x256x32x32"
 
-// Half-open box of texels: begin[axis] <= coordinate < end[axis].
+// A half-open box of texels: begin[axis] <= coordinate < end[axis].
 struct Box4 {
     Extent4 begin{0, 0, 0, 0};
     Extent4 end{0, 0, 0, 0};
@@ -55,9 +57,10 @@ struct Box4 {
     bool operator==(const Box4&) const = default;
 };
 
-std::string to_string(const Box4& box);       // "u0:u1,v0:v1,s0:s1,t0:t1"
-Box4 intersect(const Box4& a, const Box4& b); // empty (end == begin) where they do not meet
-// Whether begin < end on every axis and end fits `extent`.
+std::string to_string(const Box4& box); // "u0:u1,v0:v1,s0:s1,t0:t1"
+Box4 intersect(const Box4& a,
+               const Box4& b); // end == begin along axes on which they do not overlap
+// Whether begin < end <= extent along every axis.
 bool is_inside(const Box4& box, const Extent4& extent);
 
 struct TextureDesc {
@@ -70,40 +73,43 @@ struct TextureDesc {
     bool operator==(const TextureDesc&) const = default;
 };
 
-// Refuses zero extents, extents above max_extent, products above max_texels, channels outside 1..4.
+// Errors: bad_argument (an extent of 0 or above max_extent, more than max_texels texels, channels
+// outside 1..4, an unknown sample type).
 Status check_desc(const TextureDesc& desc);
-// Of a read or write of `box` through a buffer of so many bytes. Errors: bad_argument.
+// Checks that `box` lies in the texture and that a buffer of `bytes` bytes holds exactly its
+// texels. Errors: bad_argument.
 Status check_box(const TextureDesc& desc, const Box4& box, std::size_t bytes);
 
-// How a source or sink likes to be walked, so that it holds a bounded part of the texture.
+// The order in which a source or a sink should be walked, so that it holds only a part of the
+// texture in memory. A driver that is short of memory cuts slabs further (codec/texels/slabs.h).
 enum class Locality {
     any,           // every box costs the same (raw files, memory, a baker)
-    spatial_rows,  // slabs that span all of u, s, t over a few v (scanline mosaics)
-    angular_cells, // slabs that span all of u, v over a few s, t (one picture per view)
-    places,        // slabs that span all of s, t over some u, v (raw files; sinks only)
+    spatial_rows,  // slabs of all u, s, t and a few v (scanline mosaics)
+    angular_cells, // slabs of all u, v and a few s, t (one picture per view)
+    places,        // slabs of all s, t and some u, v (raw files; only for sinks)
 };
-// A driver short of memory cuts slabs further (codec/texels/slabs.h): sources get parts of them.
 
-// Somewhere texels come from.
+// Provides texels.
 //
-// The driver calls begin_slab(box), then read() for boxes inside it from several threads at once,
-// then the next begin_slab. Slabs never overlap and follow locality(). A source that does not care
-// keeps the default begin_slab.
+// The driver calls begin_slab(box), then read() for boxes inside the slab from several threads at
+// once, then begin_slab() for the next slab, and so on. Slabs do not overlap and follow locality().
+// A source that does not need slabs keeps the default begin_slab().
 class TexelSource {
 public:
     virtual ~TexelSource() = default;
     virtual const TextureDesc& desc() const = 0;
     virtual Locality locality() const { return Locality::any; }
-    // Whether reading a box a second time is cheap (false for a baker).
+    // Whether reading a box again costs little. It does not for a baker, which returns false.
     virtual bool cheap_to_reread() const { return true; }
     virtual Status begin_slab(const Box4&) { return {}; }
-    // Fills `out`, which holds exactly desc().box_bytes(box) bytes. Thread-safe.
+    // Fills `out`, which has exactly desc().box_bytes(box) bytes. Thread-safe.
     virtual Status read(const Box4& box, std::span<std::byte> out) = 0;
 };
 
-// Somewhere texels go. Same protocol; write() is called concurrently for disjoint boxes, and
-// finish() once, after which the output exists under its final name. A sink that is destroyed
-// without finish() leaves nothing behind.
+// Receives texels. The driver calls begin_slab(box), then write() for disjoint boxes inside the
+// slab from several threads at once, then end_slab(), and so on; at the end it calls finish() once.
+// After that the output exists under its final name. A sink that is destroyed without finish()
+// leaves nothing behind.
 class TexelSink {
 public:
     virtual ~TexelSink() = default;
@@ -114,12 +120,12 @@ public:
     virtual Status finish() { return {}; }
 };
 
-// Copies the texels of `part`, which lies in both boxes, from the dense texels of one box to those
-// of another.
+// Copies the texels of `part`, which lies in both boxes, from the dense texels of `from_box` to
+// those of `to_box`.
 void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
               const Box4& to_box, std::span<std::byte> to, std::size_t texel_bytes);
 
-// Texels in memory as a source. The caller keeps the texels (dense, all of the texture) alive.
+// A source of texels in memory. The caller keeps the dense texels of the whole texture alive.
 // Thread-safe.
 class MemorySource : public TexelSource {
 public:

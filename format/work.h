@@ -1,4 +1,4 @@
-// Long work: on how many threads it runs, how far it is, whether it should stop.
+// Work that is spread over several threads, and reports of its progress.
 #pragma once
 
 #include "format/status.h"
@@ -15,18 +15,21 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// Called from one thread at a time; `done` of `total` in arbitrary units, `stage` in a word or two.
+// Receives the progress of long work. `stage` names the current step in a word or two, of which
+// `done` of `total` is complete, in arbitrary units. Called from one thread at a time.
 using ProgressFunction = std::function<void(const char* stage, double done, double total)>;
 
-// The threads of a wish: 0 is one a core.
+// The number of threads to use: `wished`, or one per core if that is 0.
 inline unsigned thread_count(unsigned wished) {
     return wished > 0 ? wished : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// Calls work(worker, i) for every i below `count`, each once, where worker is one of `workers`,
-// used by one thread at a time. Order and assignment are unspecified, so results must be stored by
-// i. Stops early at the first error and returns that of the smallest i seen. `tick` is called from
-// the calling thread only, with the number of pieces begun.
+// Calls work(worker, i), which returns a Status, once for every i below `count`. There is one
+// thread per element of `workers`, at least one, and each thread passes its own. The order of the
+// calls is unspecified, so results must be stored by i. An error or an exception stops the work
+// early; of the errors that occurred, that of the smallest i is returned. tick(i) is called on the
+// calling thread only, after its call for i. Because indices are handed out in ascending order, i
+// tells how much of the work has begun.
 template <class Worker, class Work, class Tick>
 Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, Tick tick) {
     std::atomic<std::size_t> next{0};
@@ -42,7 +45,7 @@ Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, 
             Status status;
             try {
                 status = work(worker, i);
-            } catch (const std::exception& e) { // bad_alloc above all
+            } catch (const std::exception& e) { // mostly bad_alloc
                 status = {ErrorCode::runtime, e.what()};
             }
             if (!status.ok()) {
@@ -62,7 +65,7 @@ Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, 
     try {
         for (std::size_t w = 1; w < workers.size() && w < count; ++w)
             threads.emplace_back([&run, &workers, w] { run(workers[w], false); });
-    } catch (const std::system_error&) { // fewer threads do, too
+    } catch (const std::system_error&) { // the threads that could start do all the work
     }
     run(workers[0], true);
     threads.clear();
@@ -70,7 +73,7 @@ Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, 
 }
 
 // Calls body(index), which returns a Status, for every index below `count` on up to `threads`
-// threads (0: all cores). Stops early at an error and returns that of the smallest index seen.
+// threads (0: one per core). Errors as above.
 template <class Body> Status parallel_for(std::uint64_t count, unsigned threads, const Body& body) {
     std::vector<int> workers(thread_count(threads));
     return parallel_for(

@@ -19,7 +19,7 @@ TEST(Result, OfSuccessWithoutValueIsAnError) {
     EXPECT_FALSE(made.ok());
     EXPECT_FALSE(made.status().ok());
     EXPECT_EQ(made.status().code(), ErrorCode::runtime);
-    EXPECT_EQ(made.status().message(), "internal error: a result without value");
+    EXPECT_EQ(made.status().message(), "internal error: a result without a value");
 }
 
 TEST(Result, HasAValueOrAnError) {
