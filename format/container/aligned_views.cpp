@@ -6,15 +6,16 @@
 namespace tessera {
 namespace {
 
-// Of every texel of a box along one spatial axis, in every view of it: its place along that axis in another
-// box, or none.
-class Places {
+// Maps the texels of a box of the grid to those of a box of the texture along one spatial axis.
+// Because views are shifted, the mapping depends on the view along the corresponding angular axis.
+class AxisMapping {
 public:
-    static constexpr std::uint32_t none = 0xFFFFFFFFu;
+    static constexpr std::uint32_t none = 0xFFFFFFFFu; // the texture's box has no such texel
 
-    // shift(view): how much further texels lie in the grid than in the texture.
+    // shift(view): by how many texels the view is shifted in the grid.
     template <class Shift>
-    Places(const Box4& grid, const Box4& texture, Axis spatial, Axis angular, const Shift& shift)
+    AxisMapping(const Box4& grid, const Box4& texture, Axis spatial, Axis angular,
+                const Shift& shift)
         : begin_(std::max(grid.begin[angular], texture.begin[angular])),
           end_(std::min(grid.end[angular], texture.end[angular])) {
         for (std::uint32_t x = grid.begin[spatial]; x < grid.end[spatial]; ++x) {
@@ -22,57 +23,61 @@ public:
             for (std::uint32_t view = begin_; view < end_; ++view) {
                 const std::int64_t texel = std::int64_t{x} - shift(view);
                 const bool inside = texel >= texture.begin[spatial] && texel < texture.end[spatial];
-                places_.push_back(
+                texels_.push_back(
                     inside ? static_cast<std::uint32_t>(texel - texture.begin[spatial]) : none);
                 any |= inside;
             }
             if (any)
-                taken_.push_back(x - grid.begin[spatial]);
+                used_.push_back(x - grid.begin[spatial]);
         }
     }
 
-    std::uint32_t begin() const { return begin_; } // views that both boxes have
+    // The views that both boxes have are begin() .. end() - 1.
+    std::uint32_t begin() const { return begin_; }
     std::uint32_t end() const { return end_; }
-    // Those texels of the grid's box that have a place in some view; of tiles of views that lie far apart, few.
-    const std::vector<std::uint32_t>& taken() const { return taken_; }
-    // Of the i-th texel of the grid's box.
+    // The texels of the grid's box that map to a texel in at least one view. They are few if the
+    // views of a tile are shifted far apart.
+    const std::vector<std::uint32_t>& used() const { return used_; }
+    // The texels of the texture's box that the i-th texel of the grid's box maps to, one per view.
     const std::uint32_t* row(std::size_t i) const {
-        return places_.data() + i * (std::max(end_, begin_) - begin_);
+        return texels_.data() + i * (std::max(end_, begin_) - begin_);
     }
 
 private:
     std::uint32_t begin_, end_;
-    std::vector<std::uint32_t> places_, taken_;
+    std::vector<std::uint32_t> texels_, used_;
 };
 
-// Calls visit(texel in grid_box, texel in texture_box), both counted as dense texels are.
+// Calls visit(texel in grid_box, texel in texture_box) for every texel in both boxes. Each argument
+// is the texel's index among the dense texels of its box.
 template <class Visit>
 void for_each_texel(const AlignedViews& views, const Box4& grid_box, const Box4& texture_box,
                     const Visit& visit) {
-    const Places along_u(grid_box, texture_box, axis_u, axis_s,
-                         [&](std::uint32_t s) { return views.shift_u(s); });
-    const Places along_v(grid_box, texture_box, axis_v, axis_t,
-                         [&](std::uint32_t t) { return views.shift_v(t); });
+    const AxisMapping along_u(grid_box, texture_box, axis_u, axis_s,
+                              [&](std::uint32_t s) { return views.shift_u(s); });
+    const AxisMapping along_v(grid_box, texture_box, axis_v, axis_t,
+                              [&](std::uint32_t t) { return views.shift_v(t); });
     const Extent4 g = grid_box.extent(), x = texture_box.extent();
-    for (const std::size_t v : along_v.taken())
-        for (const std::size_t u : along_u.taken())
+    for (const std::size_t v : along_v.used())
+        for (const std::size_t u : along_u.used())
             for (std::uint32_t t = along_v.begin(); t < along_v.end(); ++t) {
                 const std::size_t to_v = along_v.row(v)[t - along_v.begin()];
-                if (to_v == Places::none)
+                if (to_v == AxisMapping::none)
                     continue;
                 const std::size_t grid_at =
                     ((v * g[axis_u] + u) * g[axis_t] + (t - grid_box.begin[axis_t])) * g[axis_s];
                 const std::size_t t_at = t - texture_box.begin[axis_t];
                 const std::uint32_t* to_u = along_u.row(u);
                 for (std::uint32_t s = along_u.begin(); s < along_u.end(); ++s, ++to_u)
-                    if (*to_u != Places::none)
+                    if (*to_u != AxisMapping::none)
                         visit(grid_at + (s - grid_box.begin[axis_s]),
                               ((to_v * x[axis_u] + *to_u) * x[axis_t] + t_at) * x[axis_s] +
                                   (s - texture_box.begin[axis_s]));
             }
 }
 
-// Calls work(the constant texel_bytes), so that texels of the usual sizes are copied by a move or two.
+// Calls work(texel_bytes) with a compile-time constant for the usual sizes, so that a copy of a
+// texel compiles to one or two moves.
 template <class Work> void with_texel_bytes(std::size_t texel_bytes, const Work& work) {
     if (texel_bytes == 3)
         work(std::integral_constant<std::size_t, 3>());
@@ -86,14 +91,14 @@ template <class Work> void with_texel_bytes(std::size_t texel_bytes, const Work&
 
 Extent4 AlignedViews::grid_size() const {
     Extent4 size = texture_;
-    // At most 2^20 + 2^7 * 2^20.
+    // This cannot overflow: at most 2^20 + 2^7 * 2^20.
     size[axis_u] += std::max(shift_u(0), shift_u(texture_[axis_s] - 1));
     size[axis_v] += std::max(shift_v(0), shift_v(texture_[axis_t] - 1));
     return size;
 }
 
 std::uint64_t AlignedViews::texels_in(const Box4& grid_box) const {
-    // Columns depend on s alone, rows on t.
+    // The columns depend only on s and the rows only on t, so the count is a product.
     const auto along = [&](Axis spatial, Axis angular, const auto& shift) {
         std::uint64_t sum = 0;
         for (std::uint32_t view = grid_box.begin[angular]; view < grid_box.end[angular]; ++view) {
@@ -112,7 +117,7 @@ std::vector<std::uint64_t> AlignedViews::tiles_touched(const TileGrid& grid,
                                                        const Box4& texels) const {
     if (!any())
         return grid.tiles_touched(texels);
-    // Which tiles along u depends on s alone, which along v on t.
+    // Which tiles are touched along u depends only on s, and along v only on t.
     Box4 around = texels;
     around.end[axis_u] = grid.size()[axis_u];
     around.end[axis_v] = grid.size()[axis_v];
@@ -156,14 +161,14 @@ std::vector<std::uint64_t> AlignedViews::tiles_touched(const TileGrid& grid,
 void AlignedViews::copy_from_grid(const Box4& grid_box, std::span<const std::byte> from,
                                   const Box4& texture_box, std::span<std::byte> to,
                                   std::size_t texel_bytes) const {
-    if (!any()) // whole runs of texels
+    if (!any()) // copy_box() copies whole runs of texels
         return copy_box(intersect(grid_box, texture_box), grid_box, from, texture_box, to,
                         texel_bytes);
-    const bool are_same = from.size() == texel_bytes;
+    const bool single_texel = from.size() == texel_bytes;
     with_texel_bytes(texel_bytes, [&](auto bytes) {
         for_each_texel(*this, grid_box, texture_box, [&](std::size_t grid, std::size_t texture) {
-            std::memcpy(to.data() + texture * bytes, from.data() + (are_same ? 0 : grid * bytes),
-                        bytes);
+            std::memcpy(to.data() + texture * bytes,
+                        from.data() + (single_texel ? 0 : grid * bytes), bytes);
         });
     });
 }

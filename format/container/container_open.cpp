@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t identifier_name_bytes = 8;
 
-// The first break of the order and number of sections that 1.2 asks for, or "". The caller checks
-// the types first.
+// The first violation of the order, the offsets or the uniqueness of sections (FORMAT.md 1.2), or
+// "". Precondition: the types are valid.
 std::string table_problem(std::span<const SectionEntry> entries, const FileHeader& header) {
     std::uint64_t expected = header_bytes + entries.size() * section_entry_bytes;
     for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -26,7 +26,7 @@ std::string table_problem(std::span<const SectionEntry> entries, const FileHeade
         expected += entry.length;
         const auto same = [&](const SectionEntry& other) { return other.type == entry.type; };
         if (std::ranges::count_if(entries, same) > 1)
-            return name + " stands twice";
+            return name + " appears twice";
     }
     if (expected != header.file_size)
         return "the sections end" + at_offset(expected) + ", the file has " +
@@ -93,7 +93,7 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     const auto [differs, _] = std::ranges::mismatch(identifier, head_);
     if (differs - identifier.begin() >= std::ptrdiff_t{identifier_name_bytes} &&
         differs != identifier.end())
-        return invalid("the file was damaged by a transfer as text");
+        return invalid("a transfer in text mode has damaged the file");
     if (differs != identifier.end())
         return invalid("this is not a Tessera file");
 
@@ -107,12 +107,12 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
                     std::to_string(format_version_major) + "." +
                     std::to_string(format_version_minor)};
 
-    // Without a believable table length there is no checksum to check.
+    // The checksum covers the section table, so the length of the table must be plausible first.
     rule = ContainerRule::length;
     const std::size_t table_bytes = header_.section_count * section_entry_bytes;
     if (header_.section_count > max_sections || header_bytes + table_bytes > head_.size())
-        return invalid("the section table of " + std::to_string(header_.section_count) +
-                       " entries does not fit the format or the file");
+        return invalid("the section table has " + std::to_string(header_.section_count) +
+                       " entries, more than the format or the file can hold");
     rule = ContainerRule::header_crc;
     const auto table = std::span(head_).subspan(header_bytes, table_bytes);
     if (crc32c(table, crc32c(std::span(head_).first<header_crc_offset>())) != header_.crc)
@@ -142,7 +142,7 @@ Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& r
     for (const SectionEntry& entry : entries)
         if (entry.required() && !is_known_section(entry.name()))
             return {ErrorCode::unsupported, name() + ": the file needs section \"" + entry.name() +
-                                                "\", which this version does not have"};
+                                                "\", which this version does not support"};
     rule = ContainerRule::section_table;
     for (const auto& problem :
          {table_problem(entries, header_), needed_section_problem(entries, header_)})
@@ -152,14 +152,14 @@ Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& r
     rule = ContainerRule::readable;
     const std::uint64_t index_end = header_.head_size + entries[entries.size() - 2].length;
     if (source_->size() < index_end)
-        return invalid("of " + std::to_string(header_.file_size) + " bytes the first " +
-                       std::to_string(source_->size()) +
-                       " are here; the index, which a part of a file needs, ends at " +
+        return invalid("only the first " + std::to_string(source_->size()) + " of " +
+                       std::to_string(header_.file_size) +
+                       " bytes are there; a partial file needs the index, which ends at offset " +
                        std::to_string(index_end));
     if (header_.head_size > options.most_head_bytes)
         return {ErrorCode::over_budget,
                 name() + ": the " + std::to_string(header_.head_size) +
-                    " bytes before the index have to be held in memory, only " +
+                    " bytes before the index must be held in memory, but only " +
                     std::to_string(options.most_head_bytes) + " are allowed"};
     if (const std::size_t have = head_.size(); have < header_.head_size) {
         head_.resize(header_.head_size);
@@ -184,7 +184,7 @@ Status OpenContainer::load_levels() {
     const std::span<const std::byte> bytes = section_bytes("LEVL");
     if (bytes.size() != header_.level_count * level_entry_bytes)
         return invalid("section LEVL has " + std::to_string(bytes.size()) + " bytes for " +
-                       std::to_string(header_.level_count) + " level");
+                       std::to_string(header_.level_count) + " levels");
     TESSERA_TRY_ASSIGN(const std::vector<LevelEntry> entries,
                        read_levels(bytes).with_context(name()));
     if (entries.front().size != aligned_views().grid_size())

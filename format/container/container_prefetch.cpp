@@ -1,4 +1,5 @@
-// Brings what many tiles need with two requests: their index records, then their pages.
+// Brings what many tiles need into the caches with two requests: one for their index records, one
+// for their pages.
 #include "format/container/open_container.h"
 
 #include <algorithm>
@@ -10,8 +11,9 @@ namespace tessera {
 
 namespace {
 
-// Three windows of tiles fit the cache: one that is decoded, the next one, which is on its way, and the
-// one before, which was used later than the next one came and so outlives it.
+// The cache holds three windows of tiles: the one that is being decoded, the next one, which is
+// being loaded, and the one before. The cache keeps what was used last, and the one before was used
+// after the next one arrived.
 constexpr std::uint64_t window_bytes = cached_page_bytes / 3;
 constexpr std::size_t window_groups = cached_groups / 4;
 
@@ -28,7 +30,7 @@ Status OpenContainer::bring_groups(std::span<const std::uint32_t> groups) const 
     for (const std::uint32_t group : groups) {
         const IndexRange range = index_range(group);
         if (range.length > max_index_record_bytes(group_key(group)))
-            continue; // group() says so
+            continue; // group() will report the error
         if (is_at_hand(range.offset, range.length))
             continue;
         auto claim = caches_->groups.claim(group);
@@ -44,7 +46,7 @@ Status OpenContainer::bring_groups(std::span<const std::uint32_t> groups) const 
     for (Record& record : records) {
         ContainerRule rule{};
         Result<GroupIndex> index = parse_group(record.group, record.bytes, rule);
-        if (index) // else group() reads it again and says what is wrong
+        if (index) // if not, group() will read it again and report the error
             record.claim.fulfil(std::move(*index));
     }
     return {};
@@ -61,7 +63,7 @@ Result<std::uint32_t> OpenContainer::prefetch_groups(std::uint32_t first) const 
 }
 
 Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles) const {
-    // The leading tiles whose index records may come along.
+    // Find the leading tiles whose index records fit the window.
     std::set<std::uint32_t> groups;
     std::size_t known = 0;
     for (; known < tiles.size(); ++known) {
@@ -74,7 +76,7 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
     }
     TESSERA_TRY(bring_groups(std::vector(groups.begin(), groups.end())));
 
-    struct Run { // one page, or all pages of a tile that has several
+    struct Run { // one page, or all pages of a tile that spans several
         ClaimCache<std::vector<std::byte>>::Claim claim;
         Place place;
         GroupIndex::PageRange pages;
@@ -88,7 +90,7 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
     for (; covered < known; ++covered) {
         Result<Place> place = place_of(tiles[covered]);
         if (!place)
-            continue; // a damaged record: load_tile() says so
+            continue; // a damaged record, which load_tile() will report
         const GroupIndex::PageRange pages = place->index->pages_of(place->begin, place->end);
         if (pages.begin == pages.end)
             continue;
@@ -100,8 +102,9 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
         if (total + length > window_bytes && covered > 0)
             break;
         counted.insert(offset);
+        // In a partial file the pages may lie beyond the end of the source.
         if (is_at_hand(offset, length) || offset + length > source_->size())
-            continue; // the latter in a partial file
+            continue;
         total += length;
         auto claim = caches_->pages.claim(offset);
         if (!claim)
@@ -113,8 +116,9 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
     if (requests.empty())
         return covered;
     TESSERA_TRY(source_->read_many(requests));
+    // load_tile() will report pages that are damaged.
     for (Run& run : runs)
-        if (check_pages(run.place, run.pages, run.bytes)) // else load_tile() says what is wrong
+        if (check_pages(run.place, run.pages, run.bytes))
             run.claim.fulfil(std::move(run.bytes));
     return covered;
 }

@@ -63,7 +63,7 @@ Result<GroupIndex> OpenContainer::parse_group(std::uint32_t group, std::span<con
 Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t group) const {
     if (group >= group_count())
         return Status(ErrorCode::bad_argument, name() + ": there is no tile group " +
-                                                   std::to_string(group) + ", only " +
+                                                   std::to_string(group) + "; there are " +
                                                    std::to_string(group_count()));
     return caches_->groups.get(group, [&] {
         ContainerRule rule{};
@@ -74,7 +74,7 @@ Result<std::shared_ptr<const GroupIndex>> OpenContainer::group(std::uint32_t gro
 Result<std::vector<std::uint64_t>> OpenContainer::nonempty_tiles(std::uint32_t group) const {
     TESSERA_TRY_ASSIGN(const auto index, this->group(group));
     std::vector<std::uint64_t> tiles;
-    if (index->pages.empty()) // which most groups of a sparse texture are
+    if (index->pages.empty()) // as in most groups of a sparse texture
         return tiles;
     const std::uint64_t first = table_.tiles_of(group).first;
     for (std::size_t i = 0; i + 1 < index->starts.size(); ++i)
@@ -85,7 +85,7 @@ Result<std::vector<std::uint64_t>> OpenContainer::nonempty_tiles(std::uint32_t g
 
 Status OpenContainer::no_such_tile(std::uint64_t tile) const {
     return {ErrorCode::bad_argument, name() + ": there is no tile " + std::to_string(tile) +
-                                         ", only " + std::to_string(tile_count())};
+                                         "; there are " + std::to_string(tile_count())};
 }
 
 Result<OpenContainer::Place> OpenContainer::place_of(std::uint64_t tile) const {
@@ -161,7 +161,7 @@ Result<TileBytes> OpenContainer::load_tile(std::uint64_t tile) const {
                                           static_cast<std::size_t>(place.end - place.begin))};
 }
 
-// The bytes of `pages`, which follow each other.
+// `bytes` are those of `pages`, which are consecutive.
 Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRange& pages,
                                   std::span<const std::byte> bytes) const {
     for (std::size_t number = pages.begin; number < pages.end; ++number) {
@@ -172,7 +172,8 @@ Status OpenContainer::check_pages(const Place& place, const GroupIndex::PageRang
     return {};
 }
 
-// A tile of several pages shares none of them: one read brings all, and they are kept as one.
+// A tile that spans several pages shares none of them with other tiles. One read brings all of its
+// pages, and the cache keeps them as one entry.
 Result<TileBytes> OpenContainer::load_large_tile(const Place& place,
                                                  const GroupIndex::PageRange& pages) const {
     TESSERA_TRY_ASSIGN(
@@ -187,7 +188,7 @@ Result<TileBytes> OpenContainer::load_large_tile(const Place& place,
 
 Result<TileSummary> OpenContainer::summarise_tiles() const {
     TileSummary sum;
-    std::uint32_t brought = 0; // groups
+    std::uint32_t brought = 0; // number of groups whose records are prefetched
     for (std::uint32_t g = 0; g < group_count(); ++g) {
         if (g == brought) {
             TESSERA_TRY_ASSIGN(brought, prefetch_groups(g));

@@ -15,7 +15,7 @@ Finding finding(ContainerRule rule, bool fatal, std::string text) {
     return {.number = static_cast<int>(rule), .fatal = fatal, .text = std::move(text)};
 }
 
-// "tiles 3..4; tile 3 is texels 0:4,..., tile 4 is texels 4:8,..."
+// For example "tiles 3..4; tile 3 is texels 0:4,..., tile 4 is texels 4:8,...".
 std::string describe_tiles(const LevelTable& table, bool aligned, std::uint64_t first,
                            std::uint64_t count) {
     std::string text = "tiles " + std::to_string(first) + ".." + std::to_string(first + count - 1);
@@ -61,7 +61,8 @@ void OpenContainer::note_curiosities(std::vector<Finding>& out) const {
     if (mesh != !section_bytes("prxy").empty())
         out.push_back(finding(ContainerRule::proxy_section, false,
                               name() + (mesh ? ": the proxy is a mesh, but section prxy is missing"
-                                             : ": section prxy without a mesh as proxy")));
+                                             : ": there is a section prxy, but the proxy is not a "
+                                               "mesh")));
     else if (mesh)
         check_mesh_section(section_bytes("prxy"), name(), out);
     note_unknown_values(header_.description, name(), out);
@@ -80,7 +81,7 @@ void OpenContainer::validate_group(std::uint32_t group, std::vector<Finding>& ou
     const auto add = [&](ContainerRule rule, const Status& status, std::uint64_t first,
                          std::uint64_t count) {
         Finding result = finding(rule, true,
-                                 status.message() + "; lost are " +
+                                 status.message() + "; this loses " +
                                      describe_tiles(table_, header_.alignment.any(), first, count));
         result.first_tile = first;
         result.tile_count = count;

@@ -15,8 +15,8 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t output_chunk_bytes = 1u << 20;
-// Two pages that follow each other are together longer than one may be, so that pages of 1 KiB cost
-// less than 1 % but where a group has fewer bytes.
+// Two consecutive pages together are longer than one page may be. Checksums of pages of 1 KiB thus
+// cost less than 1 %, except in groups with fewer bytes.
 constexpr std::uint32_t largest_chosen_page = 1024;
 
 Status bad(const std::string& text) {
@@ -26,7 +26,7 @@ Status too_large(const std::string& text) {
     return {ErrorCode::unsupported, text};
 }
 
-// Joins small pieces, so that a file is not written tile by tile.
+// Joins small pieces, so that the file is not written tile by tile.
 class ChunkedSink {
 public:
     explicit ChunkedSink(ByteSink& sink) : sink_(sink) {}
@@ -50,7 +50,7 @@ struct Section {
     std::span<const std::byte> bytes;
 };
 
-// The parts of a file in the making. Its steps must run in the order of their declaration.
+// Builds the parts of a file. The steps must be called in the order of their declaration.
 class Builder {
 public:
     explicit Builder(const ContainerContents& contents) : contents_(contents) {}
@@ -63,13 +63,14 @@ public:
     Status write(ByteSink& sink) const;
 
 private:
-    // Calls visit(tile) -> Status in the order of the tiles' bytes, up to the first error.
+    // Calls visit(tile), which returns a Status, in the order of the tiles' bytes. Stops at an
+    // error.
     template <class Visit> Status for_each_tile(Visit visit) const;
     Status choose_pages();
     Status check_sections() const;
     Result<std::uint64_t> tile_length(std::uint64_t tile) const;
     Result<std::vector<std::uint32_t>> tile_lengths(std::uint32_t group) const;
-    // Replaces page lengths by the pages' checksums.
+    // Replaces the lengths of pages by their checksums.
     Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
     Status make_level_table();
     void build_root(std::uint64_t data_offset);
@@ -84,7 +85,7 @@ private:
         std::uint64_t data;  // bytes from the start of DATA
         std::uint32_t index; // bytes from the start of INDX
     };
-    std::vector<GroupStart> groups_; // and one for the ends
+    std::vector<GroupStart> groups_; // one per group, and a last one for the ends
     std::vector<std::byte> metadata_, levels_, root_, index_;
 };
 
@@ -101,9 +102,9 @@ Status Builder::check() {
     const ContainerContents& c = contents_;
     if (const std::uint32_t page = c.page_bytes.value_or(0);
         page % page_unit != 0 || page > max_page_bytes)
-        return bad("a page of " + std::to_string(page) +
-                   " bytes; a multiple of 16 up to 65536 is needed");
-    header_.section_count = min_sections; // the true number follows in build_head
+        return bad("pages of " + std::to_string(page) +
+                   " bytes; the size must be a multiple of 16 up to 65536");
+    header_.section_count = min_sections; // build_head() sets the true number
     header_.required_features = c.required_features |
                                 (c.coarse_levels.empty() ? 0 : feature_levels) |
                                 (c.alignment.any() ? feature_aligned : 0);
@@ -148,7 +149,7 @@ Status Builder::make_level_table() {
     return {};
 }
 
-// Small pages keep damage small.
+// Small pages are better, because damage to a byte loses a whole page.
 Status Builder::choose_pages() {
     std::uint32_t page = contents_.page_bytes.value_or(0);
     for (bool fits = contents_.page_bytes.has_value(); !fits;) {
@@ -168,13 +169,13 @@ Status Builder::choose_pages() {
 
 Status Builder::check_sections() const {
     if (!contents_.proxy_mesh.empty() && contents_.description.proxy != Proxy::mesh)
-        return bad("a proxy mesh for a texture whose proxy is not a mesh");
+        return bad("there is a proxy mesh, but the proxy is not a mesh");
     for (const ExtraSection& extra : contents_.extra) {
         if (!is_section_type(extra.type) || is_known_section(extra.type))
             return bad("section type \"" + extra.type + "\" is taken or not four ASCII letters");
         const auto same = [&](const ExtraSection& other) { return other.type == extra.type; };
         if (std::ranges::count_if(contents_.extra, same) > 1)
-            return bad("section \"" + extra.type + "\" stands twice");
+            return bad("section \"" + extra.type + "\" appears twice");
     }
     return {};
 }
@@ -196,7 +197,8 @@ Result<std::vector<std::uint32_t>> Builder::tile_lengths(std::uint32_t group) co
     return lengths;
 }
 
-// Equal contents give equal files, different ones almost surely different identities.
+// The identity depends only on the contents: equal contents give equal files, and different
+// contents almost certainly get different identities.
 Status Builder::choose_identity() {
     std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
     std::uint32_t bytes = 0;
@@ -213,7 +215,7 @@ Status Builder::choose_identity() {
 }
 
 Status Builder::sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const {
-    std::span<const std::byte> data; // what is left of the tile at hand
+    std::span<const std::byte> data; // the rest of the current tile
     std::uint64_t tile = table_.tiles_of(group).first;
     for (std::size_t page = 0; page < pages.size(); ++page) {
         std::uint32_t crc = page_crc(header_.identity, group, static_cast<std::uint32_t>(page), {});
@@ -238,7 +240,7 @@ Status Builder::build_index(bool with_checksums) {
         TESSERA_TRY_ASSIGN(const std::vector<std::uint32_t> lengths, tile_lengths(group));
         data_bytes_ = std::accumulate(lengths.begin(), lengths.end(), data_bytes_);
         std::vector<std::uint32_t> pages = split_into_pages(lengths, header_.page_bytes());
-        // For the size of a record any numbers do in place of the checksums.
+        // The size of a record does not depend on the values of the checksums.
         if (with_checksums)
             TESSERA_TRY(sum_pages(group, pages));
         append_bytes(index_, write_index_record(header_.identity, group, lengths, pages));

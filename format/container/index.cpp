@@ -15,8 +15,8 @@ namespace tessera {
 
 namespace {
 
-constexpr unsigned rice_bits = 5;    // of k
-constexpr unsigned escape_ones = 24; // so many 1 bits announce 32 plain bits
+constexpr unsigned rice_bits = 5;    // number of bits of the parameter k
+constexpr unsigned escape_ones = 24; // this many 1 bits announce a value of 32 plain bits
 
 unsigned rice_cost(std::uint32_t value, unsigned k) {
     const std::uint32_t q = value >> k;
@@ -67,7 +67,7 @@ void write_lengths(BitWriter& out, std::span<const std::uint32_t> lengths) {
             write_rice(out, length - 1, k);
 }
 
-// Stops early where the lengths exceed `limit` bytes in sum or one of them `longest`, and says so.
+// Fails if the sum of the lengths exceeds `limit` bytes, or one of them `longest`.
 Status read_lengths(BitReader& in, std::span<std::uint32_t> lengths, std::uint64_t limit,
                     std::uint64_t longest) {
     const unsigned k = in.bits(rice_bits);
@@ -83,7 +83,7 @@ Status read_lengths(BitReader& in, std::span<std::uint32_t> lengths, std::uint64
         if (value + 1 > longest)
             return invalid("tile " + std::to_string(&length - lengths.data()) +
                            " of the group claims " + std::to_string(value + 1) +
-                           " bytes; at most " + std::to_string(longest) + " can belong to a tile");
+                           " bytes; a tile has at most " + std::to_string(longest));
         length = static_cast<std::uint32_t>(value + 1);
         limit -= length;
     }
@@ -191,7 +191,7 @@ Result<GroupIndex> read_index_record(std::span<const std::byte> record, const Gr
     std::vector<std::uint32_t> lengths(key.tiles);
     TESSERA_TRY(read_lengths(reader, lengths, key.data_end - key.data_begin, key.longest));
     if (!reader.align() || reader.overrun())
-        return invalid("its tile lengths are cut off or not filled up with zero bits");
+        return invalid("its tile lengths are cut off or not padded with zero bits");
 
     GroupIndex index;
     index.starts.reserve(lengths.size() + 1);

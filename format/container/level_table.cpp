@@ -11,7 +11,8 @@ Status bad_level(std::size_t number, const std::string& what) {
     return {ErrorCode::invalid_file, "section LEVL: level " + std::to_string(number) + " " + what};
 }
 
-// Levels grow coarser, so that a prefix of the file never holds a level without the coarser ones.
+// Each level must be coarser than the one before, because the file stores the last level first: a
+// beginning of the file then never holds a level without all coarser ones.
 Status check_entry(std::span<const LevelEntry> entries, std::size_t number) {
     const LevelEntry& entry = entries[number];
     if (entry.spatial_lod > max_lod || entry.angular_lod > max_lod)
@@ -128,7 +129,7 @@ Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section) 
         entry.step_shift = load_le<std::uint8_t>(section.data() + 19);
         if (section[18] != std::byte{0})
             return bad_level(entries.size(),
-                             "is a quality layer, which this version does not have");
+                             "is a quality layer, which this version does not support");
         if (load_le<std::uint32_t>(section.data() + 20) != 0)
             return bad_level(entries.size(), "has a reserved field that is not 0");
         entries.push_back(entry);

@@ -1,5 +1,4 @@
-// The levels of a file: the texture itself, coarser copies of it, and how their tiles are numbered,
-// grouped and ordered (FORMAT.md 1.4, sections LEVL).
+// The levels of a file, and how their tiles are numbered, grouped and ordered (FORMAT.md 1.4).
 #pragma once
 
 #include "format/levels.h"
@@ -12,30 +11,30 @@
 
 namespace tessera {
 
-// Tiles of one group: [first, first + count).
+// The tiles of a group: first .. first + count - 1.
 struct GroupTiles {
     std::uint64_t first = 0;
     std::uint32_t count = 0;
 };
 
-// A value type; everything is pure and thread-safe.
+// A value type; all members are pure and thread-safe.
 class LevelTable {
 public:
     LevelTable() = default;
-    // Entry 0 is the texture. Precondition: its size is accepted by check_desc, the tile extents by
-    // check_fields. Errors: invalid_file, naming the entry and its field.
+    // Entry 0 is the texture. Preconditions: check_desc() accepts its size, and check_fields() the
+    // tile extents. Errors: invalid_file, which names the entry and its field.
     static Result<LevelTable> make(std::span<const LevelEntry> entries, const Extent4& tile_extent);
 
     std::span<const Level> levels() const { return levels_; }
     std::uint64_t tile_count() const { return tile_count_; } // of all levels, at most 2^32 - 1
     std::uint32_t group_count() const { return group_count_; }
 
-    // Preconditions: there is such a tile, there is such a group.
+    // Preconditions of these members: tile < tile_count(), group < group_count().
     std::size_t level_number_of(std::uint64_t tile) const; // 0 is the texture
     const Level& level_of(std::uint64_t tile) const { return levels_[level_number_of(tile)]; }
     std::uint32_t group_of(std::uint64_t tile) const;
     GroupTiles tiles_of(std::uint32_t group) const;
-    // The texels of a tile, in its own level.
+    // The texels of a tile, as a box in the grid of its level.
     Box4 box(std::uint64_t tile) const;
 
 private:
@@ -44,7 +43,7 @@ private:
     std::uint32_t group_count_ = 0;
 };
 
-// Section LEVL. Errors: invalid_file, without the file's name.
+// Write and read section LEVL. Errors: invalid_file, without the file's name.
 std::vector<std::byte> write_levels(std::span<const LevelEntry> entries);
 Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section);
 

@@ -14,20 +14,20 @@ namespace tessera {
 
 namespace {
 
-// Limits of FORMAT.md 1.3.
+// The limits of FORMAT.md 1.3.
 constexpr std::size_t max_entries = 65536;
 constexpr std::size_t max_key_bytes = 255;
 constexpr std::size_t max_value_bytes = 1u << 20;
 constexpr std::size_t max_text_bytes = 1u << 24;
 constexpr std::size_t packing_header_bytes = 5;
-constexpr std::size_t entry_lengths_bytes = 6; // of the key and of the value
+constexpr std::size_t entry_lengths_bytes = 6; // lengths of the key and the value
 [[maybe_unused]] constexpr int zstd_level = 9;
 // A Zstandard block is at least 4 bytes and yields at most 128 KiB.
 constexpr std::uint64_t max_zstd_ratio = 32768;
 
 enum Packing : std::uint8_t { packing_stored = 0, packing_zstd = 1 };
 
-// Length of the UTF-8 sequence (without NUL) at the start of `text`; 0 if it is not one.
+// Length of the UTF-8 sequence at the start of `text`; 0 if it is invalid or NUL.
 std::size_t sequence_length(std::string_view text) {
     const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     const unsigned lead = byte(0);
@@ -39,7 +39,7 @@ std::size_t sequence_length(std::string_view text) {
     for (std::size_t i = 1; i < length; ++i)
         if ((byte(i) & 0xC0) != 0x80)
             return 0;
-    // Overlong forms, surrogates, beyond U+10FFFF.
+    // Refuse overlong forms, surrogates, and code points beyond U+10FFFF.
     const unsigned second = byte(1);
     if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
         (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F))
@@ -57,7 +57,7 @@ bool is_text(std::string_view text) {
     return true;
 }
 
-// Why an entry is not allowed, or "".
+// The reason why an entry is not allowed, or "".
 std::string entry_problem(const std::string& key, std::size_t value_bytes) {
     if (key.empty() || key.size() > max_key_bytes)
         return "a metadata key has " + std::to_string(key.size()) + " bytes, outside 1..255";
@@ -81,7 +81,8 @@ Result<Metadata> parse_text(std::span<const std::byte> text) {
     ByteReader reader(text);
     std::uint32_t count = 0;
     if (!reader.take(count) || count > max_entries)
-        return invalid("metadata claims " + std::to_string(count) + " entries, at most 65536 fit");
+        return invalid("metadata claims " + std::to_string(count) +
+                       " entries; at most 65536 are allowed");
     Metadata metadata;
     for (std::uint32_t i = 0; i < count; ++i) {
         std::uint16_t key_bytes = 0;
@@ -103,11 +104,11 @@ Result<Metadata> parse_text(std::span<const std::byte> text) {
         metadata.emplace_hint(metadata.end(), key, std::move(value));
     }
     if (reader.remaining() > 0)
-        return invalid("metadata goes on after its last entry");
+        return invalid("metadata continues after its last entry");
     return metadata;
 }
 
-// Nothing where it cannot be packed.
+// Empty if the text cannot be packed.
 std::vector<std::byte> pack_zstd([[maybe_unused]] std::span<const std::byte> text) {
     std::vector<std::byte> packed;
 #ifndef TESSERA_WITHOUT_ZSTD
@@ -124,8 +125,9 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
         return invalid("metadata claims " + std::to_string(size) + " bytes in " +
                        std::to_string(packed.size()) + ", more than Zstandard can hold");
 #ifdef TESSERA_WITHOUT_ZSTD
-    // A build for browsers: texels do not need metadata, so files open without what is packed.
-    return std::vector<std::byte>(sizeof(std::uint32_t)); // no entries
+    // The build for browsers has no Zstandard. Texels do not need metadata, so the file opens with
+    // none.
+    return std::vector<std::byte>(sizeof(std::uint32_t)); // a count of 0 entries
 #else
     if (ZSTD_findFrameCompressedSize(packed.data(), packed.size()) != packed.size())
         return invalid("metadata is not one Zstandard frame");
@@ -136,7 +138,7 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
 #endif
 }
 
-// In lower case.
+// The letters and digits of `text` in lower case.
 std::string letters_and_digits(std::string_view text) {
     std::string out;
     for (const char c : text)

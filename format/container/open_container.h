@@ -1,8 +1,8 @@
-// An open container: what ContainerReader shows, and how it is found, loaded and checked.
-//   container_open.cpp      header, sections, levels, root
-//   container_tiles.cpp     index records, pages, tiles
-//   container_prefetch.cpp  many of them with two requests
-//   container_validate.cpp  all of them
+// The implementation of ContainerReader. It is spread over four files:
+//   container_open.cpp      reads and checks the header, the sections, the levels and the root
+//   container_tiles.cpp     reads and checks index records, pages and tiles
+//   container_prefetch.cpp  loads many index records and pages with two requests
+//   container_validate.cpp  checks everything in the file
 #pragma once
 
 #include "format/container/index.h"
@@ -17,6 +17,7 @@ namespace tessera {
 constexpr std::uint64_t cached_groups = 1024;
 constexpr std::uint64_t cached_page_bytes = std::uint64_t{16} << 20;
 
+// What an open container keeps in memory besides its head.
 struct ContainerCaches {
     using Bytes = std::vector<std::byte>;
     ClaimCache<GroupIndex> groups{cached_groups,
@@ -28,7 +29,8 @@ struct ContainerCaches {
 
 class OpenContainer {
 public:
-    // Does the work of open(); `rule` is the rule being checked when an error is returned.
+    // Does the work of ContainerReader::open(). After an error, `rule` is the rule that was being
+    // checked.
     Status load(ByteSource& source, const OpenOptions& options, ContainerRule& rule);
 
     const FileHeader& header() const { return header_; }
@@ -41,7 +43,7 @@ public:
     std::span<const SectionInfo> sections() const { return sections_; }
     std::string name() const { return source_->name(); }
 
-    // As ContainerReader says.
+    // These members are documented in ContainerReader.
     std::span<const std::byte> section_bytes(const std::string& type) const;
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
     Result<TileSummary> summarise_tiles() const;
@@ -55,7 +57,8 @@ public:
     std::vector<Finding> validate(const ContainerReader::Progress& progress) const;
 
 private:
-    // Precondition: groups that exist, each once, at most window_groups * 2.
+    // Loads the index records of groups that are not cached, with one request. Preconditions: the
+    // groups exist and are distinct, and the cache can hold them all.
     Status bring_groups(std::span<const std::uint32_t> groups) const;
     Status load_header(const OpenOptions& options, ContainerRule& rule);
     Status load_sections(const OpenOptions& options, ContainerRule& rule);
@@ -66,7 +69,7 @@ private:
     Status invalid(const std::string& text) const;
 
     struct RootEntry {
-        std::uint64_t data, index; // bytes, absolute
+        std::uint64_t data, index; // bytes from the start of the file
     };
     RootEntry root(std::uint32_t group) const;
     GroupKey group_key(std::uint32_t group) const;
@@ -79,7 +82,8 @@ private:
                                    ContainerRule& rule) const;
     Status no_such_tile(std::uint64_t tile) const;
 
-    // A tile's bytes [begin, end) and the index that says so.
+    // Where a tile's bytes are: [begin, end) of the file, according to the index record of its
+    // group.
     struct Place {
         std::shared_ptr<const GroupIndex> index;
         std::uint32_t group = 0;
@@ -95,18 +99,18 @@ private:
     Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
 
     void note_curiosities(std::vector<Finding>& out) const;
-    // Adds to `missing` the tiles that have not been received.
+    // Adds the number of tiles that have not been received to `missing`.
     void validate_group(std::uint32_t group, std::vector<Finding>& out,
                         std::uint64_t& missing) const;
 
     ByteSource* source_ = nullptr;
     FileHeader header_;
-    // From the stored bytes of the first reads where they are there, else from the source.
+    // Copies the bytes from head_ if it has them, or else reads them from the source.
     Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
     bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
         return offset <= head_.size() && length <= head_.size() - offset;
     }
-    std::vector<std::byte> head_; // the file up to INDX, or what the first read brought beyond
+    std::vector<std::byte> head_; // the file up to INDX, or more if the first read brought more
     std::vector<SectionInfo> sections_;
     Metadata metadata_;
     LevelTable table_;
@@ -114,7 +118,7 @@ private:
     std::unique_ptr<ContainerCaches> caches_;
 };
 
-// ", at offset 17": where in the file a message is about.
+// For messages: " at offset 17".
 std::string at_offset(std::uint64_t offset);
 
 } // namespace tessera

@@ -12,7 +12,7 @@ namespace tessera {
 
 namespace {
 
-// Takes or puts the fields one after the other; FORMAT.md 1.1 gives the order.
+// These two read and write fields one after the other. walk_header() gives their order.
 class FieldReader {
 public:
     explicit FieldReader(const std::byte* at) : at_(at) {}
@@ -37,8 +37,8 @@ private:
     std::byte* at_;
 };
 
-// One list of fields for both directions, so that they cannot disagree. `Fields` is FieldReader
-// with a mutable header or FieldWriter with a const one.
+// One list of the fields of FORMAT.md 1.1 serves both directions, so that they cannot disagree.
+// `Fields` is FieldReader with a mutable header, or FieldWriter with a const header.
 template <class Fields, class Header> void walk_header(Fields& fields, Header& h) {
     const auto byte_enum = [&](auto& value) {
         auto raw = static_cast<std::uint8_t>(value);
@@ -105,14 +105,13 @@ Status check_range(const char* field, std::uint64_t value, std::uint64_t low, st
 
 Status check_alignment(const FileHeader& h) {
     if (h.alignment.any() != ((h.required_features & feature_aligned) != 0))
-        return invalid(
-            "header fields align_u and align_v do not go with the feature of aligned views");
+        return invalid("header fields align_u and align_v contradict the feature of aligned views");
     if (!h.alignment.any())
         return {};
     if (h.level_count > 1 || h.description.proxy != Proxy::none)
         return invalid(
-            "header fields align_u and align_v: neither coarse levels nor a proxy go with "
-            "aligned views");
+            "header fields align_u and align_v: aligned views allow neither coarse levels nor a "
+            "proxy");
     TextureDesc grid = h.desc;
     grid.size = AlignedViews(h.desc.size, h.alignment).grid_size();
     const Status status = check_desc(grid);
@@ -197,7 +196,8 @@ Status check_features(const FileHeader& header) {
     const auto bit = static_cast<unsigned>(std::countr_zero(unknown));
     return {ErrorCode::unsupported, "the file needs feature \"" + feature_name(bit) + "\" (bit " +
                                         std::to_string(bit) +
-                                        " of required_features), which this version does not have"};
+                                        " of required_features), which this version does not "
+                                        "support"};
 }
 
 Status check_fields(const FileHeader& h) {

@@ -1,4 +1,4 @@
-// The fixed numbers and records of FORMAT.md part 1, shared by reader and writer.
+// The fixed numbers and records of FORMAT.md part 1, which the reader and the writer share.
 #pragma once
 
 #include "format/levels.h"
@@ -21,7 +21,7 @@ namespace tessera {
 inline constexpr std::array<unsigned char, 12> file_identifier = {
     0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1A, '\n'};
 
-// Sizes of records and limits, in bytes where not said otherwise.
+// Sizes of records, in bytes, and limits.
 inline constexpr std::size_t header_bytes = 128;
 inline constexpr std::size_t header_crc_offset = 124;
 inline constexpr std::size_t section_entry_bytes = 24;
@@ -32,14 +32,15 @@ inline constexpr std::uint32_t max_head_bytes = 1u << 28;
 inline constexpr unsigned max_levels = 64;
 inline constexpr std::uint64_t max_tiles = 0xFFFFFFFFu;
 inline constexpr std::uint32_t tiles_per_group = 256;
-inline constexpr std::uint32_t page_unit = 16;         // page_target counts these
+inline constexpr std::uint32_t page_unit = 16;         // bytes; page_target counts these
 inline constexpr std::uint32_t max_page_bytes = 65536; // longer tiles are cut into such pages
-inline constexpr std::uint32_t max_page_target = 4096; // page units; 0: a page a tile
+inline constexpr std::uint32_t max_page_target = 4096; // in page units
 
-// "corrections", "bit 17": for messages and listings.
+// For messages and listings: the name of a required feature, such as "corrections", or "bit 17".
 std::string feature_name(unsigned bit);
 
-// The header's fields. Those that check_fields has accepted are within the ranges of 1.1.
+// The fields of the header. If check_fields() accepts them, they are within the ranges of FORMAT.md
+// 1.1.
 struct FileHeader {
     std::uint16_t version_major = format_version_major;
     std::uint16_t version_minor = format_version_minor;
@@ -55,38 +56,38 @@ struct FileHeader {
     Description description;
     std::uint8_t level_count = 1;
     ViewAlignment alignment;
-    std::array<std::uint16_t, 4> background{}; // samples (half bits for half16), channel order
+    std::array<std::uint16_t, 4> background{}; // a sample per channel, a half as its bits
     std::uint64_t identity = 0;
     std::uint32_t reserved = 0;
     std::uint32_t crc = 0;
 
     std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }
-    // The most that a tile can take; at most 4.4 MB.
+    // The largest length of a tile; at most 25.4 MB.
     std::uint64_t max_tile_bytes() const {
         return (1u << 18) + 16 * desc.channels * texel_count(tile_extent);
     }
 };
 
-// An error invalid_file; the caller adds the file's name.
+// An error of code invalid_file, to which the caller adds the file's name.
 inline Status invalid(const std::string& text) {
     return {ErrorCode::invalid_file, text};
 }
 
-// Fields <-> the 128 bytes; neither checks anything.
+// Convert between the fields and the bytes of the header. Neither function checks anything.
 FileHeader load_header(std::span<const std::byte, header_bytes> bytes);
 std::array<std::byte, header_bytes> store_header(const FileHeader& header);
 
-// unsupported: a required feature that this version does not know, by name.
+// Errors: unsupported, which names the first required feature that this version does not know.
 Status check_features(const FileHeader& header);
-// invalid_file: the first field outside its range in 1.1, by name. Does not look at the version, the
-// features, file_size, identity or crc.
+// Errors: invalid_file, which names the first field that is outside its range in FORMAT.md 1.1.
+// Does not check the version, the features, file_size, identity or crc.
 Status check_fields(const FileHeader& header);
 
-// One entry of the section table.
+// An entry of the section table.
 struct SectionEntry {
     std::array<char, 4> type{};
     std::uint32_t crc = 0;
-    std::uint64_t offset = 0, length = 0; // bytes, absolute
+    std::uint64_t offset = 0, length = 0; // bytes, the offset from the start of the file
 
     std::string name() const { return std::string(type.data(), type.size()); }
     bool required() const { return type[0] >= 'A' && type[0] <= 'Z'; }
@@ -96,14 +97,14 @@ SectionEntry load_section(std::span<const std::byte, section_entry_bytes> bytes)
 std::array<std::byte, section_entry_bytes> store_section(const SectionEntry& entry);
 // Whether `type` is four ASCII letters.
 bool is_section_type(const std::string& type);
-// Whether this version knows what the section holds.
+// Whether FORMAT.md defines what the section holds.
 bool is_known_section(const std::string& type);
 
-// The limits of 1.3. Errors: bad_argument, naming the key and the limit.
+// Checks the limits of FORMAT.md 1.3. Errors: bad_argument, which names the key and the limit.
 Status check_metadata(const Metadata& metadata);
-// Body of section `meta` (1.3). Errors: those of check_metadata.
+// Packs metadata into the content of section `meta`. Errors: those of check_metadata().
 Result<std::vector<std::byte>> pack_metadata(const Metadata& metadata);
-// Errors: invalid_file, without the file's name.
+// The inverse. Errors: invalid_file, without the file's name.
 Result<Metadata> unpack_metadata(std::span<const std::byte> section);
 
 } // namespace tessera

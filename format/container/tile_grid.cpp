@@ -36,7 +36,8 @@ Box4 TileGrid::box(const Extent4& coordinates) const {
 Box4 TileGrid::touched(const Box4& texels) const {
     Box4 result;
     for (std::size_t axis = 0; axis < 4; ++axis) {
-        // The tile of texel x is the largest i with floor(i d / n) <= x, that is i d < (x + 1) n.
+        // Texel x lies in the tile with the largest i for which floor(i d / n) <= x, that is, for
+        // which i d < (x + 1) n.
         const std::uint64_t d = size_[axis], n = count_[axis];
         const auto tile_of = [d, n](std::uint64_t x) {
             return static_cast<std::uint32_t>(((x + 1) * n - 1) / d);

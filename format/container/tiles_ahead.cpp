@@ -25,7 +25,7 @@ void TilesAhead::start() {
     next_ = std::async(std::launch::async, [this, begin = ready_end_]() -> Result<std::size_t> {
         try {
             return container_.prefetch(std::span(tiles_).subspan(begin));
-        } catch (const std::exception& e) { // bad_alloc above all
+        } catch (const std::exception& e) { // mostly bad_alloc
             return Status(ErrorCode::runtime, e.what());
         }
     });

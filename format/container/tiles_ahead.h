@@ -1,5 +1,4 @@
-// Brings the bytes of coming tiles from a source where requests are dear, while those before them are
-// used.
+// Loads the bytes of the next tiles from a slow source while the caller uses the tiles before them.
 #pragma once
 
 #include "format/container_reader.h"
@@ -11,19 +10,21 @@
 
 namespace tessera {
 
-// Walks a list of tiles in windows, each brought by two requests at most (ContainerReader::prefetch).
-// Used by one thread; the container must outlive it.
+// Walks a list of tiles in windows. ContainerReader::prefetch() loads a window with at most two
+// requests. Not thread-safe. The container must outlive it.
 class TilesAhead {
 public:
-    // `tiles`: in the order in which they will be loaded.
+    // `tiles` are in the order in which the caller will load them.
     TilesAhead(const ContainerReader& container, std::vector<std::uint64_t> tiles);
-    TilesAhead(const TilesAhead&) = delete; // the window on its way knows where it is
+    // Not copyable, because the task that loads the next window refers to this object.
+    TilesAhead(const TilesAhead&) = delete;
     TilesAhead& operator=(const TilesAhead&) = delete;
 
-    // How many tiles from number `position` of the list on may be loaded now: the window that it
-    // begins, or the rest of one; all that are left where the source asks for no prefetch. Waits for
-    // the window and starts to bring the next one. Errors: those of prefetch(); after one, the rest
-    // is left to load_tile(). Precondition: position < number of tiles, never less than before.
+    // Waits until tiles[position] is loaded and returns how many tiles from there on are loaded, at
+    // least one; then starts to load the next window. If the source does not want prefetching, it
+    // returns the number of all remaining tiles at once. Errors: those of prefetch(). After an
+    // error the remaining tiles are left to load_tile(). Preconditions: position < number of tiles,
+    // and position is not less than in the call before.
     Result<std::size_t> ready(std::size_t position);
 
 private:
@@ -35,7 +36,7 @@ private:
     std::future<Result<std::size_t>> next_; // the window that begins at ready_end_
 };
 
-// All tiles of level 0, so that the position in the list is the tile's number.
+// Walks all tiles of level 0, so that the position in the list is the number of the tile.
 TilesAhead all_tiles_ahead(const ContainerReader& container);
 
 } // namespace tessera

@@ -49,7 +49,7 @@ using u64 = std::uint64_t;
 TEST(Hostile, IdentifierAndVersion) {
     using enum ContainerRule;
     expect_refused(patched(0, u8{0x88}), identifier, "not a Tessera file");
-    expect_refused(patched(8, u8{'\n'}), identifier, "transfer as text");
+    expect_refused(patched(8, u8{'\n'}), identifier, "transfer in text mode");
     expect_refused(patched(12, u16{1}), version, "version 1.3", ErrorCode::unsupported);
     expect_refused(patched(14, u16{4}), version, "version 0.4", ErrorCode::unsupported);
     expect_refused(patched(14, u16{2}), version, "version 0.2", ErrorCode::unsupported);
