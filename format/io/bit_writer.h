@@ -1,4 +1,4 @@
-// Bits into bytes: the first bit is the lowest of the first byte (FORMAT.md 1.4).
+// Writes bits into bytes. The first bit is the lowest bit of the first byte (FORMAT.md 1.4).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,8 @@ namespace tessera {
 // Not thread-safe.
 class BitWriter {
 public:
-    // The `count` (0..32) lowest bits of `value`, lowest first. Higher bits are ignored.
+    // Appends the `count` (0..32) lowest bits of `value`, the lowest one first. Ignores higher
+    // bits.
     void bits(std::uint32_t value, unsigned count) {
         pending_ |= (value & ((std::uint64_t{1} << count) - 1)) << pending_count_;
         pending_count_ += count;
@@ -19,10 +20,10 @@ public:
             flush_byte();
     }
 
-    // `count` (0..32) 1 bits.
+    // Appends `count` (0..32) bits that are 1.
     void ones(unsigned count) { bits(0xFFFFFFFFu, count); }
 
-    // The bytes, the last one filled with zeros. The writer is empty afterwards.
+    // Returns the bytes, the last one padded with zeros. The writer is empty afterwards.
     std::vector<std::byte> take() {
         if (pending_count_ > 0)
             flush_byte();

@@ -84,7 +84,7 @@ Status ByteSource::read_many(std::span<const ReadRequest> requests) {
 }
 
 Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
-    // O_NONBLOCK: opening a pipe must not wait for its writer before it is refused.
+    // O_NONBLOCK makes open() return at once for a pipe without a writer, which is then refused.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
         return sys::system_error(path, "cannot open", errno);
@@ -95,7 +95,7 @@ Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
             descriptor, static_cast<std::uint64_t>(info.st_size), path));
     ::close(descriptor);
     if (failed != 0)
-        return sys::system_error(path, "cannot find its size", failed);
+        return sys::system_error(path, "cannot read its size", failed);
     return Status(ErrorCode::io,
                   path + ": cannot open: it is " +
                       (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file"));
@@ -105,7 +105,7 @@ std::unique_ptr<ByteSource> wrap_memory(std::span<const std::byte> bytes) {
     return std::make_unique<MemoryBytes>(bytes);
 }
 
-// One lock for all counters: they serve tests and reports, and the class stays movable.
+// One lock serves all objects, so that the class stays movable. It need not be fast.
 static std::mutex counting_mutex;
 
 Status CountingByteSource::read(std::uint64_t offset, std::span<std::byte> out) {

@@ -1,4 +1,4 @@
-// Little-endian integers in byte buffers, on any host.
+// Reads and writes little-endian integers in byte buffers, whatever the byte order of the machine.
 #pragma once
 
 #include <bit>
@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// Reads sizeof(T) bytes at `bytes`, which must exist.
+// Precondition: sizeof(T) bytes exist at `bytes`.
 template <std::unsigned_integral T> T load_le(const std::byte* bytes) {
     T value;
     std::memcpy(&value, bytes, sizeof value);
@@ -24,7 +24,7 @@ template <std::unsigned_integral T> T load_le(const std::byte* bytes) {
     return value;
 }
 
-// Writes sizeof(T) bytes at `bytes`, which must exist.
+// Precondition: sizeof(T) bytes exist at `bytes`.
 template <std::unsigned_integral T> void store_le(std::byte* bytes, T value) {
     for (std::size_t i = 0; i < sizeof(T); ++i)
         bytes[i] = static_cast<std::byte>((value >> (8 * i)) & 0xFF);
@@ -39,14 +39,14 @@ inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte>
     out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
-// Walks a buffer from the front; every take() says whether the bytes were there.
+// Walks a buffer from front to back. take() returns false and leaves its argument as it is if the
+// buffer has too few bytes left.
 class ByteReader {
 public:
     explicit ByteReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
     std::size_t remaining() const { return rest_.size(); }
 
-    // Past the end: returns false and leaves `value` alone.
     template <std::unsigned_integral T> [[nodiscard]] bool take(T& value) {
         if (rest_.size() < sizeof(T))
             return false;

@@ -1,4 +1,4 @@
-// A bounded cache that several threads fill, each value loaded by one of them.
+// A bounded cache for several threads in which each value is loaded by one of them.
 #pragma once
 
 #include "format/status.h"
@@ -14,9 +14,10 @@
 
 namespace tessera {
 
-// Keeps what was used last, up to `capacity` in the unit of `cost`. Whoever loads a value claims its
-// key first; others that want it meanwhile wait for that load instead of repeating it. When a load
-// fails, one of those who wait tries again. All members are thread-safe.
+// Keeps the values that were used last, up to a total cost of `capacity`. A thread claims a key
+// before it loads the value, and other threads that need the value wait for that load instead of
+// repeating it. If the load fails, one of the waiting threads tries again. All members are
+// thread-safe.
 template <class T> class ClaimCache {
 public:
     using Value = std::shared_ptr<const T>;
@@ -25,7 +26,8 @@ public:
     ClaimCache(const ClaimCache&) = delete;
     ClaimCache& operator=(const ClaimCache&) = delete;
 
-    // The sole right, and the duty, to load the value of one key. Gives up unless fulfilled.
+    // The exclusive right to load the value of a key. The holder must either fulfil the claim or
+    // destroy it, which gives up the key.
     class Claim {
     public:
         Claim(ClaimCache& cache, std::uint64_t key) : cache_(&cache), key_(key) {}
@@ -38,7 +40,7 @@ public:
         }
         Value fulfil(T value) {
             auto shared = std::make_shared<const T>(std::move(value));
-            cache_->store(key_, shared); // throws only before it changed anything
+            cache_->store(key_, shared); // if it throws, it has changed nothing
             cache_ = nullptr;
             return shared;
         }
@@ -48,7 +50,7 @@ public:
         std::uint64_t key_;
     };
 
-    // The cached value, or that of `load`, which yields a Result<T>.
+    // The cached value, or the value that load() returns as a Result<T>. Errors: those of load().
     template <class Load> Result<Value> get(std::uint64_t key, const Load& load) {
         std::unique_lock lock(mutex_);
         for (auto found = entries_.find(key); found != entries_.end(); found = entries_.find(key)) {
@@ -65,8 +67,8 @@ public:
         return claim.fulfil(std::move(loaded));
     }
 
-    // Nothing where the value is there, which counts as a use, or is being loaded. Never waits, so a
-    // thread may hold many claims.
+    // Claims a key. Returns nothing if its value is cached, which counts as a use, or is being
+    // loaded. It never waits, so a thread may hold many claims.
     std::optional<Claim> claim(std::uint64_t key) {
         const std::lock_guard lock(mutex_);
         const auto [entry, added] = entries_.try_emplace(key);
@@ -112,8 +114,8 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::unordered_map<std::uint64_t, Entry> entries_;
-    std::list<std::uint64_t> uses_; // keys of loaded entries, the last used first
-    std::uint64_t held_ = 0;        // cost of all loaded entries
+    std::list<std::uint64_t> uses_; // keys of loaded entries; the one used last is first
+    std::uint64_t held_ = 0;        // total cost of the loaded entries
 };
 
 } // namespace tessera

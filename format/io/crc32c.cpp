@@ -8,7 +8,7 @@ namespace tessera {
 
 namespace {
 
-// tables[k][b]: what byte b does to the CRC when k more bytes follow it (slicing by 8).
+// Tables for slicing by 8: tables[k][b] is the contribution of byte b if k more bytes follow it.
 using Tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
 constexpr Tables make_tables() {

@@ -16,7 +16,8 @@ namespace {
 
 using sys::system_error;
 
-// Renaming over a directory fails only after all the work, and over a device replaces it.
+// Checked before any work is done: renaming to a directory would fail at the end, and renaming to a
+// device would replace it.
 Status check_target(const std::string& path) {
     struct stat info = {};
     if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
@@ -58,9 +59,9 @@ void OutputFile::discard() {
 
 Result<OutputFile> OutputFile::create(const std::string& path) {
     TESSERA_TRY(check_target(path));
-    // A killed run may have left its temporary file, and process numbers come again.
+    // A killed run may have left its temporary file, and process numbers are reused.
     constexpr int attempts = 100;
-    const auto held = hold_unfinished(); // no file is there that is not noted
+    const auto held = hold_unfinished(); // no file may exist without being noted
     for (int attempt = 0; attempt < attempts; ++attempt) {
         OutputFile file;
         file.path_ = path;

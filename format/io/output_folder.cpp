@@ -48,7 +48,7 @@ void OutputFolder::discard() {
 Result<OutputFolder> OutputFolder::create(const std::string& path) {
     OutputFolder folder;
     const std::string temporary = beside(path, ".tmp");
-    const auto held = hold_unfinished(); // no folder is there that is not noted
+    const auto held = hold_unfinished(); // no folder may exist without being noted
     if (sys::mkdir(temporary.c_str(), 0777) < 0)
         return sys::system_error(path, "cannot create " + temporary, errno);
     note_unfinished(temporary);
@@ -72,12 +72,12 @@ Status OutputFolder::commit() {
     std::error_code ignored;
     const std::string old = beside(path_, ".old");
     const bool replacing = fs::exists(path_, ignored);
-    const auto held = hold_unfinished(); // between the two names there would be no folder
+    const auto held = hold_unfinished(); // between the two renames no folder has the final name
     if (replacing && sys::rename(path_.c_str(), old.c_str()) < 0)
         return sys::system_error(path_, "cannot rename it to " + old, errno);
     if (sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
         const int error = errno;
-        if (replacing) // not through a call that a test makes fail: this is the way back
+        if (replacing) // not sys::rename(), which tests make fail: this undoes the first rename
             fs::rename(old, path_, ignored);
         return sys::system_error(path_, "cannot rename " + temporary_ + " to it", error);
     }

@@ -51,7 +51,7 @@ private:
 
     ByteSource& inner_;
     std::mutex mutex_;
-    Status failure_; // the first
+    Status failure_; // the first error of inner_
     ClaimCache<Bytes> pieces_{pieces_kept, [](const Bytes&) { return std::uint64_t{1}; }};
 };
 

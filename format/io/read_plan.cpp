@@ -5,7 +5,8 @@
 namespace tessera {
 namespace {
 
-// The longest gap to close under the rules of near_bytes and far_bytes.
+// The longest gap between ranges that merging should close by the rules of near_bytes, far_bytes
+// and wasted_share.
 std::uint64_t worthwhile_gap(std::span<const ReadRequest> requests) {
     std::uint64_t wanted = 0;
     for (const MergedRead& range : merge_reads(requests, 0, ~std::uint64_t{0}))
@@ -21,7 +22,7 @@ std::uint64_t worthwhile_gap(std::span<const ReadRequest> requests) {
         if (gap > far_bytes)
             break;
         if (wasted > wanted / wasted_share)
-            return std::min(longest, gap - 1); // none of several equal ones
+            return std::min(longest, gap - 1); // close all gaps of one length, or none of them
         longest = gap;
     }
     return longest;

@@ -15,7 +15,7 @@ namespace {
 
 std::atomic<FaultHook> fault_hook{nullptr};
 
-// Whether a test wants this call to fail; sets errno.
+// Whether a test makes this call fail. Sets errno if so.
 bool fails(Call call) {
     const FaultHook hook = fault_hook.load(std::memory_order_relaxed);
     const int error = hook == nullptr ? 0 : hook(call);
@@ -58,7 +58,7 @@ int fsync(int descriptor) {
 }
 
 int close(int descriptor) {
-    const int result = ::close(descriptor); // Linux closes even when it reports EINTR
+    const int result = ::close(descriptor); // Linux closes the file even if it reports EINTR
     return fails(Call::close) ? -1 : result < 0 && errno == EINTR ? 0 : result;
 }
 
@@ -75,7 +75,7 @@ Status write_all(int descriptor, const std::string& path, std::span<const std::b
     while (!bytes.empty()) {
         const ssize_t put =
             pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (put <= 0) // no progress without an error: a full device
+        if (put <= 0) // 0 without an error means that the device is full
             return system_error(path, "cannot write at offset " + std::to_string(offset),
                                 put < 0 ? errno : ENOSPC);
         offset += static_cast<std::uint64_t>(put);

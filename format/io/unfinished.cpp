@@ -16,13 +16,13 @@ struct Unfinished {
     std::map<std::string, std::function<bool()>> ends; // by path
 };
 
-// Never destroyed: threads may still be at work when the process ends.
+// Never destroyed, because threads may still use it when the process ends.
 Unfinished& unfinished() {
     static Unfinished* const all = new Unfinished;
     return *all;
 }
 
-// Other threads may still add files to the folder while it goes.
+// Tries several times, because other threads may still add files to the folder.
 void remove_in_use(const std::string& path) {
     std::error_code error;
     int tries = 0;
@@ -48,7 +48,7 @@ std::unique_lock<std::recursive_mutex> hold_unfinished() {
 }
 
 std::vector<std::string> remove_unfinished_outputs() {
-    unfinished().mutex.lock(); // for good: nothing new begins, nothing gets its name
+    unfinished().mutex.lock(); // never unlocked: no output can begin or be committed any more
     std::vector<std::string> kept;
     for (const auto& [path, end] : unfinished().ends) {
         if (!end)

@@ -1,4 +1,4 @@
-// Temporary files and folders that must be gone when the process ends, whatever ends it.
+// A list of the temporary files and folders that must be removed before the process ends.
 #pragma once
 
 #include <functional>
@@ -7,12 +7,14 @@
 
 namespace tessera {
 
-// Thread-safe. After remove_unfinished_outputs() (format/output_file.h) they never return. `end` removes it
-// in place of plain removal and returns whether it is worth keeping instead; called from any thread.
+// Add a path to the list, and remove it again. remove_unfinished_outputs() (format/output_file.h)
+// removes the file or folder, or calls `end` instead, on any thread; `end` returns whether it kept
+// the folder. Thread-safe. After remove_unfinished_outputs() these functions never return.
 void note_unfinished(const std::string& path, std::function<bool()> end = {});
 void forget_unfinished(const std::string& path);
 
-// While held, the process does not end by remove_unfinished_outputs(): for steps that belong together.
+// While the lock is held, remove_unfinished_outputs() waits. It protects steps that belong
+// together.
 std::unique_lock<std::recursive_mutex> hold_unfinished();
 
 } // namespace tessera

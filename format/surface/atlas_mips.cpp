@@ -8,11 +8,12 @@
 namespace tessera {
 namespace {
 
-// Files claim sizes and triangles for next to nothing: FORMAT.md lets readers do without mips beyond these.
+// A small file can claim a large atlas and many triangles. FORMAT.md 5.2 allows readers to do
+// without mips beyond these limits.
 constexpr std::uint64_t most_texels = 1ull << 26; // of an atlas
-constexpr std::uint64_t most_covered = 16;        // times the atlas, by boxes around triangles
+constexpr std::uint64_t most_covered = 16;        // area of the triangles' boxes, in atlases
 
-// How often tiles can be halved along u and v with all of them beginning at whole texels.
+// How often the level can be halved along u and v while every tile still begins at a whole texel.
 unsigned halvings(const TileGrid& grid) {
     if (std::uint64_t{grid.size()[axis_u]} * grid.size()[axis_v] > most_texels)
         return 0;
@@ -44,7 +45,7 @@ std::uint32_t halved(std::uint32_t extent, unsigned times) {
     return ((extent - 1) >> times) + 1;
 }
 
-// Vertices that triangles join have one number.
+// Union-find over vertices: all vertices that triangles connect get the same number.
 class JoinedVertices {
 public:
     explicit JoinedVertices(const SurfaceMesh& mesh) : first_(mesh.positions.size()) {
@@ -56,7 +57,7 @@ public:
     }
     std::uint32_t operator()(std::uint32_t vertex) {
         while (first_[vertex] != vertex) {
-            first_[vertex] = first_[first_[vertex]]; // the way back becomes shorter
+            first_[vertex] = first_[first_[vertex]]; // shortens the path for the next search
             vertex = first_[vertex];
         }
         return vertex;
@@ -70,7 +71,7 @@ private:
     std::vector<std::uint32_t> first_;
 };
 
-// The number that most of `charts` have, 0 left out; of two the lower one.
+// The most frequent number among `charts` except 0, and the lowest of several; 0 if there is none.
 std::uint32_t most_frequent(std::vector<std::uint32_t>& charts) {
     std::ranges::sort(charts);
     std::uint32_t best = 0;
@@ -115,7 +116,8 @@ Extent4 AtlasMips::kept_size(const TileGrid& grid) {
         below += halved(kept[axis_v], mip);
     kept[axis_u] += halved(kept[axis_u], 1);
     kept[axis_v] = std::max(kept[axis_v], below);
-    for (const std::size_t axis : {axis_u, axis_v}) { // tiles stay where they are
+    // Whole tiles of the largest extent keep the tiles of the atlas in place.
+    for (const std::size_t axis : {axis_u, axis_v}) {
         const std::uint32_t side = grid.tile_extent()[axis];
         kept[axis] = (kept[axis] + side - 1) / side * side;
     }
@@ -126,7 +128,7 @@ void AtlasMips::find_charts(const SurfaceMesh& mesh) {
     Level& atlas = levels_[0];
     atlas.charts.assign(std::size_t{atlas.size[0]} * atlas.size[1], 0);
     JoinedVertices joined(mesh);
-    std::vector<std::uint32_t> chart_of(mesh.positions.size(), 0); // of joined vertices
+    std::vector<std::uint32_t> chart_of(mesh.positions.size(), 0); // per group of joined vertices
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         std::uint32_t& chart = chart_of[joined(mesh.triangles[i][0])];
         if (chart == 0)
@@ -170,7 +172,7 @@ Footprint AtlasMips::footprint(AngularMap map, const glm::dvec2& uv, const glm::
         return mesh_footprint(size_, map, uv, st);
     const Level& level = levels_[mip];
     const double scale = std::ldexp(1.0, -static_cast<int>(mip));
-    glm::dvec2 place(0.0); // in the mip, 0..1
+    glm::dvec2 place(0.0); // uv in the mip, 0..1
     std::array<std::uint32_t, 2> texel{};
     for (std::size_t a = 0; a < 2; ++a) {
         const auto axis = static_cast<glm::length_t>(a);

@@ -11,7 +11,8 @@ double cross(const glm::dvec2& p, const glm::dvec2& q) {
     return p.x * q.y - p.y * q.x;
 }
 
-// Whether the square lies beyond an edge of the triangle, whose doubled area is `area`.
+// Whether the unit square at `square` lies entirely outside an edge of the triangle. `area` is
+// twice the signed area of the triangle.
 bool is_beyond_an_edge(const std::array<glm::dvec2, 3>& corners, double area,
                        const glm::dvec2& square) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -29,7 +30,8 @@ bool is_beyond_an_edge(const std::array<glm::dvec2, 3>& corners, double area,
 
 } // namespace
 
-// Two convex shapes are apart where an edge of either parts them: those of the square bound the loops.
+// Two convex shapes are disjoint if an edge of one of them separates them. The bounds of the loops
+// test the edges of the squares, and is_beyond_an_edge() tests those of the triangle.
 void visit_covered_texels(const std::array<glm::dvec2, 3>& corners,
                           const std::array<std::uint32_t, 2>& size,
                           const std::function<void(std::uint32_t u, std::uint32_t v)>& visit) {

@@ -5,17 +5,17 @@
 
 namespace tessera {
 
-// Limits of FORMAT.md 5.2.
+// The limits of FORMAT.md 5.2.
 inline constexpr std::uint64_t max_mesh_triangles = 1u << 24;
-inline constexpr float max_mesh_coordinate = 1e30f; // products of two stay finite
-// Beyond 0..1 by this much a coordinate is taken for 0 or 1: what dequantising may be off by.
+inline constexpr float max_mesh_coordinate = 1e30f; // the product of two coordinates stays finite
+// A uv coordinate outside 0..1 by at most this much, the error of dequantisation, counts as 0 or 1.
 inline constexpr float uv_tolerance = 1.0f / (1 << 20);
 
-// Names the first element that is wrong. Vertices that no triangle uses are checked, too.
-// `with_normals`: normals are looked at. `code` is that of the error.
+// Checks a mesh, including vertices that no triangle uses, and its normals only if `with_normals`.
+// Errors: `code`, naming the first wrong element.
 Status check_mesh(const SurfaceMesh& mesh, bool with_normals, ErrorCode code);
 
-// Whether two corners lie at one place: the triangle covers nothing, and Draco leaves it out.
+// Whether two corners have the same position. Such a triangle has no area, and Draco drops it.
 bool has_equal_corners(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle);
 
 // One normal per vertex, of unit length. `mesh.normals` is not read.

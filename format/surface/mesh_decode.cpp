@@ -15,11 +15,11 @@ namespace tessera {
 namespace {
 
 constexpr std::string_view draco_name = "DRACO";
-constexpr std::size_t fixed_bytes = 12; // up to and with the kind of traversal
-// Measured: soup of single triangles with normals, three vertices each, takes the most.
-constexpr std::uint64_t bytes_a_triangle = 1000;
-constexpr std::uint64_t bytes_of_tables = 16u << 20; // of symbols, however few triangles there are
-constexpr unsigned most_seam_tables = 2;             // of uv and of normals; positions need none
+constexpr std::size_t fixed_bytes = 12; // of a header, up to and including the kind of traversal
+// Memory that decoding takes, measured on unconnected triangles with normals, which take the most.
+constexpr std::uint64_t bytes_per_triangle = 1000;
+constexpr std::uint64_t bytes_of_tables = 16u << 20; // symbols, independent of the triangles
+constexpr unsigned most_seam_tables = 2;             // for uv and normals; positions have none
 
 using Attribute = draco::GeometryAttribute;
 
@@ -27,7 +27,8 @@ Status invalid_mesh(const std::string& text) {
     return {ErrorCode::invalid_file, "the mesh's stream " + text};
 }
 
-// Seven bits a byte, lowest first; the highest bit says that more follow.
+// Reads a number of seven bits per byte, the lowest first. The highest bit of a byte tells whether
+// another byte follows.
 bool take_varint(std::span<const std::byte>& bytes, std::uint32_t& value) {
     value = 0;
     for (unsigned shift = 0; shift < 35; shift += 7) {
@@ -44,9 +45,9 @@ bool take_varint(std::span<const std::byte>& bytes, std::uint32_t& value) {
     return false;
 }
 
-// The beginning of a stream: what it claims, read before anything is reserved for it.
+// The counts that a stream claims. They are read first, before memory is allocated for the mesh.
 struct DracoHeader {
-    std::uint32_t vertices = 0, triangles = 0; // vertices: before seams split them
+    std::uint32_t vertices = 0, triangles = 0; // vertices are counted before seams split them
 };
 
 Result<DracoHeader> read_draco_header(std::span<const std::byte> stream) {
@@ -54,10 +55,10 @@ Result<DracoHeader> read_draco_header(std::span<const std::byte> stream) {
         return invalid_mesh("is cut off");
     const auto name = std::as_bytes(std::span(draco_name));
     if (!std::ranges::equal(stream.first(name.size()), name))
-        return invalid_mesh("is not Draco's");
+        return invalid_mesh("is not a Draco stream");
     const auto byte = [&](std::size_t at) { return std::to_integer<unsigned>(stream[at]); };
     if (byte(5) != 2 || byte(6) != 2)
-        return invalid_mesh("has Draco's version " + std::to_string(byte(5)) + "." +
+        return invalid_mesh("has Draco version " + std::to_string(byte(5)) + "." +
                             std::to_string(byte(6)) + ", not 2.2");
     if (byte(7) != 1 || byte(8) != 1)
         return invalid_mesh("is not a mesh coded by Edgebreaker");
@@ -80,12 +81,14 @@ Result<DracoHeader> read_draco_header(std::span<const std::byte> stream) {
     return header;
 }
 
+// Bytes of memory that decoding may take, whatever the rest of the stream claims.
 std::uint64_t decoding_bytes(const DracoHeader& header) {
-    return std::uint64_t{header.triangles} * bytes_a_triangle + bytes_of_tables;
+    return std::uint64_t{header.triangles} * bytes_per_triangle + bytes_of_tables;
 }
 
-// Three numbers a position and a normal, two a uv, as floats, and nothing else.
-bool has_only_what_we_read(const draco::PointCloud& cloud) {
+// Whether the attributes are positions, uv and at most one set of normals, all of them floats with
+// the right number of components.
+bool has_expected_attributes(const draco::PointCloud& cloud) {
     int positions = 0, uvs = 0, normals = 0;
     for (int i = 0; i < cloud.num_attributes(); ++i) {
         const draco::PointAttribute& a = *cloud.attribute(i);
@@ -100,15 +103,15 @@ bool has_only_what_we_read(const draco::PointCloud& cloud) {
            cloud.num_attributes() == positions + uvs + normals;
 }
 
-// Looks at the attributes' kinds before anything is reserved for their values: they could be 255
-// numbers a vertex, as often as the stream says.
+// Checks the kinds of the attributes before memory is allocated for their values. A stream can
+// claim any number of attributes with up to 255 components per vertex.
 class MeshDecoder : public draco::MeshEdgebreakerDecoder {
 public:
     bool kinds_are_wrong = false;
 
 protected:
     bool DecodeAllAttributes() override {
-        kinds_are_wrong = !has_only_what_we_read(*point_cloud());
+        kinds_are_wrong = !has_expected_attributes(*point_cloud());
         return !kinds_are_wrong && draco::MeshEdgebreakerDecoder::DecodeAllAttributes();
     }
 };
@@ -148,7 +151,7 @@ Result<SurfaceMesh> decode_stream(std::span<const std::byte> stream) {
     const draco::DecoderOptions options;
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.kinds_are_wrong)
-        return invalid_mesh("does not hold positions, uv and perhaps normals, and nothing else");
+        return invalid_mesh("must hold positions, uv and optionally normals, and nothing else");
     if (!status.ok())
         return invalid_mesh("is damaged");
     if (buffer.remaining_size() != 0)

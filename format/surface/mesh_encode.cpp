@@ -23,14 +23,15 @@ Status check_bits(const char* what, unsigned bits, unsigned low, unsigned high) 
                                          ".." + std::to_string(high)};
 }
 
-// A value a vertex; equal ones are stored once, so that the coder sees where charts meet.
+// Adds an attribute with one value per vertex. Equal values are merged later, by
+// DeduplicateAttributeValues(), so that the coder sees which vertices of different charts coincide.
 template <int n, class Values>
 int add_attribute(draco::Mesh& out, Kind::Type type, Values value_of) {
     draco::GeometryAttribute form;
     form.Init(type, nullptr, n, draco::DT_FLOAT32, false, n * sizeof(float), 0);
     const int id = out.AddAttribute(form, true, out.num_points());
     for (std::uint32_t i = 0; i < out.num_points(); ++i) {
-        const auto value = value_of(i) + 0.0f; // -0 becomes +0: equal values are equal bytes
+        const auto value = value_of(i) + 0.0f; // makes -0 +0, so that equal values have equal bytes
         out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), &value[0]);
     }
     return id;
@@ -38,7 +39,7 @@ int add_attribute(draco::Mesh& out, Kind::Type type, Values value_of) {
 
 struct DracoMesh {
     draco::Mesh mesh;
-    int position = -1, uv = -1, normal = -1; // ids of attributes
+    int position = -1, uv = -1, normal = -1; // ids of the attributes
 };
 
 void fill(DracoMesh& out, const SurfaceMesh& mesh, bool with_normals) {
@@ -57,7 +58,7 @@ void fill(DracoMesh& out, const SurfaceMesh& mesh, bool with_normals) {
     out.mesh.DeduplicatePointIds();
 }
 
-// How the stream predicts. Which is smallest depends on the mesh.
+// The prediction methods of a stream. Which of them give the smallest stream depends on the mesh.
 struct Prediction {
     int traversal = draco::MESH_EDGEBREAKER_VALENCE_ENCODING;
     int position = draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM;
@@ -65,12 +66,12 @@ struct Prediction {
     int normal = draco::MESH_PREDICTION_GEOMETRIC_NORMAL;
 };
 
-// Nothing where Draco cannot do it.
+// Empty if Draco cannot encode the mesh with these methods.
 std::vector<std::byte> encode_with(const DracoMesh& mesh, const MeshQuantisation& bits,
                                    const Prediction& prediction) {
     draco::ExpertEncoder encoder(mesh.mesh);
     encoder.SetSpeedOptions(0, 0);
-    // Draco's other coder writes streams that it cannot read.
+    // Draco's other method, sequential encoding, writes streams that Draco cannot read.
     encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
     encoder.SetEncodingSubmethod(prediction.traversal);
     const float origin[2] = {0, 0};
@@ -89,7 +90,7 @@ std::vector<std::byte> encode_with(const DracoMesh& mesh, const MeshQuantisation
     return {bytes.begin(), bytes.end()};
 }
 
-// The attributes' sizes do not depend on each other: each is tried alone.
+// Tries the methods of each attribute separately, because their sizes do not depend on each other.
 std::vector<std::byte> smallest_stream(const DracoMesh& mesh, const MeshQuantisation& bits) {
     Prediction best;
     std::vector<std::byte> stream = encode_with(mesh, bits, best);
@@ -124,25 +125,26 @@ Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQu
         mesh.triangles, [&](const auto& t) { return has_equal_corners(mesh, t); });
     const std::size_t wanted = mesh.triangles.size() - static_cast<std::size_t>(flat);
     if (wanted == 0)
-        return Status{ErrorCode::bad_argument, "the mesh has no triangle of three places"};
+        return Status{ErrorCode::bad_argument,
+                      "the mesh has no triangle with three different corners"};
     try {
         DracoMesh copy;
         fill(copy, mesh, bits.normal_bits != 0);
         std::vector<std::byte> stream = smallest_stream(copy, bits);
         if (stream.empty())
-            return Status{ErrorCode::runtime, "Draco could not code the mesh"};
+            return Status{ErrorCode::runtime, "Draco could not encode the mesh"};
         const Result<SurfaceMesh> back =
             decode_mesh(stream, std::numeric_limits<std::uint64_t>::max());
         if (!back)
             return Status{ErrorCode::runtime,
-                          "the coded mesh does not decode: " + back.status().message()};
+                          "the encoded mesh does not decode: " + back.status().message()};
         if (back->triangles.size() != wanted)
             return Status{ErrorCode::runtime,
-                          "the coded mesh has " + std::to_string(back->triangles.size()) +
+                          "the encoded mesh has " + std::to_string(back->triangles.size()) +
                               " triangles instead of " + std::to_string(wanted)};
         return stream;
     } catch (const std::bad_alloc&) {
-        return Status{ErrorCode::runtime, "out of memory while coding the mesh"};
+        return Status{ErrorCode::runtime, "out of memory while encoding the mesh"};
     }
 }
 

@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// Two texels on one axis, the first perhaps -1, the second perhaps the axis' extent.
+// Two neighbouring texels on an axis. The first may be -1, and the second may be the axis's extent.
 struct Taps {
     std::int64_t texel[2];
     double weight[2];
@@ -19,11 +19,12 @@ Taps taps_at(double coordinate, std::uint32_t extent) {
     return {{first, first + 1}, {1 - (position - low), position - low}};
 }
 
-std::uint32_t ended(std::int64_t texel, std::uint32_t extent) {
+std::uint32_t clamped(std::int64_t texel, std::uint32_t extent) {
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(texel, 0, std::int64_t{extent} - 1));
 }
 
-// Beyond an edge of the octahedron's square lies the same edge, run through the other way.
+// In the mirrored map, the texels beyond an edge of the square are those along the same edge in
+// reverse order.
 std::array<std::uint32_t, 2> folded(std::int64_t s, std::int64_t t, const Extent4& size) {
     const std::int64_t last_s = std::int64_t{size[axis_s]} - 1;
     const std::int64_t last_t = std::int64_t{size[axis_t]} - 1;
@@ -53,10 +54,10 @@ Footprint mesh_footprint(const Extent4& size, AngularMap map, const glm::dvec2& 
                 for (int k = 0; k < 2; ++k) {
                     const std::array<std::uint32_t, 2> angle =
                         folds ? folded(s.texel[k], t.texel[l], size)
-                              : std::array{ended(s.texel[k], size[axis_s]),
-                                           ended(t.texel[l], size[axis_t])};
-                    out[next++] = {.u = ended(u.texel[i], size[axis_u]),
-                                   .v = ended(v.texel[j], size[axis_v]),
+                              : std::array{clamped(s.texel[k], size[axis_s]),
+                                           clamped(t.texel[l], size[axis_t])};
+                    out[next++] = {.u = clamped(u.texel[i], size[axis_u]),
+                                   .v = clamped(v.texel[j], size[axis_v]),
                                    .s = angle[0],
                                    .t = angle[1],
                                    .weight = u.weight[i] * v.weight[j] * s.weight[k] * t.weight[l]};

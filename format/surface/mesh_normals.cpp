@@ -9,7 +9,8 @@
 namespace tessera {
 namespace {
 
-// A triangle belongs to a vertex' surface where its normal leans away by at most 45 degrees.
+// A triangle contributes to the normal of a vertex at its corner if its own normal is at most 45
+// degrees away from the vertex's preliminary normal.
 constexpr double crease_cosine = 0.70710678118654752;
 
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
@@ -17,7 +18,7 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
     return length > 0 ? v / length : glm::dvec3{0.0};
 }
 
-// The triangle's unit normal times the angle at one of its corners; 0 where it has no normal.
+// A triangle's unit normal, or 0 if it has none, and its angle at one of its corners.
 struct CornerNormal {
     glm::dvec3 unit{0.0};
     double angle = 0;
@@ -32,28 +33,27 @@ CornerNormal corner_normal(const SurfaceMesh& mesh, const std::array<std::uint32
     return {unit_or_zero(up), std::atan2(glm::length(up), glm::dot(a, b))};
 }
 
-// Corners of triangles, sorted by what `key_of` a vertex says: begin and end of each vertex' run.
+// The corners of all triangles, sorted by groups of vertices that have the same position.
 struct CornerRuns {
     std::vector<std::uint32_t> corners; // 3 * triangle + corner
-    std::vector<std::uint32_t> group;   // of each vertex
-    std::vector<std::uint32_t> start;   // of each group, in `corners`; one more at the end
+    std::vector<std::uint32_t> group;   // per vertex
+    std::vector<std::uint32_t> start;   // per group, and one at the end: an index into `corners`
 };
 
-// Vertices at one place are one group.
-CornerRuns corners_by_place(const SurfaceMesh& mesh) {
+CornerRuns corners_by_position(const SurfaceMesh& mesh) {
     const std::size_t vertices = mesh.positions.size();
     std::vector<std::uint32_t> order(vertices);
     std::iota(order.begin(), order.end(), 0u);
-    const auto place = [&](std::uint32_t i) {
+    const auto position = [&](std::uint32_t i) {
         const glm::vec3& p = mesh.positions[i];
         return std::tuple(p.x, p.y, p.z);
     };
-    std::ranges::sort(order, {}, place);
+    std::ranges::sort(order, {}, position);
     CornerRuns runs;
     runs.group.resize(vertices);
     std::uint32_t groups = 0;
     for (std::size_t i = 0; i < vertices; ++i) {
-        if (i > 0 && place(order[i]) != place(order[i - 1]))
+        if (i > 0 && position(order[i]) != position(order[i - 1]))
             ++groups;
         runs.group[order[i]] = groups;
     }
@@ -80,7 +80,7 @@ std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh) {
             const CornerNormal n = corner_normal(mesh, triangle, i);
             own[triangle[i]] += n.unit * n.angle;
         }
-    const CornerRuns runs = corners_by_place(mesh);
+    const CornerRuns runs = corners_by_position(mesh);
     std::vector<glm::vec3> normals;
     normals.reserve(own.size());
     for (std::size_t vertex = 0; vertex < own.size(); ++vertex) {

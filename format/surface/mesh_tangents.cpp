@@ -6,9 +6,9 @@
 namespace tessera {
 namespace {
 
-// What is left of `v` at right angles to the unit vector `normal`, of unit length; else, where
-// nothing is left, the axis least along the normal, made so.
-glm::dvec3 made_tangent(const glm::dvec3& v, const glm::dvec3& normal) {
+// The part of `v` that is perpendicular to the unit vector `normal`, scaled to unit length. If
+// there is none, that part of the coordinate axis that is closest to perpendicular to the normal.
+glm::dvec3 perpendicular_part(const glm::dvec3& v, const glm::dvec3& normal) {
     const glm::dvec3 flat = v - glm::dot(v, normal) * normal;
     const double length = glm::length(flat), whole = glm::length(v);
     if (whole > 0 && length > 1e-6 * whole)
@@ -22,12 +22,13 @@ glm::dvec3 made_tangent(const glm::dvec3& v, const glm::dvec3& normal) {
     return glm::normalize(axis - glm::dot(axis, normal) * normal);
 }
 
-// The direction in which u grows and v stays, times the triangle's area; 0 where uv has no area.
-glm::dvec3 way_of_u(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-    const auto place = [&](std::size_t i) { return glm::dvec3(mesh.positions[triangle[i]]); };
-    const auto atlas = [&](std::size_t i) { return glm::dvec2(mesh.uv[triangle[i]]); };
-    const glm::dvec3 a = place(1) - place(0), b = place(2) - place(0);
-    const glm::dvec2 p = atlas(1) - atlas(0), q = atlas(2) - atlas(0);
+// The direction in which u grows while v stays constant, times twice the triangle's area; 0 if the
+// uv coordinates of the triangle have no area.
+glm::dvec3 direction_of_u(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+    const auto position = [&](std::size_t i) { return glm::dvec3(mesh.positions[triangle[i]]); };
+    const auto uv = [&](std::size_t i) { return glm::dvec2(mesh.uv[triangle[i]]); };
+    const glm::dvec3 a = position(1) - position(0), b = position(2) - position(0);
+    const glm::dvec2 p = uv(1) - uv(0), q = uv(2) - uv(0);
     const double turn = p.x * q.y - p.y * q.x;
     const glm::dvec3 along = (a * q.y - b * p.y) * (turn < 0 ? -1.0 : 1.0);
     const double length = glm::length(along);
@@ -41,14 +42,15 @@ glm::dvec3 way_of_u(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>&
 std::vector<glm::vec3> mesh_tangents(const SurfaceMesh& mesh) {
     std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3{0.0});
     for (const auto& triangle : mesh.triangles) {
-        const glm::dvec3 way = way_of_u(mesh, triangle);
+        const glm::dvec3 direction = direction_of_u(mesh, triangle);
         for (const std::uint32_t vertex : triangle)
-            sums[vertex] += way;
+            sums[vertex] += direction;
     }
     std::vector<glm::vec3> tangents;
     tangents.reserve(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i)
-        tangents.emplace_back(made_tangent(sums[i], glm::normalize(glm::dvec3(mesh.normals[i]))));
+        tangents.emplace_back(
+            perpendicular_part(sums[i], glm::normalize(glm::dvec3(mesh.normals[i]))));
     return tangents;
 }
 
@@ -67,7 +69,7 @@ SurfacePoint surface_point(const SurfaceMesh& mesh, std::span<const glm::vec3> t
     const double length = glm::length(normal);
     const glm::dvec3 ez =
         length > 1e-6 ? normal / length : glm::normalize(glm::dvec3(mesh.normals[corners[0]]));
-    const glm::dvec3 ex = made_tangent(tangent, ez);
+    const glm::dvec3 ex = perpendicular_part(tangent, ez);
     point.frame = {ex, glm::cross(ez, ex), ez};
     return point;
 }

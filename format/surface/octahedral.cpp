@@ -7,15 +7,16 @@
 namespace tessera {
 namespace {
 
-double side_of(double x) {
-    return x < 0 ? -1.0 : 1.0; // zero is on the positive side
+double sign_of(double x) {
+    return x < 0 ? -1.0 : 1.0; // FORMAT.md 5.2: the sign of zero is +1
 }
 
 glm::dvec2 in_square(double s, double t) {
     return {std::clamp(s, 0.0, 1.0), std::clamp(t, 0.0, 1.0)};
 }
 
-// Directions into the surface are taken for those along it, what has no length for the normal.
+// Replaces a direction into the surface by the nearest one along it, and one without length by the
+// normal.
 glm::dvec3 away_from(const glm::dvec3& normal, const glm::dvec3& d) {
     const glm::dvec3 out = d - std::min(0.0, glm::dot(normal, d)) * normal;
     const double length = glm::length(out);
@@ -24,7 +25,7 @@ glm::dvec3 away_from(const glm::dvec3& normal, const glm::dvec3& d) {
 
 glm::dvec2 hemisphere_place(const SurfaceFrame& frame, const glm::dvec3& d) {
     const double x = glm::dot(frame.ex, d), y = glm::dot(frame.ey, d);
-    const double z = std::max(0.0, glm::dot(frame.ez, d)); // rounding may leave it below
+    const double z = std::max(0.0, glm::dot(frame.ez, d)); // rounding may make it negative
     const double sum = std::abs(x) + std::abs(y) + z;
     return in_square(((x + y) / sum + 1) / 2, ((x - y) / sum + 1) / 2);
 }
@@ -43,7 +44,7 @@ glm::dvec2 sphere_square(const glm::dvec3& r) {
     const double sum = std::abs(r.x) + std::abs(r.y) + std::abs(r.z);
     glm::dvec2 p(r.x / sum, r.z / sum);
     if (r.y < 0)
-        p = {(1 - std::abs(p.y)) * side_of(p.x), (1 - std::abs(p.x)) * side_of(p.y)};
+        p = {(1 - std::abs(p.y)) * sign_of(p.x), (1 - std::abs(p.x)) * sign_of(p.y)};
     return in_square((p.x + 1) / 2, (p.y + 1) / 2);
 }
 
@@ -51,7 +52,7 @@ glm::dvec3 square_sphere(double s, double t) {
     glm::dvec2 p(2 * s - 1, 2 * t - 1);
     const double y = 1 - std::abs(p.x) - std::abs(p.y);
     if (y < 0)
-        p = {(1 - std::abs(p.y)) * side_of(p.x), (1 - std::abs(p.x)) * side_of(p.y)};
+        p = {(1 - std::abs(p.y)) * sign_of(p.x), (1 - std::abs(p.x)) * sign_of(p.y)};
     return glm::normalize(glm::dvec3(p.x, y, p.y));
 }
 

@@ -1,4 +1,4 @@
-// Blocks inside a tile and how they split, normative (FORMAT.md 3.4).
+// The blocks of a tile and how they split, normative (FORMAT.md 3.4).
 #pragma once
 
 #include "format/tile/limits.h"
@@ -9,24 +9,25 @@
 
 namespace tessera {
 
-// Sides along u, v, s, t of a block or a tile: 1..64, 1..64, 1..32, 1..32, product at most max_tile_texels.
-// Of a base picture and the nodes of its tree to 126 along u and v.
+// The sides of a block or a tile along u, v, s, t: 1..64, 1..64, 1..32, 1..32, with a product of at
+// most max_tile_texels. A base picture and the nodes of its tree have sides of up to 126 along u
+// and v.
 struct BlockShape {
     std::array<std::uint8_t, 4> n{1, 1, 1, 1};
 
     constexpr int texels() const { return n[0] * n[1] * n[2] * n[3]; }
-    // In one comparison: each block's shape is looked up.
+    // A single comparison, because shapes are looked up for every block.
     bool operator==(const BlockShape& other) const {
         return std::bit_cast<std::uint32_t>(n) == std::bit_cast<std::uint32_t>(other.n);
     }
     auto operator<=>(const BlockShape&) const = default;
 };
 
-// A node of a tile's split tree: a block and how often it was split spatially and angularly.
+// A node of a tile's split tree.
 struct Block {
     std::array<std::uint8_t, 4> origin{0, 0, 0, 0}; // in the tile
     BlockShape shape;
-    std::uint8_t spatial_depth = 0, angular_depth = 0;
+    std::uint8_t spatial_depth = 0, angular_depth = 0; // number of splits that led to it
     bool operator==(const Block&) const = default;
 };
 
@@ -43,13 +44,14 @@ inline bool can_split(const BlockShape& shape, Split split) {
     return shape.n[axis] > 1 || shape.n[axis + 1] > 1;
 }
 
-// Whether it is no block, but split along u and v without a symbol: base pictures may be larger than tiles.
+// Whether a node is larger than any block, which only nodes of base pictures can be. It is split
+// along u and v without a symbol.
 constexpr bool is_too_large(const BlockShape& shape) {
     return shape.n[0] > max_tile_side || shape.n[1] > max_tile_side;
 }
 
-// Children in decoding order: the first axis of the pair varies fastest. A side of n falls into
-// (n + 1) / 2 and n / 2; a side of 1 stays whole, so there are 2 or 4 children.
+// The children of a node in decoding order, with the first axis of the pair fastest. A side of n is
+// divided into (n + 1) / 2 and n / 2, but a side of 1 stays whole. So there are 2 or 4 children.
 struct Children {
     std::array<Block, 4> block;
     int count = 0;

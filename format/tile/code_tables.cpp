@@ -14,8 +14,8 @@ std::array<std::uint16_t, parameter_count_of_odds> make_frequencies() {
     return table;
 }
 
-// Symbol i stops the chain with the frequency of its parameter out of what is left; every symbol
-// keeps at least 1.
+// Each symbol takes the share of the remaining frequency that its parameter gives, but at least 1,
+// and leaves at least 1 for each symbol after it.
 template <int symbols>
 void build(SymbolTable<symbols>& table, const std::uint8_t* chain, int chain_length) {
     std::uint32_t start = 0;

@@ -1,9 +1,9 @@
-// The probabilities of a file: parameters, contexts and the rANS tables made from them, normative
-// (FORMAT.md 3.5).
+// The probabilities of a file: their parameters, the contexts that select them, and the rANS tables
+// that follow from them, normative (FORMAT.md 3.4, 3.5).
 //
-// Every probability is one parameter, a quantised log-odds. A binary decision uses one; a symbol of
-// a larger alphabet is a chain of decisions "this one, or a later one". So tables of any size are
-// arrays of small numbers that can be coded as differences to the built-in defaults.
+// Every probability is one parameter, a quantised log-odds. A binary decision uses one parameter. A
+// symbol of a larger alphabet is a chain of decisions "this symbol, or a later one". So all tables
+// are arrays of small numbers, which are coded as differences from the built-in defaults.
 #pragma once
 
 #include "format/tile/limits.h"
@@ -19,16 +19,18 @@
 
 namespace tessera {
 
-// Frequency out of 4096 of "no / stop" for a parameter: 4096 / (1 + 2^((p - 32) / 3)), rounded,
-// within 1..4095. p = 0 is almost surely no, 63 almost surely yes.
+// The number of values that a parameter can have.
 constexpr int parameter_count_of_odds = 64;
+// The frequency of 0 ("stop") out of 4096 for a parameter: 4096 / (1 + 2^((p - 32) / 3)), rounded,
+// within 1..4095. At p = 0 a decision is almost always 0, at p = 63 almost always 1.
 std::uint32_t stop_frequency(std::uint8_t parameter);
 
-constexpr int plane_classes = 2; // first plane of a leaf; the others
-constexpr int copy_classes = 2;  // blocks that copy nothing; those that copy
+constexpr int plane_classes = 2; // the first plane of a block; the other planes
+constexpr int copy_classes = 2;  // blocks that copy nothing; blocks that copy
 
-// Dependent quantisation (FORMAT.md 3.4): two quantisers, of the even and of the odd multiples of
-// half a step, take turns by the parities of the magnitudes before. Files without it stay in state 0.
+// Dependent quantisation (FORMAT.md 3.4): the parities of the magnitudes before a coefficient
+// select one of two quantisers, which have the even and the odd multiples of half a step. Files
+// without dependent quantisation stay in state 0.
 constexpr int quantiser_states = 8;
 // [state][parity of the magnitude]
 constexpr std::uint8_t next_state[quantiser_states][2] = {{0, 2}, {5, 7}, {1, 3}, {6, 4},
@@ -38,15 +40,15 @@ constexpr int quantiser_of(int state) {
     return state & 1;
 }
 
-// Contexts look at amplitudes: distances from 0 in half steps, to two binary digits. Code c stands
-// for 0, 1, 2, 3, 4, 6, 8, 12, ... 192.
+// Contexts depend on amplitudes, which are distances from 0 in half steps, rounded down to two
+// binary digits. The code c stands for amplitudes[c].
 constexpr int amplitude_codes = 16;
 constexpr std::array<std::uint8_t, amplitude_codes> amplitudes{0,  1,  2,  3,  4,  6,  8,   12,
                                                                16, 24, 32, 48, 64, 96, 128, 192};
 constexpr std::uint32_t amplitude_of(int code) {
     return amplitudes[static_cast<std::size_t>(code)];
 }
-// Codes of numbers; the last one stands for all above.
+// The code of each number up to the largest amplitude. Greater numbers have the last code.
 inline constexpr auto codes_of_amplitudes = [] {
     std::array<std::uint8_t, amplitudes.back() + 1> codes{};
     for (std::size_t x = 1; x < codes.size(); ++x)
@@ -57,11 +59,13 @@ inline constexpr auto codes_of_amplitudes = [] {
 constexpr int amplitude_code(std::uint32_t amplitude) {
     return codes_of_amplitudes[std::min<std::size_t>(amplitude, codes_of_amplitudes.size() - 1)];
 }
-constexpr int neighbour_classes = amplitude_codes; // of the mean over the neighbours, in 1/8
+// Classes of the weighted mean of the neighbours' amplitudes, which counts in 1/8. `sum` is the
+// weighted sum, and `share` is 4096 / (sum of the weights).
+constexpr int neighbour_classes = amplitude_codes;
 constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
     return amplitude_code((sum * share) >> 9);
 }
-constexpr int cross_classes = 6; // the amplitude at the same place in earlier planes
+constexpr int cross_classes = 6; // of the amplitude at the same frequency in earlier planes
 constexpr int cross_class(int code) {
     return std::min((code + 1) / 2, cross_classes - 1);
 }
@@ -72,32 +76,34 @@ inline constexpr auto cross_classes_of_codes = [] {
     return classes;
 }();
 constexpr int magnitude_tokens = 24; // 1, 2, 3, 4, then groups 5-6, 7-10, 11-18, ... of 2^g values
-constexpr int magnitude_chain = 9;   // own parameters; later decisions of the chain use the last
-constexpr int length_tokens = 14;    // 0, then bit length of the coded length (up to 4096)
-constexpr int size_classes = 9;      // (bit length of the block's texel count) / 2, 1..17 -> 0..8
-// The table that codes the length of plane 0.
+constexpr int magnitude_chain = 9;   // parameters per table; later decisions use the last one
+constexpr int length_tokens = 14;    // 0, then the bit length of the coded length (up to 4096)
+constexpr int size_classes = 9;      // half the bit length of the block's number of texels
 constexpr int size_class(const BlockShape& shape) {
     const int bits = static_cast<int>(std::bit_width(static_cast<unsigned>(shape.texels())));
     return std::min(bits / 2, size_classes - 1);
 }
-// Tables of plane 0's length: by size, blocks that copy nothing first.
+// Tables for the coded length of plane 0: one per size class for blocks that copy nothing, then one
+// per size class for blocks that copy.
 constexpr int length_contexts = 2 * size_classes;
 constexpr int length_context(const BlockShape& shape, bool copies) {
     return size_class(shape) + (copies ? size_classes : 0);
 }
-// Nodes of a split tree by how often they were split along a pair of axes; the deepest share one.
+// Classes of the depth of a node in the split tree along a pair of axes. The deepest nodes share
+// one.
 constexpr int depth_classes = 6;
 constexpr std::size_t depth_class(int depth) {
     return static_cast<std::size_t>(std::min(depth, depth_classes - 1));
 }
 
-// Magnitude tables of one quantiser and copy class: of plane 0 by neighbours, then those of DC by
-// size class; of the other planes by neighbours / 2 and cross, then those of DC by size class.
-constexpr int magnitude_crosses = cross_classes - 2; // the first three in one
+// The magnitude tables of a copy class and a quantiser. Plane 0 has one table per neighbour class,
+// then those of its DC, one per size class. The other planes have one per half neighbour class and
+// cross class, then those of their DC, one per size class.
+constexpr int magnitude_crosses = cross_classes - 2; // the first three cross classes share a table
 constexpr int other_magnitudes = neighbour_classes + size_classes;
 constexpr int magnitude_tables =
     other_magnitudes + neighbour_classes / 2 * magnitude_crosses + size_classes;
-// neighbours is the size class for DC.
+// `neighbours` is the neighbour class, or the size class for DC.
 constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool dc, int neighbours,
                               int cross) {
     const int first = (copies * quantisers + quantiser) * magnitude_tables;
@@ -108,12 +114,13 @@ constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool 
                : neighbours / 2 * magnitude_crosses + std::max(cross - 2, 0));
 }
 
-constexpr int colour_kinds = 3;         // plain, as the last rotated block, another rotation
+constexpr int colour_kinds = 3;         // plain; as the last rotated block; another rotation
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
-constexpr int correction_tokens = magnitude_tokens + 1; // 0, then those of magnitudes
+constexpr int correction_tokens = magnitude_tokens + 1; // 0, then the tokens of magnitudes
 constexpr int correction_chain = magnitude_chain + 1;
 
-// Where each group's parameters start, in file order, and how many a file holds in all.
+// The index of the first parameter of each group, in the order of the file, and the number of all
+// parameters.
 constexpr int zero_parameters =
     copy_classes * quantisers * (1 + cross_classes) * zero_positions * neighbour_classes;
 constexpr int magnitude_offset = zero_parameters;
@@ -128,12 +135,12 @@ constexpr int split_parameters = depth_classes * depth_classes * 2;
 constexpr int correction_offset = split_offset + split_parameters;
 constexpr int correction_parameters = correction_contexts * correction_chain;
 constexpr int colour_offset = correction_offset + correction_parameters;
-constexpr int colour_parameters =
-    2 * (colour_kinds - 1);             // after a plain block, after a rotated one
+// One set after a plain block, one after a rotated block.
+constexpr int colour_parameters = 2 * (colour_kinds - 1);
 constexpr int prediction_kinds = 3;     // nothing, along s, along t (see format/tile/prediction.h)
-constexpr int prediction_contexts = 6;  // what lies before: s, t, both; times the block before
+constexpr int prediction_contexts = 6;  // earlier views along s, t, both; times the block before
 constexpr int displacement_kinds = 3;   // the last one, the one before it, a new one
-constexpr int displacement_tokens = 9;  // bit length of a component's magnitude, 0..255
+constexpr int displacement_tokens = 9;  // bit length of the magnitude of a difference, 0..255
 constexpr int displacement_classes = 2; // along the parallax, across it
 constexpr int prediction_offset = colour_offset + colour_parameters;
 constexpr int prediction_parameters = prediction_contexts * (prediction_kinds - 1);
@@ -148,8 +155,8 @@ constexpr int parameter_count = base_displacement_offset + displacement_tokens -
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
-// Groups of parameters that blocks that copy have of their own: their second halves, in the same order
-// as the first ones.
+// In these groups, the second half of the parameters is for blocks that copy, in the order of the
+// first half.
 struct ParameterGroup {
     int offset, count;
 };
@@ -157,7 +164,7 @@ constexpr ParameterGroup groups_with_copies[] = {{0, zero_parameters},
                                                  {magnitude_offset, magnitude_parameters},
                                                  {first_length_offset, first_length_parameters}};
 
-// Whether only blocks that copy use a parameter: files without predictions do not hold it.
+// Whether only files with predictions store a parameter: only blocks that copy use it.
 constexpr bool is_of_copies(int parameter) {
     for (const auto& [offset, count] : groups_with_copies)
         if (parameter >= offset + count / 2 && parameter < offset + count)
@@ -165,13 +172,13 @@ constexpr bool is_of_copies(int parameter) {
     return parameter >= prediction_offset;
 }
 
-// Likewise of tiles with base pictures.
+// Whether only files with base pictures store a parameter.
 constexpr bool is_of_bases(int parameter) {
     return parameter >= base_offset;
 }
 
-// Index of the zero-flag parameter. cross counts in plane class 1 only; neighbours is the size class
-// for DC.
+// The index of the parameter of a zero flag. `cross` matters only in plane class 1. `neighbours` is
+// the neighbour class, or the size class for DC.
 constexpr int zero_parameter(bool copies, int quantiser, int plane_class, int position,
                              int neighbours, int cross) {
     const int row = (copies * quantisers + quantiser) * (1 + cross_classes) +
@@ -179,7 +186,8 @@ constexpr int zero_parameter(bool copies, int quantiser, int plane_class, int po
     return (row * zero_positions + position) * neighbour_classes + neighbours;
 }
 
-// A multi-symbol table: start[i] .. start[i + 1] is symbol i's share of 4096.
+// A table for symbols of an alphabet: symbol i has the range start[i] .. start[i + 1] - 1 of
+// 0..4095.
 template <int symbols> struct SymbolTable {
     std::array<std::uint16_t, symbols + 1> start{};
 
@@ -189,34 +197,34 @@ template <int symbols> struct SymbolTable {
     int decode(RansDecoder& decoder) const {
         const std::uint32_t slot = decoder.slot();
         int symbol = 0;
-        while (slot >= start[symbol + 1]) // the last one is above all slots
+        while (slot >= start[symbol + 1]) // ends, because the last start is above all slots
             ++symbol;
         decoder.consume(start[symbol], start[symbol + 1] - start[symbol]);
         return symbol;
     }
 };
 
-// Tables ready for coding, made from parameters. Immutable, so thread-safe.
+// The tables of all symbols, computed from the parameters. Immutable, so thread-safe.
 struct CodeTables {
     explicit CodeTables(const Parameters& parameters);
 
-    std::array<std::uint16_t, zero_parameters> zero; // frequency of a zero coefficient
+    std::array<std::uint16_t, zero_parameters> zero; // frequency of a coefficient of 0
     std::array<SymbolTable<magnitude_tokens>, all_magnitude_tables> magnitude;
     std::array<SymbolTable<length_tokens>, length_contexts> first_length;
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
     std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
-    std::array<SymbolTable<colour_kinds>, 2> colour; // [last block with a colour was rotated]
+    std::array<SymbolTable<colour_kinds>, 2> colour; // [the last colour symbol was a rotation]
     std::array<SymbolTable<prediction_kinds>, prediction_contexts> prediction;
     std::array<SymbolTable<displacement_kinds>, 2> displacement_kind; // [along s, along t]
     std::array<SymbolTable<displacement_tokens>, displacement_classes> displacement;
-    SymbolTable<2> base; // of a tile: whether it has a base picture
-    std::array<SymbolTable<2>, 2>
-        from_base; // [the block before copies it]: whether a block copies it
+    SymbolTable<2> base; // whether a tile has a base picture
+    // Whether a block copies the base picture; [the block before copies it].
+    std::array<SymbolTable<2>, 2> from_base;
     SymbolTable<displacement_tokens> base_displacement;
 };
 
-// Built-in defaults: what files start from and what small files use as they are.
+// The built-in defaults (FORMAT.md 3.5). A file stores only its differences from them.
 const Parameters& default_parameters();
 
 } // namespace tessera

@@ -9,18 +9,19 @@
 namespace tessera {
 namespace {
 
-// Fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, 3 adaptation parameters, flags.
+// The fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, difference model, flags.
 constexpr std::size_t fixed_code_bytes = 10 + 4 + 4 + 2 + 3 + 1;
 constexpr std::size_t filter_bytes = 2 * plane_classes * filter_rings;
 
-// How the differences are coded: the chance that one is 0 after a 0 and after another value, and
-// that a magnitude stops. Chosen by the writer for its own differences.
+// The probabilities with which the differences from the defaults are coded, which the writer fits
+// to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
+// and that a magnitude does not grow further.
 struct DifferenceModel {
     std::array<std::uint8_t, 3> parameter{};
 };
-constexpr std::size_t after_same = 0, after_change = 1, more = 2;
+constexpr std::size_t after_same = 0, after_change = 1, more = 2; // indices of `parameter`
 
-// Best parameter for a decision that stopped and went on this often.
+// The parameter that costs least for a decision that was 0 `stops` times and 1 `goes` times.
 std::uint8_t fit(double stops, double goes) {
     std::uint8_t best = 0;
     double least = 1e300;
@@ -36,13 +37,14 @@ std::uint8_t fit(double stops, double goes) {
     return best;
 }
 
-// Whether section CODE has a parameter; the others are the defaults.
+// Whether section CODE stores a parameter. The others have their default values.
 bool holds(const CodingParameters& coding, std::size_t parameter) {
     const int i = static_cast<int>(parameter);
     return (coding.prediction || !is_of_copies(i)) && (coding.base.on || !is_of_bases(i));
 }
 
-// Calls visit(which parameter, goes on) for every decision, and sign(bit).
+// Calls decide(index in DifferenceModel, decision) and sign(is negative) in the order in which they
+// are coded.
 template <class Decide, class Sign>
 void walk(const CodingParameters& coding, Decide decide, Sign sign) {
     const Parameters& parameters = coding.parameters;
@@ -162,7 +164,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     coding.base.on = (flags & 32) != 0;
     coding.base.v_against_u = (flags & 64) != 0;
     if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
-        return damaged("base pictures without predictions, or their direction without them");
+        return damaged("base pictures without predictions, or a direction without base pictures");
     if (coding.base.on) {
         if (bytes.size() <= at)
             return damaged("too short");
@@ -219,7 +221,7 @@ Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned st
     if (!fits)
         return Status(ErrorCode::invalid_file, "a level's step shift of " +
                                                    std::to_string(step_shift) +
-                                                   " brings a quantiser step above 2^20");
+                                                   " raises a quantiser step above 2^20");
     return coding;
 }
 
@@ -227,9 +229,9 @@ Status check_features(const CodingParameters& coding, std::uint64_t required_fea
     const bool prediction = (required_features & feature_prediction) != 0;
     if (coding.prediction != prediction)
         return {ErrorCode::invalid_file,
-                "section CODE and the header differ about prediction (required feature 4)"};
+                "section CODE and the header disagree about prediction (required feature 4)"};
     if (prediction && (required_features & feature_corrections) != 0)
-        return {ErrorCode::invalid_file, "prediction and corrections in one file"};
+        return {ErrorCode::invalid_file, "a file cannot have both prediction and corrections"};
     return {};
 }
 

@@ -1,4 +1,5 @@
-// Everything a decoder needs besides a tile's own bytes: the section CODE (FORMAT.md 3.5, 4.1).
+// Section CODE (FORMAT.md 3.5): everything that a decoder needs besides the header and a tile's
+// bytes.
 #pragma once
 
 #include "format/status.h"
@@ -16,31 +17,31 @@
 namespace tessera {
 
 struct CodingParameters {
-    std::array<StepCode, max_planes> step{};
-    StepCode rotated_step;        // of the first three planes of blocks with rotated colour
-    bool colour_rotation = false; // blocks say which colour axes they use (3 or 4 planes)
-    bool prediction = false;      // blocks say what they copy (required feature 4)
-    bool smooth_copies = false; // copies go through the smooth filter of 4.6; with prediction only
-    BasePictures base;          // with prediction only
-    TileFilter filter;          // of the decoded tile
-    bool dependent = false;     // levels depend on the ones before: format/tile/code_tables.h
+    std::array<StepCode, max_planes> step{}; // per plane
+    StepCode rotated_step;                   // of planes 0 to 2 of blocks with rotated colour
+    bool colour_rotation = false;            // blocks have colour symbols (3 or 4 planes)
+    bool prediction = false;                 // blocks have prediction symbols (required feature 4)
+    bool smooth_copies = false; // copies use the smooth filter of 4.6; only with prediction
+    BasePictures base;          // only with prediction
+    TileFilter filter;          // of decoded tiles
+    bool dependent = false;     // dependent quantisation, see format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
-    std::uint16_t correction_error = 0; // E of 3.6, in sample codes; used with corrections
+    std::uint16_t correction_error = 0; // E of FORMAT.md 3.6, in sample codes
     Parameters parameters = default_parameters();
 };
 
-// The section's bytes. Parameters are coded as differences to the built-in defaults.
+// The bytes of section CODE.
 std::vector<std::byte> write_coding_parameters(const CodingParameters& coding);
 
-// Errors: invalid_file, with the field.
+// The inverse. Errors: invalid_file, which names the field.
 Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes);
 
-// Those of a coarse level: every step times 2^step_shift (FORMAT.md 1.4). Errors: invalid_file, where
-// that is more than a step can be.
+// The parameters of a coarse level, with every step multiplied by 2^step_shift (FORMAT.md 1.4).
+// Errors: invalid_file if a step would be too large.
 Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned step_shift);
 
-// What the header says of the file's tools must be what the section says. Errors: invalid_file.
+// Checks that section CODE uses the tools that the header announces. Errors: invalid_file.
 Status check_features(const CodingParameters& coding, std::uint64_t required_features);
 
 } // namespace tessera

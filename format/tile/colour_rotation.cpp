@@ -57,7 +57,8 @@ std::array<int, 3> rotation_direction(int index) {
 
 std::array<std::array<double, 3>, 3> rotation_axes(int index) {
     const auto d = rotation_direction(index);
-    // The second axis is normal to the first and to the unit vector least aligned with it.
+    // The second axis is perpendicular to the first, and to the coordinate axis that is least
+    // parallel to the first.
     std::size_t least = 0;
     for (std::size_t i = 1; i < 3; ++i)
         if (std::abs(d[i]) < std::abs(d[least]))

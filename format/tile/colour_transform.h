@@ -1,4 +1,4 @@
-// The colour transform of a texel's codes, normative (FORMAT.md 4.5).
+// The colour transform of the codes of a texel, normative (FORMAT.md 4.5).
 #pragma once
 
 #include "format/samples.h"
@@ -21,10 +21,10 @@ inline const char* name_of(ColourTransform value) {
     return "unknown";
 }
 
-// The codes or the planes of one texel; unused ones 0.
+// The codes of one texel's channels, or the values of its planes. Unused elements are 0.
 using TexelCodes = std::array<std::int32_t, 4>;
 
-// YCoCg-R (Malvar and Sullivan, JVT-I014): lossless in integers. Planes are Y, Co, Cg.
+// YCoCg-R (Malvar and Sullivan, JVT-I014), which is lossless in integers. The planes are Y, Co, Cg.
 inline void forward_ycocg(TexelCodes& c) {
     const std::int32_t co = c[0] - c[2];
     const std::int32_t t = c[2] + (co >> 1);
@@ -39,7 +39,7 @@ inline void inverse_ycocg(TexelCodes& c) {
     c = {b + c[1], g, b, c[3]};
 }
 
-// The planes of a texel of these samples.
+// The values of the planes of a texel with these samples.
 inline TexelCodes texel_planes(const std::array<std::uint16_t, 4>& samples, const TextureDesc& desc,
                                ColourTransform transform) {
     TexelCodes texel{};

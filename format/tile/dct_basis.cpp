@@ -14,13 +14,13 @@ using Bases = std::array<std::vector<std::int32_t>, max_tile_side + 1>;
 Bases make_bases() {
     Bases bases;
     for (int n = 1; n <= max_tile_side; ++n) {
-        // A quarter of a wave, in steps of pi / 2n, has all values there are.
+        // All values occur in a quarter of the wave, in steps of pi / 2n.
         std::array<std::int32_t, max_tile_side + 1> wave;
         for (int i = 0; i <= n; ++i)
             wave[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
                 std::lround(std::ldexp(std::cos(i * std::numbers::pi / (2 * n)), basis_bits)));
         const auto value = [&](int angle) {
-            const int i = angle % (4 * n), near = std::min(i, 4 * n - i); // of 0..2n
+            const int i = angle % (4 * n), near = std::min(i, 4 * n - i); // 0..2n
             return near <= n ? wave[static_cast<std::size_t>(near)]
                              : -wave[static_cast<std::size_t>(2 * n - near)];
         };

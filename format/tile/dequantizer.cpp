@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// floor(sqrt(x)), exact.
+// floor(sqrt(x)), exactly.
 std::uint64_t integer_sqrt(std::uint64_t x) {
     auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(x)));
     root = std::min<std::uint64_t>(root, 0xFFFFFFFFu);

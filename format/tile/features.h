@@ -1,11 +1,11 @@
-// What a decoder must know to read a file.
+// The features that a decoder must support to read a file: bits of the header field
+// required_features (FORMAT.md 1.5).
 #pragma once
 
 #include <cstdint>
 
 namespace tessera {
 
-// Bits of required_features (FORMAT.md 1.5).
 inline constexpr std::uint64_t feature_levels = 1u << 0;
 inline constexpr std::uint64_t feature_corrections = 1u << 1;
 inline constexpr std::uint64_t feature_prediction = 1u << 4;

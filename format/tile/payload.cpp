@@ -11,7 +11,7 @@ Status damaged(const std::string& what) {
     return {ErrorCode::invalid_file, what};
 }
 
-// Reads the table of a payload of odd length.
+// Reads the table at the start of a payload of odd length.
 class TableReader {
 public:
     explicit TableReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -47,7 +47,7 @@ Status split_payload(std::span<const std::byte> payload, int tile_texels, Payloa
         std::size_t first_block, words;
     };
     std::vector<Entry> entries(head & most_further);
-    std::size_t words = 0, least = 0; // the second segment may begin with block 0
+    std::size_t words = 0, least = 0; // the second segment may begin with block 0, too
     for (Entry& entry : entries) {
         if (!table.u16(entry.first_block) || !table.u16(entry.words))
             return damaged("segment table cut off");

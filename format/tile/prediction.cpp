@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// A difference of displacements, or of their components.
+// Decodes the difference between a component of a displacement and its predictor.
 int decode_difference(RansDecoder& rans, const SymbolTable<displacement_tokens>& table) {
     const int token = table.decode(rans);
     if (token == 0)
@@ -36,7 +36,7 @@ bool decode_displacement(RansDecoder& rans, const CodeTables& tables, int direct
     return true;
 }
 
-// Of a block that copies the base picture.
+// Decodes the displacement of a block that copies the base picture.
 bool decode_base_displacement(RansDecoder& rans, const CodeTables& tables, const BasePictures& base,
                               PredictionMemory& memory, Displacement& out) {
     const int d = memory.base_displacement() + decode_difference(rans, tables.base_displacement);
@@ -47,7 +47,8 @@ bool decode_base_displacement(RansDecoder& rans, const CodeTables& tables, const
     return true;
 }
 
-// The path of angular splits that leads to coordinate x of a side of n, first split highest.
+// The path of splits that leads to coordinate x of a side of n: one bit per split, the first one
+// highest.
 std::uint32_t split_path(int n, int x) {
     std::uint32_t path = 0;
     for (int depth = 0; depth < max_split_depth; ++depth) {
@@ -93,8 +94,8 @@ bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const BasePi
 
 CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
                        std::span<const BlockPrediction> predictions, std::size_t base_blocks) {
-    // Cells of the angular tree come in the order of their paths, t before s: the views before a
-    // cell along s or t lie in cells that come earlier, whatever their sizes.
+    // The cells of angular splits are ordered by their paths, t before s. The views before a cell
+    // along s or t then lie in cells that come earlier in this order, whatever their sizes.
     std::array<std::uint32_t, max_tile_side> path_s{}, path_t{};
     for (int s = 0; s < tile.n[2]; ++s)
         path_s[static_cast<std::size_t>(s)] = split_path(tile.n[2], s);
@@ -130,7 +131,7 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
     result.depth.resize(blocks.size());
     for (const std::uint16_t i : result.order) {
         if (i < base_blocks)
-            continue; // depth 0, and no view of the tile
+            continue; // blocks of the base picture have depth 0 and lie in no view of the tile
         const Block& block = blocks[i];
         const int s = block.origin[2], s_end = s + block.shape.n[2];
         const int t = block.origin[3], t_end = t + block.shape.n[3];

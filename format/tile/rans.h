@@ -1,9 +1,9 @@
-// Range asymmetric numeral systems (Duda 2013, arXiv:1311.2540) with a 32-bit state and 16-bit
-// words; every operation fits 32-bit unsigned arithmetic in the decoder (FORMAT.md 3.3).
+// The entropy coder (FORMAT.md 3.3): range asymmetric numeral systems (Duda 2013, arXiv:1311.2540)
+// with a 32-bit state and 16-bit words. The decoder needs only unsigned 32-bit arithmetic.
 //
-// The state starts at 0, below the usual lower bound, and the decoder reads a word only while one
-// is left. A stream therefore ends exactly, wastes no start state, and the empty stream is a valid
-// one: it decodes to the first symbol (start 0) of every table.
+// The encoder's state starts at 0, below the usual lower bound, and the decoder reads a word only
+// while one is left. Therefore the decoder can verify the end of a stream, no bytes are spent on a
+// start state, and an empty stream is valid: it decodes to the first symbol of every table.
 #pragma once
 
 #include <algorithm>
@@ -18,27 +18,30 @@ constexpr int probability_bits = 12;
 constexpr std::uint32_t probability_total = 1u << probability_bits;
 constexpr std::uint32_t rans_lower_bound = 1u << 16;
 
-// Decodes symbols front to back. Never reads outside the span; past the end it decodes garbage
-// that stays in range, and ended_well() is false.
+// Decodes symbols from front to back. It never reads outside its bytes. Beyond their end it decodes
+// arbitrary symbols of the tables, and ended_well() is false.
 class RansDecoder {
 public:
     RansDecoder() = default;
-    // Bytes of one stream; an odd last byte is never read and makes ended_well() false.
+    // The bytes of one stream. The last byte of an odd number is never read and makes ended_well()
+    // false.
     explicit RansDecoder(std::span<const std::byte> bytes)
         : next_(bytes.data()), left_(bytes.size() / 2), odd_(bytes.size() % 2 != 0) {
         refill();
         refill();
     }
 
-    // Position of the coded symbol in [0, 2^12).
+    // The next symbol is the one whose range contains this number of 0..4095.
     std::uint32_t slot() const { return state_ & (probability_total - 1); }
+    // Removes the next symbol, which has this range.
     void consume(std::uint32_t start, std::uint32_t frequency) {
         state_ = frequency * (state_ >> probability_bits) + slot() - start;
         refill();
     }
-    // 0 with frequency `zero` (1..4095), else 1.
+    // Decodes a bit that is 0 with frequency `zero` (1..4095).
     bool bit(std::uint32_t zero) {
-        // Two branches: a guess that is right saves waiting for the comparison.
+        // Branches are faster than selects here: a correct branch prediction saves waiting for the
+        // comparison.
         if (slot() < zero) {
             consume(0, zero);
             return false;
@@ -46,14 +49,14 @@ public:
         consume(zero, probability_total - zero);
         return true;
     }
-    // `count` equiprobable bits, 0..16.
+    // Decodes `count` (0..16) bits that are equally likely 0 or 1.
     std::uint32_t raw(int count) {
         const std::uint32_t value = state_ & ((1u << count) - 1);
         state_ >>= count;
         refill();
         return value;
     }
-    // Every word was read and the state is back where the encoder began.
+    // Whether every word was read and the state is the one with which the encoder began.
     bool ended_well() const { return state_ == 0 && left_ == 0 && !odd_; }
 
 private:
@@ -71,10 +74,10 @@ private:
     bool odd_ = false;
 };
 
-// Collects symbols in decoding order and codes them back to front.
+// Collects symbols in the order in which they will be decoded, and codes them from back to front.
 class RansEncoder {
 public:
-    // Precondition: start + frequency <= 2^bits, frequency >= 1, bits <= 16.
+    // Preconditions: start + frequency <= 2^bits, frequency >= 1, bits <= 16.
     void put(std::uint32_t start, std::uint32_t frequency, int bits = probability_bits) {
         symbols_.push_back({start, frequency, static_cast<std::uint32_t>(bits)});
     }
@@ -95,7 +98,7 @@ public:
                 words_.push_back(static_cast<std::uint16_t>(state));
                 state >>= 16;
             }
-            const auto x = static_cast<std::uint32_t>(state); // now below 2^32: a quicker division
+            const auto x = static_cast<std::uint32_t>(state); // fits; 32-bit division is faster
             state = (std::uint64_t{x / s.frequency} << s.bits) + x % s.frequency + s.start;
         }
         for (; state != 0; state >>= 16)

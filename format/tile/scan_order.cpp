@@ -6,8 +6,9 @@
 namespace tessera {
 namespace {
 
-// The cost of each frequency along each axis: weight * k / n in 1/64 of a halving of variance; floor of an
-// exact quotient per axis, so that every implementation sorts alike. An entry's cost is their sum.
+// The cost of each frequency k along each axis of n texels: weight * k / n in 1/64 of a halving of
+// variance. It is the floor of an exact quotient per axis, so that every implementation sorts in
+// the same way. The cost of an entry is the sum over the axes.
 class ScanCosts {
 public:
     ScanCosts(const BlockShape& shape, const ScanWeights& weights) {
@@ -27,8 +28,9 @@ std::uint8_t position_class_of(std::uint32_t cost) {
     return static_cast<std::uint8_t>(std::min(1u + cost / 24u, position_classes - 1u));
 }
 
-// The weight of the neighbours that come before an entry. Those at lower frequencies always do; of those
-// that are lower along one axis and higher along another it depends on the costs, along just these axes.
+// The weight of those neighbours of an entry that come before it. Neighbours at lower frequencies
+// always do. For neighbours that are lower along one axis and higher along another, it depends on
+// the costs along these two axes.
 class NeighbourWeights {
 public:
     NeighbourWeights(const ScanCosts& costs, const std::array<int, 4>& coded) {
@@ -54,7 +56,7 @@ private:
             return costs.along(first, at_first) + costs.along(second, at_second);
         };
         const std::uint32_t own = cost(a, b);
-        // At equal costs the one that is lower along the second axis comes first.
+        // Of two entries with equal costs, the one that is lower along the second axis comes first.
         const bool second_higher = a > 0 && b + 1 < coded[second] && cost(a - 1, b + 1) < own;
         const bool first_higher = b > 0 && a + 1 < coded[first] && cost(a + 1, b - 1) <= own;
         return static_cast<std::uint8_t>(2 * (a > 0) + 2 * (b > 0) + (a > 0 && b > 0) +
@@ -64,8 +66,8 @@ private:
     std::array<std::array<std::uint8_t, max_frequencies * max_frequencies>, 2> pair_;
 };
 
-// The least cost below which all entries are that may be among the first max_coded_length. place[c]: how
-// many cost less than c.
+// The smallest cost below which there are at least max_coded_length entries. place[c] is the number
+// of entries that cost less than c.
 std::uint32_t cost_limit(const std::vector<std::uint32_t>& place) {
     const auto beyond = std::ranges::lower_bound(place, std::uint32_t{max_coded_length});
     return static_cast<std::uint32_t>(beyond - place.begin());
@@ -83,7 +85,7 @@ void set_contexts(const NeighbourWeights& weights, ScanOrder& order) {
         const unsigned weight = weights.of(order.entry[i]);
         context.place = static_cast<std::uint32_t>(order.grid_place(order.entry[i]));
         context.share = static_cast<std::uint16_t>(weight > 0 ? 4096u / weight : 0u);
-        // Four position classes make one.
+        // A position of the contexts joins four position classes.
         context.position = static_cast<std::uint8_t>((order.position_class[i] + 3) / 4);
     }
 }
@@ -114,8 +116,8 @@ ScanOrder make_scan_order(const BlockShape& shape, const ScanWeights& weights) {
                         visit(u, v, s, t, others + costs_of.along(0, u));
                 }
     };
-    // Costs are small: sorted by counting, which keeps the raster order among equals.
-    // The last frequency costs most; few shapes come near what weights allow.
+    // Costs are small numbers, so the entries are sorted by counting, which keeps the raster order
+    // among equal costs. The largest cost is that of the highest frequencies.
     std::uint32_t most = 0;
     for (std::size_t axis = 0; axis < 4; ++axis)
         most += costs_of.along(axis, coded[axis] - 1);

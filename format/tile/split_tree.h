@@ -1,4 +1,4 @@
-// Decoding of split trees, normative (FORMAT.md 3.4), for everything that reads one.
+// Decodes split trees, normative (FORMAT.md 3.4).
 #pragma once
 
 #include "format/tile/block.h"
@@ -6,9 +6,10 @@
 
 namespace tessera {
 
-// Decodes the subtree of `block`: node(split) for every node, parents before children, then
-// leaf(block), which may read on and says whether all is well, for one that is not split. False for a
-// tree that the format forbids or a leaf refuses. Ends on any bytes: no block can be split for ever.
+// Decodes the subtree of `block`. Calls node(split) for every node, parents before children, and
+// after that leaf(block) for each node that is not split. leaf() may decode further symbols and
+// returns whether they are valid. The result is false if the format forbids the tree, or if leaf()
+// returns false. It ends on any bytes, because every split makes blocks smaller.
 template <class Node, class Leaf>
 bool decode_split_tree(RansDecoder& rans, const CodeTables& tables, const Block& block,
                        const Node& node, const Leaf& leaf) {

@@ -1,9 +1,10 @@
-// The filter that a decoded tile goes through, normative (FORMAT.md 4.7).
+// The filter of decoded tiles, normative (FORMAT.md 4.7).
 //
-// Coarse quantisers leave steps at the borders of blocks and ripples inside them. Each value moves
-// towards its neighbours, those in its own view and those at its place in the next views, by a share
-// that falls to nothing where they differ by more than the quantiser explains: that is an edge of the
-// picture. How far is fitted to the file.
+// Coarse quantisers leave steps at the borders of blocks and ripples inside them. The filter moves
+// each value towards its neighbours in the same view and at the same position in the next views.
+// The larger the difference, the smaller the share of it that is added. The share is 0 for
+// differences that the quantiser cannot explain, because they are edges of the picture. The encoder
+// fits the strength and the reach to the file.
 #pragma once
 
 #include "format/tile/code_tables.h"
@@ -15,7 +16,8 @@
 
 namespace tessera {
 
-// Neighbours at one distance: the four diagonal ones, those twice as far, and the four next views.
+// A ring is a set of four neighbours: the diagonal ones, the diagonal ones at twice the distance,
+// and those in the next views.
 constexpr int filter_rings = 3;
 struct FilterOffset {
     std::int8_t u, v, s, t;
@@ -26,11 +28,11 @@ inline constexpr std::array<std::array<FilterOffset, 4>, filter_rings> filter_of
     {{{0, 0, -1, 0}, {0, 0, 1, 0}, {0, 0, 0, -1}, {0, 0, 0, 1}}},
 }};
 constexpr std::size_t filter_taps = 4 * filter_rings;
-constexpr int filter_margin = 2; // texels that it looks past one along u and v
+constexpr int filter_margin = 2; // largest distance of a neighbour along u and v
 
 struct FilterRing {
-    std::int8_t strength = 0; // share of a vanishing difference, in 1/256; -127..127
-    std::uint8_t reach = 1;   // difference without influence, in 1/16 of the plane's step; 1..255
+    std::int8_t strength = 0; // the share of a very small difference, in 1/256; -127..127
+    std::uint8_t reach = 1;   // the difference where the share is 0, in 1/16 of the step; 1..255
     bool operator==(const FilterRing&) const = default;
 };
 
@@ -47,12 +49,12 @@ struct TileFilter {
     bool operator==(const TileFilter&) const = default;
 };
 
-// Differences count no more than this where a share is found.
+// Larger differences count as this one when the share is computed.
 constexpr std::uint32_t most_difference(SampleType type) {
     return traits_of(type).most_difference;
 }
 
-// By how much a ring's share falls for each value of difference, in 2^-12 of 1/256; at most 65535.
+// By how much the share of a ring falls per unit of difference, in 2^-12 of 1/256; at most 65535.
 inline std::uint32_t filter_slope(const FilterRing& ring, StepCode step, SampleType type) {
     const std::uint64_t strength = static_cast<std::uint64_t>(std::abs(int{ring.strength}));
     const std::uint64_t width = std::uint64_t{ring.reach} * (2048u + (step.bits & 2047u));
@@ -61,7 +63,7 @@ inline std::uint32_t filter_slope(const FilterRing& ring, StepCode step, SampleT
     return slope > 65535 ? 65535u : static_cast<std::uint32_t>(slope);
 }
 
-// The share in 1/256 of a difference of this size, at most most_difference().
+// The share of a difference of this size, in 1/256. Precondition: difference <= most_difference().
 inline std::int32_t filter_share(std::int32_t strength, std::uint32_t slope,
                                  std::uint32_t difference) {
     const std::int32_t left =

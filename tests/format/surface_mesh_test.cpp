@@ -128,7 +128,7 @@ TEST(MeshStream, RefusesToEncodeWhatIsNoMesh) {
     refuses("normal 2", all, [&](SurfaceMesh& m) { m.normals[2].z = nan; });
     refuses("normals", all, [&](SurfaceMesh& m) { m.normals.pop_back(); });
     refuses("uv", {}, [&](SurfaceMesh& m) { m.uv.pop_back(); });
-    refuses("three places", {}, [&](SurfaceMesh& m) {
+    refuses("three different corners", {}, [&](SurfaceMesh& m) {
         for (auto& triangle : m.triangles)
             triangle[1] = triangle[0];
     });
@@ -253,7 +253,7 @@ TEST(MeshStream, RefusesOtherKindsOfStreams) {
     const auto says = [&](std::size_t at, int value, const char* what) {
         EXPECT_NE(with(at, value).find(what), std::string::npos) << with(at, value);
     };
-    says(0, 'd', "not Draco's");
+    says(0, 'd', "not a Draco stream");
     says(5, 1, "1.2");
     says(6, 1, "2.1");
     says(7, 0, "not a mesh"); // a cloud of points
