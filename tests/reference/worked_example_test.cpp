@@ -47,6 +47,7 @@ TEST(WorkedExample, ShowsAllBytesInOrder) {
 TEST(WorkedExample, TracesTheStreamOfTheTile) {
     const std::string page = read_text("format/EXAMPLE.md");
     const Bytes file = example_file();
+    ASSERT_GE(file.size(), 6u);
     const Bytes payload(file.end() - 6, file.end()); // of the only tile that has one
     std::size_t at = 0;
     std::uint32_t x = 0;
