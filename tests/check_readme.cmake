@@ -1,11 +1,11 @@
-# Fails when an example of README.md is not what tests/consumers/readme/ has, or when those programs do
-# not do what they say, also on a file that is not there.
+# Checks the examples of README.md: the C++ and CMake examples must be those of tests/consumers/readme/, and all
+# programs there, also those that README.md links to, must do what they promise, even for a missing file.
 #   cmake -DROOT=folder [-DREADME_CPP=program -DREADME_C=program] [-DTESSERA=tool -DGLSLANG=validator]
 #         [-DFOLDER=to write to] -P check_readme.cmake
-# What is not given is not run.
+# Programs that are not given are not run.
 cmake_policy(SET CMP0054 NEW) # quoted strings in if() are no variables
 
-# The text between `begin` and `end`, which must be there, once.
+# Returns the text between `begin` and `end`. `begin` must occur exactly once.
 function(text_between name text begin end variable)
     string(FIND "${text}" "${begin}" first)
     string(FIND "${text}" "${begin}" last REVERSE)
@@ -36,10 +36,8 @@ function(check_example language file begin end)
 endfunction()
 
 check_example(cpp readme.cpp "// [readme]" "// [/readme]")
-check_example(c readme.c "/* [readme] */" "/* [/readme] */")
-check_example(glsl readme.frag.glsl "// [readme]" "// [/readme]")
 
-# Lines of the CMake example, without their comments, stand in the project beside the programs.
+# The project beside the programs has the lines of the CMake example, without their comments.
 text_between(README.md "${readme}" "\n```cmake\n" "```" shown)
 file(READ ${programs}/CMakeLists.txt project)
 string(REGEX REPLACE " *#[^\n]*" "" shown "${shown}")
@@ -51,7 +49,7 @@ foreach(line IN LISTS lines)
     endif()
 endforeach()
 
-# Runs a program, which should end with `code` and say `part` on either stream.
+# Runs a program. It must exit with `code` and print `part` on either stream.
 function(check_run code part)
     execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
     string(FIND "${out}${err}" "${part}" place)

@@ -1,6 +1,5 @@
-/* The C example of README.md, as a program; tests/check_readme.cmake compares and runs it.
+/* The C example that README.md links to; tests/check_readme.cmake runs it.
  *   readme_c FILE.tess    reads a box of the file */
-/* [readme] */
 #include <tessera/codec/tessera.h>
 int read_box(const char* path, void* texels, size_t bytes) {
     const uint32_t begin[4] = {0, 0, 0, 0}, end[4] = {16, 16, 8, 8}; /* u, v, s, t */
@@ -11,7 +10,6 @@ int read_box(const char* path, void* texels, size_t bytes) {
     tessera_close(decoder);
     return error; /* 0, or a code; tessera_last_error() has the sentence */
 }
-/* [/readme] */
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
-// The C++ example of README.md, as a program; tests/check_readme.cmake compares and runs it.
+// The C++ example of README.md as a program; tests/check_readme.cmake compares and runs it.
 //   readme_cpp FILE.tess          reads a box of the file
-//   readme_cpp FILE.tess write    makes the file first, from a gradient
+//   readme_cpp FILE.tess write    writes the file first, from a gradient
 // [readme]
 #include <tessera/codec/decoder.h>
 #include <tessera/codec/encoder.h>
