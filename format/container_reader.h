@@ -63,8 +63,8 @@ struct Finding {
     int number = 0; // a ContainerRule, or another number of FORMAT.md part 6
     bool fatal = true;
     std::string text;
-    std::uint64_t first_tile = 0,
-                  tile_count = 0; // tiles that cannot be decoded; 0: not about tiles
+    // The tiles that cannot be decoded because of it; a count of 0 if it is not about tiles.
+    std::uint64_t first_tile = 0, tile_count = 0;
 };
 
 struct SectionInfo {

@@ -32,7 +32,7 @@ struct ViewAlignment {
 class TileGrid {
 public:
     TileGrid() = default;
-    // Precondition: every extent is at least 1 and `size` is accepted by check_desc.
+    // Precondition: every extent is at least 1 and check_desc() accepts `size`.
     TileGrid(const Extent4& size, const Extent4& tile_extent);
 
     const Extent4& size() const { return size_; }               // texels
@@ -133,8 +133,8 @@ constexpr unsigned max_step_shift = 15;
 // level 0 along u and v, and for 2^angular_lod along s and t. Its quantiser steps are those of
 // section CODE times 2^step_shift.
 struct LevelEntry {
-    Extent4 size{0, 0, 0,
-                 0}; // of the grid of tiles, which is larger than the texture if views are shifted
+    // Of the grid of tiles, which is larger than the texture if views are shifted.
+    Extent4 size{0, 0, 0, 0};
     std::uint8_t spatial_lod = 0, angular_lod = 0, step_shift = 0;
 
     unsigned lod(int axis) const { return axis < axis_s ? spatial_lod : angular_lod; }

@@ -102,7 +102,7 @@ inline std::uint16_t float_to_half(float value) {
     return static_cast<std::uint16_t>(sign | (rounded >> 13));
 }
 
-// Reads the sample_bytes(type) bytes at `at`, and writes them.
+// Load and store the sample_bytes(type) bytes at `at`.
 inline std::uint16_t load_sample(const std::byte* at, SampleType type) {
     const auto low = std::to_integer<unsigned>(at[0]);
     return static_cast<std::uint16_t>(

@@ -22,8 +22,8 @@ namespace TESSERA_PUBLIC tessera {
 struct SurfaceMesh {
     std::vector<glm::vec3> positions; // world units
     std::vector<glm::vec3> normals;   // unit length, one per vertex, pointing out of the object
-    std::vector<glm::vec2>
-        uv; // 0..1, one per vertex; the centre of texel i of N is at (i + 0.5) / N
+    // 0..1 over the atlas, one per vertex. The centre of texel i of N is at (i + 0.5) / N.
+    std::vector<glm::vec2> uv;
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 

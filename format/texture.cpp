@@ -66,7 +66,7 @@ Status check_desc(const TextureDesc& desc) {
 
 namespace {
 
-// Copies a run; runs are mostly four or eight texels, too short for a call of memcpy to pay.
+// Most runs have four or eight texels, which is too short for a call of memcpy() to pay off.
 void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
     if (bytes >= 16 && bytes <= 32) {
         std::memcpy(to, from, 16);
@@ -84,7 +84,7 @@ void copy_run(std::byte* to, const std::byte* from, std::size_t bytes) {
 void copy_box(const Box4& part, const Box4& from_box, std::span<const std::byte> from,
               const Box4& to_box, std::span<std::byte> to, std::size_t texel_bytes) {
     const Extent4 f = from_box.extent(), d = to_box.extent(), n = part.extent();
-    // Axes that both boxes have whole make one run with the next one.
+    // An axis along which all of both boxes is copied forms one run with the next axis.
     const auto is_whole = [&](std::size_t axis) {
         return n[axis] == f[axis] && n[axis] == d[axis];
     };

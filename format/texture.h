@@ -58,8 +58,8 @@ struct Box4 {
 };
 
 std::string to_string(const Box4& box); // "u0:u1,v0:v1,s0:s1,t0:t1"
-Box4 intersect(const Box4& a,
-               const Box4& b); // end == begin along axes on which they do not overlap
+// end == begin along axes on which the boxes do not overlap.
+Box4 intersect(const Box4& a, const Box4& b);
 // Whether begin < end <= extent along every axis.
 bool is_inside(const Box4& box, const Extent4& extent);
 

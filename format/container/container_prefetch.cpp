@@ -19,7 +19,7 @@ constexpr std::size_t window_groups = cached_groups / 4;
 
 } // namespace
 
-Status OpenContainer::bring_groups(std::span<const std::uint32_t> groups) const {
+Status OpenContainer::load_groups(std::span<const std::uint32_t> groups) const {
     struct Record {
         ClaimCache<GroupIndex>::Claim claim;
         std::uint32_t group;
@@ -31,7 +31,7 @@ Status OpenContainer::bring_groups(std::span<const std::uint32_t> groups) const 
         const IndexRange range = index_range(group);
         if (range.length > max_index_record_bytes(group_key(group)))
             continue; // group() will report the error
-        if (is_at_hand(range.offset, range.length))
+        if (is_in_head(range.offset, range.length))
             continue;
         auto claim = caches_->groups.claim(group);
         if (!claim)
@@ -58,7 +58,7 @@ Result<std::uint32_t> OpenContainer::prefetch_groups(std::uint32_t first) const 
     std::vector<std::uint32_t> groups(
         std::min<std::size_t>(2 * window_groups, group_count() - first));
     std::iota(groups.begin(), groups.end(), first);
-    TESSERA_TRY(bring_groups(groups));
+    TESSERA_TRY(load_groups(groups));
     return first + static_cast<std::uint32_t>(groups.size());
 }
 
@@ -74,7 +74,7 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
             break;
         groups.insert(group);
     }
-    TESSERA_TRY(bring_groups(std::vector(groups.begin(), groups.end())));
+    TESSERA_TRY(load_groups(std::vector(groups.begin(), groups.end())));
 
     struct Run { // one page, or all pages of a tile that spans several
         ClaimCache<std::vector<std::byte>>::Claim claim;
@@ -103,7 +103,7 @@ Result<std::size_t> OpenContainer::prefetch(std::span<const std::uint64_t> tiles
             break;
         counted.insert(offset);
         // In a partial file the pages may lie beyond the end of the source.
-        if (is_at_hand(offset, length) || offset + length > source_->size())
+        if (is_in_head(offset, length) || offset + length > source_->size())
             continue;
         total += length;
         auto claim = caches_->pages.claim(offset);

@@ -115,7 +115,7 @@ Result<bool> OpenContainer::is_received(std::uint64_t tile) const {
 }
 
 Status OpenContainer::read_bytes(std::uint64_t offset, std::span<std::byte> out) const {
-    if (!is_at_hand(offset, out.size()))
+    if (!is_in_head(offset, out.size()))
         return source_->read(offset, out);
     std::ranges::copy(std::span(head_).subspan(static_cast<std::size_t>(offset), out.size()),
                       out.begin());

@@ -56,7 +56,7 @@ void check_mesh_section(std::span<const std::byte> stream, const std::string& na
 
 } // namespace
 
-void OpenContainer::note_curiosities(std::vector<Finding>& out) const {
+void OpenContainer::validate_head(std::vector<Finding>& out) const {
     const bool mesh = header_.description.proxy == Proxy::mesh;
     if (mesh != !section_bytes("prxy").empty())
         out.push_back(finding(ContainerRule::proxy_section, false,
@@ -110,7 +110,7 @@ void OpenContainer::validate_group(std::uint32_t group, std::vector<Finding>& ou
 
 std::vector<Finding> OpenContainer::validate(const ContainerReader::Progress& progress) const {
     std::vector<Finding> out;
-    note_curiosities(out);
+    validate_head(out);
     const SectionInfo& data = section("DATA");
     std::uint64_t missing = 0;
     for (std::uint32_t group = 0; group < group_count() && out.size() <= max_findings; ++group) {

@@ -59,7 +59,7 @@ public:
 private:
     // Loads the index records of groups that are not cached, with one request. Preconditions: the
     // groups exist and are distinct, and the cache can hold them all.
-    Status bring_groups(std::span<const std::uint32_t> groups) const;
+    Status load_groups(std::span<const std::uint32_t> groups) const;
     Status load_header(const OpenOptions& options, ContainerRule& rule);
     Status load_sections(const OpenOptions& options, ContainerRule& rule);
     Status load_levels();
@@ -98,7 +98,8 @@ private:
                        std::span<const std::byte> bytes) const;
     Result<TileBytes> load_large_tile(const Place& place, const GroupIndex::PageRange& pages) const;
 
-    void note_curiosities(std::vector<Finding>& out) const;
+    // Checks what open() does not check in the head: the mesh, unknown values and unknown sections.
+    void validate_head(std::vector<Finding>& out) const;
     // Adds the number of tiles that have not been received to `missing`.
     void validate_group(std::uint32_t group, std::vector<Finding>& out,
                         std::uint64_t& missing) const;
@@ -107,7 +108,7 @@ private:
     FileHeader header_;
     // Copies the bytes from head_ if it has them, or else reads them from the source.
     Status read_bytes(std::uint64_t offset, std::span<std::byte> out) const;
-    bool is_at_hand(std::uint64_t offset, std::uint64_t length) const {
+    bool is_in_head(std::uint64_t offset, std::uint64_t length) const {
         return offset <= head_.size() && length <= head_.size() - offset;
     }
     std::vector<std::byte> head_; // the file up to INDX, or more if the first read brought more
