@@ -5,8 +5,8 @@
 #include "corpus/bake.h"
 #include "tests/support/efforts.h"
 #include "tests/support/test_folder.h"
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/picture/png_file.h"
+#include "tools/verbs/command.h"
 #include "tools/view/texel_cache.h"
 #include "tools/view/view_renderer.h"
 

@@ -46,24 +46,6 @@ TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
     EXPECT_TRUE(names().empty());
 }
 
-// `tessera` without `tessera-full` beside it has its own verbs, and says of others what is missing.
-TEST_F(CliUsage, AProgramThatIsAloneSaysSo) {
-    fs::copy_file(TESSERA_TOOL, at("tessera"));
-    const auto alone = [&](const std::string& arguments) {
-        const std::string command =
-            "'" + at("tessera").string() + "' " + arguments + " >'" + at("out").string() + "' 2>&1";
-        const int status = std::system(command.c_str());
-        return std::pair(WEXITSTATUS(status), slurp(at("out")));
-    };
-    EXPECT_EQ(alone("version").first, 0);
-    EXPECT_EQ(alone("info absent.tess").first, 2);
-    for (const char* arguments : {"bake composed", "help", "decode --frobnicate"}) {
-        const auto [code, said] = alone(arguments);
-        EXPECT_EQ(code, 4) << arguments;
-        EXPECT_NE(said.find("tessera-full: No such file"), std::string::npos) << said;
-    }
-}
-
 TEST_F(CliUsage, UnknownValuesAreAnsweredWithTheNearest) {
     succeed(usage_scene + "-q -o a.tess");
     const auto before = names();

@@ -72,15 +72,6 @@ protected:
     std::string url_;
 };
 
-TEST_F(HttpCli, OpensLibcurlForUrlsOnly) {
-    std::ofstream(at("libcurl.so.4")).flush(); // which the loader refuses: it is empty
-    const std::string there = "LD_LIBRARY_PATH='" + folder_.string() + "'";
-    EXPECT_EQ(run("info a.tess", there).code, 0);
-    const Outcome o = run("info " + url_, there);
-    EXPECT_EQ(o.code, 5);
-    EXPECT_NE(o.err.find("HTTP needs libcurl"), std::string::npos) << o.err;
-}
-
 TEST_F(HttpCli, Informs) {
     Json remote = json("info --json " + url_), local = json("info --json a.tess");
     EXPECT_EQ(remote["file"], url_);

@@ -1,7 +1,6 @@
 #include "tools/http/http_attempt.h"
 
 #include "format/metadata.h"
-#include "tools/http/curl_library.h"
 #include "tools/support/parse.h"
 
 #include <algorithm>
@@ -54,17 +53,17 @@ Result<std::unique_ptr<HttpAttempt>> HttpAttempt::create(const std::string& url,
 }
 
 HttpAttempt::~HttpAttempt() {
-    curl().easy_cleanup(handle_);
-    curl().slist_free_all(fields_);
+    curl_easy_cleanup(handle_);
+    curl_slist_free_all(fields_);
 }
 
 bool HttpAttempt::configure(const std::string& url, const std::vector<std::string>& fields,
                             const HttpOptions& options) {
-    handle_ = curl().easy_init();
+    handle_ = curl_easy_init();
     if (handle_ == nullptr)
         return false;
     for (const std::string& field : fields) {
-        curl_slist* longer = curl().slist_append(fields_, field.c_str());
+        curl_slist* longer = curl_slist_append(fields_, field.c_str());
         if (longer == nullptr)
             return false;
         fields_ = longer;
@@ -72,7 +71,7 @@ bool HttpAttempt::configure(const std::string& url, const std::vector<std::strin
     redirects_ = options.redirects;
     bool good = true;
     const auto set = [&](CURLoption option, auto value) {
-        good = curl().easy_setopt(handle_, option, value) == CURLE_OK && good;
+        good = curl_easy_setopt(handle_, option, value) == CURLE_OK && good;
     };
     const std::string range = std::to_string(request_.first) + "-" + std::to_string(request_.last);
     const bool secure = url.size() > 5 && (url[4] == 's' || url[4] == 'S');
@@ -165,12 +164,12 @@ HttpAttempt::Outcome HttpAttempt::finish(CURLcode code) {
                 false,
                 {}};
     if (code != CURLE_OK) {
-        const std::string said = error_[0] != 0 ? error_ : curl().easy_strerror(code);
+        const std::string said = error_[0] != 0 ? error_ : curl_easy_strerror(code);
         return {{ErrorCode::io, printable(said)}, may_pass(code), {}};
     }
     if (may_pass(head_.status)) {
         curl_off_t seconds = 0;
-        curl().easy_getinfo(handle_, CURLINFO_RETRY_AFTER, &seconds);
+        curl_easy_getinfo(handle_, CURLINFO_RETRY_AFTER, &seconds);
         const auto most = static_cast<curl_off_t>(longest_asked_pause.count());
         return {{ErrorCode::io, "the server answers " + describe_status(head_.status)},
                 true,

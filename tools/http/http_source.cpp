@@ -1,9 +1,9 @@
 #include "tools/http/http_source.h"
 
 #include "format/byte_source.h"
-#include "tools/http/curl_library.h"
 
 #include <algorithm>
+#include <curl/curl.h>
 #include <list>
 
 namespace tessera {
@@ -11,21 +11,20 @@ namespace {
 
 // The URL without what must not be printed.
 Result<std::string> name_of_url(const std::string& url) {
-    TESSERA_TRY(load_curl());
-    const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl().url(), curl().url_cleanup);
+    const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl_url(), curl_url_cleanup);
     if (parsed == nullptr)
         return Status(ErrorCode::runtime, url + ": out of memory");
-    if (const CURLUcode code = curl().url_set(parsed.get(), CURLUPART_URL, url.c_str(), 0);
+    if (const CURLUcode code = curl_url_set(parsed.get(), CURLUPART_URL, url.c_str(), 0);
         code != CURLUE_OK)
         return Status(ErrorCode::bad_argument,
-                      url + ": is no URL: " + std::string(curl().url_strerror(code)));
+                      url + ": is no URL: " + std::string(curl_url_strerror(code)));
     char* text = nullptr;
-    curl().url_set(parsed.get(), CURLUPART_USER, nullptr, 0);
-    curl().url_set(parsed.get(), CURLUPART_PASSWORD, nullptr, 0);
-    if (curl().url_get(parsed.get(), CURLUPART_URL, &text, 0) != CURLUE_OK)
+    curl_url_set(parsed.get(), CURLUPART_USER, nullptr, 0);
+    curl_url_set(parsed.get(), CURLUPART_PASSWORD, nullptr, 0);
+    if (curl_url_get(parsed.get(), CURLUPART_URL, &text, 0) != CURLUE_OK)
         return Status(ErrorCode::bad_argument, "the URL cannot be read");
     const std::string name = text;
-    curl().free(text);
+    curl_free(text);
     return name;
 }
 

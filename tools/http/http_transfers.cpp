@@ -1,6 +1,5 @@
 #include "tools/http/http_transfers.h"
 
-#include "tools/http/curl_library.h"
 #include "tools/http/http_attempt.h"
 #include "tools/support/interrupt.h"
 
@@ -40,9 +39,9 @@ public:
     Worker(CURLM* multi, std::string url, std::string name, const HttpOptions& options)
         : multi_(multi), url_(std::move(url)), name_(std::move(name)), options_(options) {
         options_.in_flight = std::clamp(options_.in_flight, 1u, 64u);
-        curl().multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(options_.in_flight));
-        curl().multi_setopt(multi_, CURLMOPT_MAX_TOTAL_CONNECTIONS,
-                            static_cast<long>(options_.in_flight));
+        curl_multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(options_.in_flight));
+        curl_multi_setopt(multi_, CURLMOPT_MAX_TOTAL_CONNECTIONS,
+                          static_cast<long>(options_.in_flight));
         thread_ = std::thread([this] { work(); });
     }
 
@@ -51,9 +50,9 @@ public:
             const std::lock_guard lock(mutex_);
             stopping_ = true;
         }
-        curl().multi_wakeup(multi_);
+        curl_multi_wakeup(multi_);
         thread_.join();
-        curl().multi_cleanup(multi_);
+        curl_multi_cleanup(multi_);
     }
 
     void set_fields(std::vector<std::string> fields) { fields_ = std::move(fields); }
@@ -66,7 +65,7 @@ public:
             jobs.push_back({request, &batch, 0, {}, nullptr});
         std::unique_lock lock(mutex_);
         waiting_.splice(waiting_.end(), jobs);
-        curl().multi_wakeup(multi_);
+        curl_multi_wakeup(multi_);
         ended_.wait(lock, [&] { return batch.left == 0; });
         return batch.error;
     }
@@ -87,7 +86,7 @@ private:
                 }
             }
             // Without the lock: this is where the time goes, and where run() may add jobs.
-            curl().multi_poll(multi_, nullptr, 0, poll_milliseconds(), nullptr);
+            curl_multi_poll(multi_, nullptr, 0, poll_milliseconds(), nullptr);
         }
     }
 
@@ -100,9 +99,9 @@ private:
         drop_failed();
         start_some();
         int running = 0;
-        curl().multi_perform(multi_, &running);
+        curl_multi_perform(multi_, &running);
         int left = 0;
-        while (const CURLMsg* message = curl().multi_info_read(multi_, &left))
+        while (const CURLMsg* message = curl_multi_info_read(multi_, &left))
             if (message->msg == CURLMSG_DONE)
                 finish(message->easy_handle, message->data.result);
         drop_failed();
@@ -140,7 +139,7 @@ private:
                 end(current, attempt.status());
                 continue;
             }
-            if (curl().multi_add_handle(multi_, (*attempt)->handle()) != CURLM_OK) {
+            if (curl_multi_add_handle(multi_, (*attempt)->handle()) != CURLM_OK) {
                 end(current, {ErrorCode::runtime, "libcurl cannot start a request"});
                 continue;
             }
@@ -173,7 +172,7 @@ private:
     void stop(Job& job) {
         if (job.attempt == nullptr)
             return;
-        curl().multi_remove_handle(multi_, job.attempt->handle());
+        curl_multi_remove_handle(multi_, job.attempt->handle());
         job.attempt.reset();
     }
 
@@ -225,8 +224,8 @@ private:
 
 Result<std::unique_ptr<HttpTransfers>>
 HttpTransfers::create(const std::string& url, const std::string& name, const HttpOptions& options) {
-    TESSERA_TRY(load_curl());
-    CURLM* multi = curl().multi_init();
+    static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT); // once per process
+    CURLM* multi = started == CURLE_OK ? curl_multi_init() : nullptr;
     if (multi == nullptr)
         return Status(ErrorCode::runtime, name + ": libcurl does not start");
     return std::unique_ptr<HttpTransfers>(

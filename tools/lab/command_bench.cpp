@@ -1,7 +1,7 @@
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/lab/bench/gpu_bench.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/progress.h"
+#include "tools/verbs/command.h"
 
 #include <cstdio>
 

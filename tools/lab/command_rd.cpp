@@ -1,10 +1,10 @@
 #include "corpus/bake.h"
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/lab/rd/rd_run.h"
 #include "tools/lab/rd/views_study.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/verbs/command.h"
 
 #include <sstream>
 

@@ -1,7 +1,6 @@
 #include "tools/server/file_server.h"
 
 #include "format/byte_source.h"
-#include "tools/http/curl_library.h"
 #include "tools/http/http_response.h"
 #include "tools/server/file_server_paths.h"
 #include "tools/server/file_server_ranges.h"
@@ -11,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <curl/curl.h>
 #include <filesystem>
 #include <httplib.h>
 #include <map>
@@ -32,7 +32,7 @@ int refused_by_conditions(const httplib::Request& request, const FileVersion& ve
             return 412;
     } else if (request.has_header("If-Unmodified-Since")) {
         const std::time_t since =
-            curl().getdate(request.get_header_value("If-Unmodified-Since").c_str(), nullptr);
+            curl_getdate(request.get_header_value("If-Unmodified-Since").c_str(), nullptr);
         if (since >= 0 && version.changed > since)
             return 412;
     }
@@ -261,7 +261,6 @@ Result<std::unique_ptr<FileServer>> FileServer::start(const FileServerOptions& o
     const fs::path root = fs::canonical(options.folder, error);
     if (error || !fs::is_directory(root))
         return Status(ErrorCode::io, options.folder + ": is no folder");
-    TESSERA_TRY(load_curl()); // which reads dates
     auto impl = std::make_unique<Impl>(root, options);
     TESSERA_TRY(impl->listen(options));
     return std::unique_ptr<FileServer>(new FileServer(std::move(impl)));

@@ -1,4 +1,4 @@
-// Verbs of the tool. Each command_<verb>.cpp declares its options and says what they do.
+// The verbs of the tool. Each command_<verb>.cpp declares the options of one verb and runs it.
 #pragma once
 
 #include "format/status.h"
@@ -6,11 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 namespace tessera {
 
-// What the parsed command line asks for; set by the verb that was named.
+// The verb that the command line names, with its parsed options.
 struct Invocation {
     std::function<Status()> run;
     std::string verb;
@@ -21,12 +22,30 @@ struct Verb {
     void (*add)(CLI::App& app, Invocation& chosen);
 };
 
-// At the end of every help.
+// All verbs except `help` and `version`, in the order of `tessera help`.
+std::span<const Verb> all_verbs();
+
+void add_bake_command(CLI::App& app, Invocation& chosen);
+void add_bench_command(CLI::App& app, Invocation& chosen);
+void add_compare_command(CLI::App& app, Invocation& chosen);
+void add_decode_command(CLI::App& app, Invocation& chosen);
+void add_encode_command(CLI::App& app, Invocation& chosen);
+void add_info_command(CLI::App& app, Invocation& chosen);
+void add_rd_command(CLI::App& app, Invocation& chosen);
+void add_render_command(CLI::App& app, Invocation& chosen);
+void add_serve_command(CLI::App& app, Invocation& chosen);
+void add_shaders_command(CLI::App& app, Invocation& chosen);
+void add_sheet_command(CLI::App& app, Invocation& chosen);
+void add_validate_command(CLI::App& app, Invocation& chosen);
+void add_view_command(CLI::App& app, Invocation& chosen);
+
+// The last lines of every help text.
 inline constexpr const char* exit_codes_help =
     "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
     "5 not supported, 6 target missed, 7 difference found.";
 
-// Declares a verb whose options live in `Arguments` and whose work is run(const Arguments&).
+// Declares a verb. declare(command, arguments) adds its options, which fill `arguments`;
+// run(arguments) does its work.
 template <class Arguments, class Declare>
 void add_verb(CLI::App& app, Invocation& chosen, const char* verb, const char* summary,
               const char* examples, const Declare& declare,

@@ -11,7 +11,7 @@
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/quick_verbs.h"
+#include "tools/verbs/command.h"
 
 #include <algorithm>
 #include <optional>

@@ -4,7 +4,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/quick_verbs.h"
+#include "tools/verbs/command.h"
 
 #include <algorithm>
 #include <filesystem>

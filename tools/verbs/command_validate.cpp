@@ -8,7 +8,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
-#include "tools/verbs/quick_verbs.h"
+#include "tools/verbs/command.h"
 
 #include <iterator>
 #include <map>

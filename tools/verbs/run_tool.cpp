@@ -101,15 +101,20 @@ void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
 
 } // namespace
 
-int run_tool(int argc, char** argv, std::span<const Verb> verbs,
-             const std::function<int()>& who_knows_more) {
+std::span<const Verb> all_verbs() {
+    static const Verb verbs[] = {{"bake", add_bake_command},     {"encode", add_encode_command},
+                                 {"decode", add_decode_command}, {"compare", add_compare_command},
+                                 {"info", add_info_command},     {"validate", add_validate_command},
+                                 {"sheet", add_sheet_command},   {"shaders", add_shaders_command},
+                                 {"render", add_render_command}, {"bench", add_bench_command},
+                                 {"rd", add_rd_command},         {"view", add_view_command},
+                                 {"serve", add_serve_command}};
+    return verbs;
+}
+
+int run_tool(int argc, char** argv) {
     const std::string first = argc > 1 ? argv[1] : "";
-    const std::vector<std::string> names = names_of(verbs);
-    if (who_knows_more && (first == help_verb || !is_among(names, first)))
-        return who_knows_more();
-    const auto misused = [&](const std::string& verb, const Status& status) {
-        return who_knows_more ? who_knows_more() : report(verb, status);
-    };
+    const std::vector<std::string> names = names_of(all_verbs());
     CLI::App app("Tessera: a codec for 4D textures (surface light fields), size UxVxSxT",
                  "tessera");
     app.set_version_flag("--version", version_text());
@@ -117,7 +122,7 @@ int run_tool(int argc, char** argv, std::span<const Verb> verbs,
     app.get_formatter()->column_width(34);
     app.footer(std::string(main_help) + exit_codes_help);
     Invocation chosen;
-    add_verbs(app, verbs, chosen);
+    add_verbs(app, all_verbs(), chosen);
     if (!first.empty() && first[0] != '-' && !is_among(names, first))
         return report("", unknown_verb(names, first));
     if (first.empty())
@@ -126,13 +131,13 @@ int run_tool(int argc, char** argv, std::span<const Verb> verbs,
     const CLI::App* app_of_verb = verb.empty() ? nullptr : app.get_subcommand(verb);
     if (app_of_verb != nullptr)
         if (const Status status = check_words(*app_of_verb, {argv + 2, argv + argc}); !status.ok())
-            return misused(verb, status);
+            return report(verb, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0)
             return app.exit(e); // --help, --version
-        return misused(verb, usage_error(app, app_of_verb, e));
+        return report(verb, usage_error(app, app_of_verb, e));
     }
     const int code = report(chosen.verb, chosen.run());
     if (std::fflush(stdout) == 0 || code != 0)

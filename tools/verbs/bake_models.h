@@ -1,7 +1,7 @@
 // `tessera bake MODEL`: a file's model in its light.
 #pragma once
 
-#include "tools/full_verbs/bake_sources.h"
+#include "tools/verbs/bake_sources.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
 #include "decoder_glsl/shader_source.h"
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/output_folders.h"
+#include "tools/verbs/command.h"
 
 #include <cstdio>
 #include <filesystem>

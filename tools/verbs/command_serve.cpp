@@ -1,5 +1,5 @@
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/support/interrupt.h"
+#include "tools/verbs/command.h"
 #ifdef TESSERA_HTTP
 #include "tools/page/viewer_server.h"
 #endif

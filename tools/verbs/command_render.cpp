@@ -1,5 +1,4 @@
 #include "corpus/bake.h"
-#include "tools/full_verbs/all_verbs.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
@@ -9,6 +8,7 @@
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
 #include "tools/view/render_stage.h"
 #include "tools/view/render_views.h"
 #include "tools/view/view_file.h"

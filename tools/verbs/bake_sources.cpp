@@ -1,8 +1,7 @@
-#include "tools/full_verbs/bake_sources.h"
+#include "tools/verbs/bake_sources.h"
 
 #include "corpus/bake.h"
 #include "corpus/model/model.h"
-#include "tools/full_verbs/bake_models.h"
 #include "tools/scenes/baked_original.h"
 #include "tools/scenes/baked_surface.h"
 #include "tools/scenes/scene_name.h"
@@ -10,6 +9,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_models.h"
 
 namespace tessera {
 namespace {

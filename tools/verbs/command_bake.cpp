@@ -1,7 +1,5 @@
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
-#include "tools/full_verbs/all_verbs.h"
-#include "tools/full_verbs/bake_models.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/description_text.h"
 #include "tools/support/encode_report.h"
@@ -12,6 +10,8 @@
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_models.h"
+#include "tools/verbs/command.h"
 
 #include <cctype>
 #include <chrono>

@@ -1,7 +1,5 @@
 #include "codec/metrics.h"
 #include "corpus/bake.h"
-#include "tools/full_verbs/all_verbs.h"
-#include "tools/full_verbs/prefix_curve.h"
 #include "tools/http/open_bytes.h"
 #include "tools/scenes/baked_original.h"
 #include "tools/scenes/scene_name.h"
@@ -14,6 +12,8 @@
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/command.h"
+#include "tools/verbs/prefix_curve.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "tools/full_verbs/bake_models.h"
+#include "tools/verbs/bake_models.h"
 
 #include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"

@@ -1,4 +1,4 @@
-#include "tools/full_verbs/prefix_curve.h"
+#include "tools/verbs/prefix_curve.h"
 
 #include "codec/decoder.h"
 
