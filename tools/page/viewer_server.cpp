@@ -4,10 +4,15 @@
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
 #include "tools/server/file_server_paths.h"
+#include "tools/support/interrupt.h"
 
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 namespace tessera {
@@ -23,8 +28,8 @@ Result<Bytes> view_data_of(const std::string& path) {
     return make_view_data(container);
 }
 
-// Those of files that were asked for last. That of a large mesh is much work and memory, so one is made at a
-// time, and not again for everybody who asks. Thread-safe.
+// Caches the view data of the latest files. A large mesh takes much time and memory, so only one file is
+// processed at a time, once for all who request it. Thread-safe.
 class KeptViewData {
 public:
     Result<Bytes> of(const std::string& path) {
@@ -47,7 +52,7 @@ public:
 private:
     std::mutex mutex_;
     std::deque<std::pair<std::string, Bytes>> kept_;
-    std::size_t bytes_ = 0; // of all that are kept
+    std::size_t bytes_ = 0; // of everything in kept_
 };
 
 } // namespace
@@ -62,6 +67,13 @@ FileServerOptions folder_with_viewer(const std::string& folder) {
         };
     }
     return options;
+}
+
+void serve_until_interrupted() {
+    while (interrupted_by() == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::fflush(stdout);
+    std::_Exit(0);
 }
 
 } // namespace tessera

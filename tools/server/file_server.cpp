@@ -4,7 +4,6 @@
 #include "tools/http/http_response.h"
 #include "tools/server/file_server_paths.h"
 #include "tools/server/file_server_ranges.h"
-#include "tools/server/guarded_server.h"
 #include "tools/support/parse.h"
 
 #include <algorithm>
@@ -22,10 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t requests_per_connection = 1'000'000;
+constexpr std::size_t connection_threads = 64; // connections served at a time; others wait
+constexpr std::size_t requests_per_connection = 1000;
+// Seconds until a connection ends: without a request, within a request that does not go on, and
+// while the client does not accept the next bytes of an answer.
+constexpr std::time_t idle_seconds = 1, read_seconds = 5, write_seconds = 5;
 constexpr std::size_t max_ranges = 64;
 
-// The status that the request's conditions ask for instead of the file; 0: none.
+// The status to send instead of the file because of the request's If-... fields; 0: send the file.
 int refused_by_conditions(const httplib::Request& request, const FileVersion& version) {
     if (request.has_header("If-Match")) {
         if (!lists_etag(request.get_header_value("If-Match"), version.etag))
@@ -46,7 +49,7 @@ bool is_of_version(const std::string& if_range, const FileVersion& version) {
     return if_range.empty() || if_range == version.etag || if_range == version.last_modified;
 }
 
-// Browsers take a page, a module or a picture for one only where it is said to be one.
+// Browsers insist on these types for pages, modules and pictures.
 std::string type_of(const fs::path& file) {
     static const std::map<std::string, std::string> types = {{".html", "text/html; charset=utf-8"},
                                                              {".wasm", "application/wasm"},
@@ -58,9 +61,9 @@ std::string type_of(const fs::path& file) {
     return found == types.end() ? "application/octet-stream" : found->second;
 }
 
-// Sends the parts, or the whole file where there are none. A file that shrinks meanwhile breaks the
-// connection off. The library (0.11) neither cuts ranges to the file nor states its length right when
-// there are several, so it is told nothing of ranges.
+// Sends the parts, or the whole file if there are none. If the file shrinks meanwhile, the connection
+// breaks off. cpp-httplib 0.11 does not clip ranges to the file and states a wrong length for several
+// ranges. So this file implements them, and the library does not see them.
 void send_file(std::shared_ptr<ByteSource> file, std::string type,
                const std::vector<FilePart>& parts, httplib::Response& response) {
     const std::uint64_t size = file->size();
@@ -93,7 +96,7 @@ void answer_file(const fs::path& path, const httplib::Request& request,
     const auto version = version_of(path);
     auto opened = open_file(path.string());
     if (!version || !opened.ok() || (*opened)->size() != version->size) {
-        response.status = version && opened.ok() ? 503 : 404; // 503: it is being written
+        response.status = version && opened.ok() ? 503 : 404; // 503: the file is being written
         return;
     }
     response.set_header("Accept-Ranges", "bytes");
@@ -128,7 +131,7 @@ void answer_view_data(const FileServerOptions& options, const fs::path& path,
         response.set_content(data.status().message() + "\n", "text/plain");
 }
 
-// As find_served(), of the one file alone where there is one.
+// Like find_served(), but with `only` set it finds that file alone.
 std::optional<fs::path> find_allowed(const FileServerOptions& options, const fs::path& root,
                                      const std::string& path) {
     if (options.only.empty())
@@ -158,7 +161,7 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
     }
 }
 
-// What pages of other hosts need to read files in parts.
+// Lets pages of other hosts read files in parts (CORS).
 void allow_other_pages(httplib::Response& response) {
     response.set_header("Access-Control-Allow-Origin", "*");
     response.set_header("Access-Control-Expose-Headers",
@@ -167,10 +170,57 @@ void allow_other_pages(httplib::Response& response) {
 
 void answer_options(httplib::Response& response) {
     response.status = 204;
-    response.set_header("Allow", "GET, HEAD, OPTIONS");
     response.set_header("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
     response.set_header("Access-Control-Allow-Headers", "Range, If-Range, If-Match, If-None-Match");
     response.set_header("Access-Control-Max-Age", "86400");
+}
+
+// Bodies of requests are not read. The library would parse a body as the next request. It ends the
+// connection only if a content provider fails, so this one fails after the text.
+void refuse_body(int status, httplib::Response& response) {
+    static const std::string text = "Requests with a body are not accepted.\n";
+    response.status = status;
+    response.set_header("Connection", "close");
+    response.set_header("Content-Length", std::to_string(text.size()));
+    response.set_content_provider("text/plain", [](std::size_t, httplib::DataSink& sink) {
+        sink.write(text.data(), text.size());
+        return false;
+    });
+}
+
+bool has_body(const httplib::Request& request) {
+    return request.has_header("Transfer-Encoding") ||
+           request.get_header_value<std::uint64_t>("Content-Length") > 0;
+}
+
+void route(const FileServerOptions& options, const fs::path& root, const httplib::Request& request,
+           httplib::Response& response) {
+    if (options.only.empty())
+        allow_other_pages(response);
+    const bool reads = request.method == "GET" || request.method == "HEAD";
+    if (!reads)
+        response.set_header("Allow", "GET, HEAD, OPTIONS");
+    if (has_body(request))
+        return refuse_body(reads ? 400 : 405, response);
+    if (request.method == "OPTIONS")
+        return answer_options(response);
+    if (!reads) {
+        response.status = 405;
+        return;
+    }
+    // The library made the request, and not const; see send_file().
+    const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
+    answer(options, root, request, ranges, response);
+}
+
+void log_request(const std::function<void(const ServedRequest&)>& log,
+                 const httplib::Request& request, const httplib::Response& response) {
+    const bool sends_body =
+        request.method != "HEAD" && (response.content_provider_success_ || !response.body.empty());
+    const auto length = parse_decimal(response.get_header_value("Content-Length"));
+    log({request.remote_addr, printable(request.method), printable(request.path),
+         printable(request.get_header_value("Range")), response.status,
+         sends_body ? length.value_or(0) : 0});
 }
 
 } // namespace
@@ -179,42 +229,28 @@ class FileServer::Impl {
 public:
     Impl(fs::path root, const FileServerOptions& options)
         : options_(options), root_(std::move(root)) {
+        server_.new_task_queue = [] { return new httplib::ThreadPool(connection_threads); };
         server_.set_keep_alive_max_count(requests_per_connection);
+        server_.set_keep_alive_timeout(idle_seconds);
+        server_.set_read_timeout(read_seconds);
+        server_.set_write_timeout(write_seconds);
+        server_.set_payload_max_length(0);
         server_.set_tcp_nodelay(true);
-        // Not the library's SO_REUSEPORT, with which two servers share a port and nobody is told.
+        // The library's default, SO_REUSEPORT, lets two servers share a port without an error.
         server_.set_socket_options([](socket_t socket) {
             const int yes = 1;
             setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         });
-        server_.set_pre_routing_handler([this](const httplib::Request& request,
-                                               httplib::Response& response) {
-            if (options_.only.empty())
-                allow_other_pages(response);
-            if (request.method == "OPTIONS") {
-                answer_options(response);
+        server_.set_pre_routing_handler(
+            [this](const httplib::Request& request, httplib::Response& response) {
+                route(options_, root_, request, response);
                 return httplib::Server::HandlerResponse::Handled;
-            }
-            if (request.method != "GET" && request.method != "HEAD") {
-                response.status = 405; // before its body would be read
-                response.set_header("Allow", "GET, HEAD, OPTIONS");
-                return httplib::Server::HandlerResponse::Handled;
-            }
-            // Not const where the library made it; see send_file().
-            const auto ranges = std::exchange(const_cast<httplib::Request&>(request).ranges, {});
-            answer(options_, root_, request, ranges, response);
-            return httplib::Server::HandlerResponse::Handled;
-        });
-        if (options.log)
-            server_.set_logger([log = options.log](const httplib::Request& request,
-                                                   const httplib::Response& response) {
-                const bool has_body =
-                    request.method != "HEAD" &&
-                    (response.content_provider_success_ || !response.body.empty());
-                const auto length = parse_decimal(response.get_header_value("Content-Length"));
-                log({request.remote_addr, printable(request.method), printable(request.path),
-                     printable(request.get_header_value("Range")), response.status,
-                     has_body ? length.value_or(0) : 0});
             });
+        if (options_.log)
+            server_.set_logger(
+                [this](const httplib::Request& request, const httplib::Response& response) {
+                    log_request(options_.log, request, response);
+                });
     }
 
     ~Impl() {
@@ -235,12 +271,11 @@ public:
                                        ": cannot listen there: the port is taken, or the address "
                                        "is not this machine's"};
         url_ = "http://" + host + ":" + std::to_string(port_) + "/";
-        TESSERA_TRY(server_.guard());
         thread_ = std::thread([this] {
             server_.listen_after_bind();
             ended_ = true;
         });
-        while (!server_.is_running() && !ended_) // stop() has no effect before
+        while (!server_.is_running() && !ended_) // stop() has no effect earlier
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return {};
     }
@@ -251,7 +286,7 @@ public:
 private:
     const FileServerOptions options_;
     const fs::path root_;
-    GuardedServer server_;
+    httplib::Server server_;
     std::atomic<bool> ended_{false};
     std::thread thread_;
 };
@@ -260,7 +295,7 @@ Result<std::unique_ptr<FileServer>> FileServer::start(const FileServerOptions& o
     std::error_code error;
     const fs::path root = fs::canonical(options.folder, error);
     if (error || !fs::is_directory(root))
-        return Status(ErrorCode::io, options.folder + ": is no folder");
+        return Status(ErrorCode::io, options.folder + ": is not a folder");
     auto impl = std::make_unique<Impl>(root, options);
     TESSERA_TRY(impl->listen(options));
     return std::unique_ptr<FileServer>(new FileServer(std::move(impl)));

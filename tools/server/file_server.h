@@ -1,4 +1,4 @@
-// Serves the files of a folder over HTTP, in parts: what `tessera serve` is.
+// The HTTP server of `tessera serve`: the files of a folder, whole or in parts.
 #pragma once
 
 #include "format/status.h"
@@ -11,49 +11,52 @@
 
 namespace tessera {
 
-// One answered request. Text that came from outside holds no control characters.
+// One answered request. Control characters in its text are replaced by spaces.
 struct ServedRequest {
     std::string client;              // address
-    std::string method, path, range; // range: as asked for, "" without
+    std::string method, path, range; // range: the text of the field Range, may be empty
     int status = 0;
     std::uint64_t bytes = 0; // of the body
 };
 
 struct FileServerOptions {
     std::string folder;
-    // A name in the folder: nothing else of it is served, and to no page of another host; empty: all is.
+    // The name of the only file of the folder to serve, to pages of this host alone. Empty: serve
+    // the whole folder, to pages of all hosts.
     std::string only;
     std::string host = "127.0.0.1";
-    int port = 0; // 0: one that is free
-    // A page of HTML that shows NAME.tess of its folder, asked for as ?f=NAME.tess; empty: there is none.
+    int port = 0; // 0: any free one
+    // An HTML page that shows the file NAME.tess beside it if its URL ends in ?f=NAME.tess. Empty:
+    // there is no viewer.
     std::string viewer;
-    // What that page asks for as NAME.tess?view: what the file's decoder in the browser does not tell.
+    // Returns what that page requests as NAME.tess?view: what it needs besides the texels.
     std::function<Result<std::vector<std::byte>>(const std::string& path)> view_data;
-    // Called from several threads, after each answer.
+    // Called after each answer, from several threads.
     std::function<void(const ServedRequest&)> log;
 };
 
-// GET and HEAD of regular files below the folder, with one or several byte ranges (at most 64), strong
-// ETags made of size and time of change, Last-Modified, If-Match, If-None-Match, If-Range and
-// If-Unmodified-Since; a folder shows its .tess files and folders, with a page that shows the former. Pages
-// of other hosts may read all this (Access-Control-Allow-Origin), for which OPTIONS is answered. Names that begin with a point, and
-// links that lead out of the folder, are not there. Files are streamed, whatever their size.
+// Answers GET and HEAD of regular files below the folder, with up to 64 byte ranges a request, strong
+// ETags made of size and modification time, Last-Modified, If-Match, If-None-Match, If-Range and
+// If-Unmodified-Since. A folder's page lists its .tess files and subfolders. Pages of other hosts may
+// read all of this (CORS, including OPTIONS). Names that begin with a dot, and links that lead out of
+// the folder, are answered with 404. Files are streamed, whatever their size.
 //
-// Peers that drip, idle or never end cost little: a request's head has 8 KiB and 10 s, an idle connection
-// 5 s, an answer is taken at 4 KiB/s in each 10 s (half a second where others wait), bodies are not read; of 2,000
-// connections, or what the system's limit of open files allows, the one that waits longest makes room.
+// cpp-httplib serves each connection on one of 64 threads; further connections wait. A connection ends
+// after 1 s without a request, after 5 s in which a request does not go on or the client accepts no
+// byte, and after 1,000 requests. So slow clients can occupy all threads. Request bodies are refused.
 //
-// Plain HTTP without passwords: for one's own machine or a network that one trusts.
+// The server speaks plain HTTP without passwords, for your own machine or a trusted network. A public
+// site belongs behind a real web server.
 class FileServer {
 public:
-    // Listens, and answers on threads of its own. Errors: io (no such folder, or the address cannot
-    // be had).
+    // Listens, and answers on threads of its own. Errors: io (no such folder, or it cannot listen at
+    // the address).
     static Result<std::unique_ptr<FileServer>> start(const FileServerOptions& options);
-    // Ends at once; connections are broken off.
+    // Ends answers that are being sent and waits until their connections have ended, a few seconds.
     ~FileServer();
 
     int port() const;
-    std::string url() const; // of the folder, with a slash at its end
+    std::string url() const; // of the folder, ends in a slash
 
 private:
     class Impl;

@@ -1,4 +1,4 @@
-// Which file a request means, and which version of it is there.
+// Maps request paths to files, and describes the version of a file.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-// The file or folder below `root` that a decoded path ("/a/b.tess") means. Nothing for what is not
-// there or must not be seen: "..", names that begin with a point, links that lead out of `root`.
-// `root` must be canonical.
+// The file or folder below `root` that a decoded path such as "/a/b.tess" names. Nothing if it does not
+// exist or is not served: "..", names that begin with a dot, links that lead out of `root`. `root` must
+// be canonical.
 std::optional<std::filesystem::path> find_served(const std::filesystem::path& root,
                                                  const std::string& path);
 
@@ -20,19 +20,19 @@ struct FileVersion {
     std::uint64_t size = 0; // bytes
     std::time_t changed = 0;
     std::string etag;          // strong, with its quotes
-    std::string last_modified; // as in HTTP
+    std::string last_modified; // an HTTP date
 };
-// Nothing where there is no regular file.
+// Nothing if it is not a regular file.
 std::optional<FileVersion> version_of(const std::filesystem::path& file);
 
-// Whether a list such as `"a", W/"b"` or `*` holds the ETag. Weak ones never match.
+// Whether a list such as `"a", W/"b"` or `*` contains the ETag. Weak ETags never match.
 bool lists_etag(const std::string& list, const std::string& etag);
 
-// As a part of a URL's path or query.
+// Escapes text for a URL's path or query.
 std::string percent_encoded(const std::string& text);
 
-// A page of links to the .tess files and folders in `folder`; `path` is how it was asked for. Where there is
-// a viewer the names lead to it, and the lengths to the files.
+// A page that links to the .tess files and subfolders of `folder`, which was requested as `path`. With a
+// viewer, the names lead to the viewer and the lengths to the files.
 std::string list_folder(const std::filesystem::path& folder, const std::string& path,
                         bool has_viewer);
 

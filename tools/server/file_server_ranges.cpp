@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t streamed_bytes = 256 << 10; // at a time
+constexpr std::uint64_t streamed_bytes = 256 << 10; // most that one read brings
 
 }
 
@@ -16,7 +16,7 @@ std::vector<FilePart> parts_of(const std::vector<std::pair<std::int64_t, std::in
     for (auto [first, last] : ranges) {
         if (first < 0 && last <= 0) // "-", "-0"
             continue;
-        if (first < 0) { // the last so many bytes
+        if (first < 0) { // the last `last` bytes
             first = std::max<std::int64_t>(0, length - last);
             last = length - 1;
         }

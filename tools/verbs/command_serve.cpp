@@ -1,13 +1,10 @@
-#include "tools/support/interrupt.h"
 #include "tools/verbs/command.h"
 #ifdef TESSERA_HTTP
 #include "tools/page/viewer_server.h"
 #endif
 
-#include <chrono>
 #include <cstdio>
 #include <mutex>
-#include <thread>
 
 namespace tessera {
 namespace {
@@ -20,7 +17,7 @@ struct ServeCommand {
 
 #ifdef TESSERA_HTTP
 
-// Lines are flushed one by one: they are read while the server runs.
+// Flushes each line, because people and programs read them while the server runs.
 void print_request(const ServedRequest& r) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
@@ -39,9 +36,7 @@ Status run(const ServeCommand& a) {
     TESSERA_TRY_ASSIGN(const auto server, FileServer::start(options));
     std::printf("%s\n", server->url().c_str());
     std::fflush(stdout);
-    while (interrupted_by() == 0)
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    return {};
+    serve_until_interrupted();
 }
 
 #else
@@ -57,18 +52,24 @@ Status run(const ServeCommand&) {
 void add_serve_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ServeCommand& a) {
         c.add_option("folder", a.folder, "The folder with .tess files")->required();
-        c.add_option("--port", a.port, "Port; 0: one that is free")
+        c.add_option("--port", a.port, "Port to listen on; 0 picks a free one")
             ->check(CLI::Range(0, 65535))
             ->capture_default_str();
-        c.add_option("--host", a.host, "Address to listen at; 0.0.0.0: all of this machine's")
+        c.add_option("--host", a.host,
+                     "Address to listen at; 0.0.0.0 means all addresses of this machine")
             ->capture_default_str();
-        c.add_flag("--quiet,-q", a.quiet, "Print the URL, but no requests");
+        c.add_flag("--quiet,-q", a.quiet, "Print the URL only, no line per request");
     };
     add_verb<ServeCommand>(
         app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C, with the viewer of `view`",
-        "A browser shows a list there, whose names open the viewer. Prints its URL, then a line "
-        "for each request: client, method, path, range, status, bytes\n"
-        "of the body. Plain HTTP without passwords: for one's own machine or a trusted network.\n\n"
+        "In a browser the URL shows a list of the .tess files; their names open the viewer. The\n"
+        "program prints its URL, then one line per request: client, method, path, range, status,\n"
+        "bytes of the body.\n\n"
+        "The server speaks plain HTTP without passwords. It is for your own machine or a network\n"
+        "that you trust: it serves 64 connections at a time, and slow clients can occupy them "
+        "all.\n"
+        "A public site belongs behind a real web server; any that answers byte ranges can also\n"
+        "serve .tess files by itself.\n\n"
         "Examples:\n"
         "  tessera serve textures/\n"
         "  tessera serve textures/ --port 0 --quiet\n"

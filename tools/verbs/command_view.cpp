@@ -18,13 +18,11 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
 #include <spawn.h>
-#include <thread>
 
 extern char** environ;
 
@@ -183,9 +181,7 @@ Status serve_page(const ViewCommand& a) {
     std::fflush(stdout);
     if (!a.no_open)
         open_in_browser(url);
-    while (interrupted_by() == 0)
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    return {};
+    serve_until_interrupted();
 }
 
 #else
