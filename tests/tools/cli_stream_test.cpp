@@ -35,7 +35,7 @@ TEST_F(CliStream, FirstBytesTellWhatNamesDoNot) {
     succeed("decode t.bin -q -o b.rgb");
     EXPECT_EQ(slurp(at("b.rgb")) == slurp(at("a.rgb")), true);
     succeed("validate t.exr -q");
-    succeed("render t.bin -q --size 8x6 -o v.png");
+    succeed("render t.bin -q --pixels 8x6 -o v.png");
     fail(1, "decode e.tess -o b.rgb", {"e.tess", "an EXR picture", "decode reads .tess files"});
     fail(1, "decode a.rgb -o b.rgb", {"a.rgb", "a raw file"});
     fail(2, "decode nothing -o b.rgb", {"nothing"});

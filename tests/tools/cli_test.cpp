@@ -2,6 +2,7 @@
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 #include "tests/support/meshes.h"
+#include "tools/verbs/command.h"
 
 #include <csignal>
 #include <cstdlib>
@@ -19,13 +20,13 @@ using namespace tessera::test::cli_scenes;
 class Cli : public CliFixture {};
 
 TEST_F(Cli, ExplainsItself) {
-    for (const char* verb : {"bake", "encode", "decode", "info", "validate", "compare", "sheet",
-                             "render", "bench", "rd", "serve"}) {
-        const Outcome help = run(std::string(verb) + " --help");
+    for (const tessera::Verb& each : tessera::all_verbs()) {
+        const std::string verb = each.name;
+        const Outcome help = run(verb + " --help");
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("Examples:"), std::string::npos) << verb;
-        EXPECT_NE(help.out.find(std::string("tessera ") + verb), std::string::npos);
-        EXPECT_EQ(run(std::string("help ") + verb).out, help.out);
+        EXPECT_NE(help.out.find("tessera " + verb), std::string::npos);
+        EXPECT_EQ(run("help " + verb).out, help.out);
         EXPECT_NE(run("help").out.find(verb), std::string::npos) << run("help").out;
     }
     EXPECT_EQ(run("--help").code, 0);
@@ -143,7 +144,7 @@ TEST_F(Cli, KeepsTheMesh) {
     std::ofstream(at("box.drc"), std::ios::binary)
         .write(reinterpret_cast<const char*>(mesh.data()), static_cast<long>(mesh.size()));
     std::ofstream(at("a.gray")) << std::string(16, 'x');
-    succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --surface-map mesh-uv "
+    succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --proxy mesh --surface-map mesh-uv "
             "--angular-map octahedral-mirrored -o a.tess");
     succeed("encode a.tess -q --quality 10 -o b.tess"); // keeps it
     const Json info = json("info b.tess --json");
@@ -156,6 +157,7 @@ TEST_F(Cli, KeepsTheMesh) {
     succeed("encode b.tess -q --proxy sphere-inside:0,0,0,2 -o c.tess");
     EXPECT_EQ(json("info c.tess --json")["description"]["proxy"], "sphere-inside:0,0,0,2");
     EXPECT_FALSE(json("info c.tess --json").contains("mesh"));
+    fail(1, "encode c.tess --proxy mesh -o x.tess", {"--proxy mesh", "--mesh"});
     fail(3, "encode a.tess --mesh a.gray -o x.tess", {"a.gray", "Draco"});
     fail(2, "encode a.tess --mesh nowhere.drc -o x.tess", {"nowhere.drc"});
 }
@@ -241,7 +243,7 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
         // A journal may stay (resume_test.cpp); who is ended after a second does not say so.
-        const bool said = o.err.find("--resume goes on") != std::string::npos;
+        const bool said = o.err.find("--resume continues") != std::string::npos;
         if (said || !names().empty()) {
             EXPECT_EQ(names(), std::vector<std::string>{"x.tess.journal"});
         }
@@ -251,8 +253,8 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
 
 TEST_F(Cli, DrawsViews) {
     succeed(small_scene + quick + "-q -o a.tess");
-    succeed("render a.tess -o v.png --views paper --size 16x12 -q");
-    succeed("render a.tess -o v.exr --eye 6,2,-8 --look 0,1,0 --fov 30 --size 16x12 -q");
+    succeed("render a.tess -o v.png --views paper --pixels 16x12 -q");
+    succeed("render a.tess -o v.exr --eye 6,2,-8 --look 0,1,0 --fov 30 --pixels 16x12 -q");
     EXPECT_EQ(names(), (std::vector<std::string>{"a.tess", "v-1.png", "v-2.png", "v-3.png",
                                                  "v-4.png", "v-5.png", "v.exr"}));
     const auto before = names();
@@ -263,7 +265,7 @@ TEST_F(Cli, DrawsViews) {
     fail(1, "render a.tess -o x.png --eye 1,0,0", {"outside"});
     fail(1, "render a.tess -o x.png --look 10,0,0", {"same point"});
     fail(1, "render a.tess -o x.png --fov 180", {"180"});
-    fail(1, "render a.tess -o x.png --size 99999x1", {"--size"});
+    fail(1, "render a.tess -o x.png --pixels 99999x1", {"--pixels"});
     fail(1, "render a.tess -o x.png --views paper --orbit 3", {"--orbit"});
     fail(1, "render a.tess -o x.png --orbit 0", {"--orbit"});
     fail(1, "render a.tess -o x.png --via magic", {"--via"});

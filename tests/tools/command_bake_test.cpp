@@ -29,7 +29,7 @@ TEST_F(BakeVerb, PutsScenesOnTheirOwnSurfaces) {
     EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("b.tess")));
     succeed(mesh_scene + "-q --resume -o c.tess");
     EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("c.tess")));
-    succeed(mesh_scene + "-q --angular-map mirrored -o d.tess");
+    succeed(mesh_scene + "-q --angular-map octahedral-mirrored -o d.tess");
     EXPECT_NE(run("info d.tess").out.find("mirrored"), std::string::npos);
 }
 
@@ -39,10 +39,10 @@ TEST_F(BakeVerb, MeshesAreSeenSharp) {
     succeed("bake composed --proxy mesh --density 12 --directions 8x8 --spp 2 --effort 1 "
             "--quality 40 -q -o a.tess");
     EXPECT_LT(slurp(at("a.tess")).size(), 12000u);
-    const Json views = json("render a.tess -o v.png --eye 9,4,5 --size 160x120 --truth composed "
+    const Json views = json("render a.tess -o v.png --eye 9,4,5 --pixels 160x120 --truth composed "
                             "--truth-spp 4 --json")["views"];
     EXPECT_GT(views[0]["compressed_truth"]["psnr"], 36);
-    succeed("render a.tess -o inside.png --eye 0.1,0.2,0.1 --look 3,0,0 --size 16x12 -q");
+    succeed("render a.tess -o inside.png --eye 0.1,0.2,0.1 --look 3,0,0 --pixels 16x12 -q");
     fail(1, "rd --views composed x.tess -o r", {"--views"});
     fail(1, "rd -o r", {"--views"});
     fail(1, "rd --views nowhere -o r", {"nowhere", "composed"});

@@ -22,7 +22,7 @@ TEST_F(BenchVerb, BenchNeedsABuildThatDraws) {
 // A file of 8 tiles in a small window.
 const std::string bench_scene =
     "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20 --effort 1";
-const std::string bench_a = "bench gpu a.tess --size 48x32 --frames 2 --warm-up 1 ";
+const std::string bench_a = "bench gpu a.tess --pixels 48x32 --frames 2 --warm-up 1 ";
 
 TEST_F(BenchVerb, ChecksWhatToBench) {
     fail(1, "bench", {"target"});
@@ -38,10 +38,10 @@ TEST_F(BenchVerb, BenchesTheGpu) {
     if (std::getenv("TESSERA_NO_GPU") != nullptr)
         GTEST_SKIP() << "TESSERA_NO_GPU is set";
     succeed(bench_scene);
-    fail(1, bench_a + "--size 48", {"--size"});
+    fail(1, bench_a + "--pixels 48", {"--pixels"});
     fail(1, bench_a + "--eye 1,0,0", {"sphere"});
     fail(2, bench_a + "--original none.rgb", {"none.rgb"});
-    const Json report = json(bench_a + "--budget 8 --json");
+    const Json report = json(bench_a + "--budget 8M --json");
     EXPECT_EQ(report["tiles"], 8);
     EXPECT_EQ(report["width"], 48);
     std::vector<std::string> rows;
@@ -84,7 +84,7 @@ TEST_F(BenchVerb, BenchSaysWhatCannotBe) {
     succeed(scene + "-o a.tess --max-error 4");
     succeed(scene + "-o a.rgb");
     const std::string bench = bench_a + "--skip load --skip decode --original a.rgb ";
-    const Json report = json(bench + "--budget 1 --json");
+    const Json report = json(bench + "--budget 1M --json");
     EXPECT_EQ(report["rows"].size(), 6u);
     EXPECT_EQ(report["decode"].size(), 0u);
     for (const Json& row : report["rows"]) {

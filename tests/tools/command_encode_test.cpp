@@ -1,4 +1,4 @@
-// The verb encode: coding tools, targets, masks.
+// The verb encode: targets, masks, reuse.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -13,46 +13,6 @@ using namespace tessera::test;
 using namespace tessera::test::cli_scenes;
 
 class EncodeVerb : public CliFixture {};
-
-TEST_F(EncodeVerb, SwitchesCodingTools) {
-    succeed(small_scene + "-q -o a.rgb");
-    const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess ";
-    // A file says which tools it was made with, so what it decodes to is compared.
-    const auto texels = [&](const std::string& tools) {
-        succeed(encode + tools);
-        succeed("decode x.tess -q -o x.rgb");
-        const auto decoded = slurp(at("x.rgb"));
-        fs::remove(at("x.rgb"));
-        return decoded;
-    };
-    const std::string all = texels("");
-    EXPECT_FALSE(texels("--tools -copies,-rotation") == all);
-    EXPECT_FALSE(texels("--tools none") == all);
-    EXPECT_FALSE(texels("--tools none,+copies") == texels("--tools=none"));
-    EXPECT_TRUE(texels("--tools -copies,+copies") == all); // the last word counts
-    EXPECT_TRUE(texels("--tools none --effort 0") == texels("--tools none"));
-    succeed(small_scene + "-q -o x.tess --tools none");
-    succeed("compare x.tess a.rgb --size 32x16x9x5 --min-psnr 38");
-    fail(1, encode + "--tools -copeis",
-         {"--tools", "'-copeis'", "did you mean 'copies'", "fitted-tables"});
-    fail(1, encode + "--tools +frobnication", {"--tools", "frobnication", "copies, half"});
-    fail(1, encode + "--tools copies", {"--tools", "+copies", "-copies"});
-    fail(1, encode + "--tools -copies,,+half", {"--tools"});
-    fail(1, small_scene + "-o y.tess --tools -copeis", {"did you mean 'copies'"});
-    fail(1, small_scene + "-o y.rgb --tools none", {".tess"});
-    fail(1, "rd composed -o report --tools -copeis", {"did you mean 'copies'"});
-    EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "x.tess"}));
-    const std::string rd = "rd a.rgb --size 32x16x9x5 -o report --rivals none --quality 50 "
-                           "--efforts 0 --json ";
-    const Json without = json(rd + "--tools none"), with = json(rd); // the cache knows them apart
-    EXPECT_NE(without["textures"][0]["measurements"][0]["bytes"],
-              with["textures"][0]["measurements"][0]["bytes"]);
-    EXPECT_NE(without.dump().find("--tools none"), std::string::npos);
-    // Of those who compress it is no business, of those who measure it is.
-    for (const char* verb : {"encode", "bake"})
-        EXPECT_EQ(run(std::string(verb) + " --help").out.find("--tools"), std::string::npos);
-    EXPECT_NE(run("rd --help").out.find("--tools"), std::string::npos);
-}
 
 TEST_F(EncodeVerb, ReusesTheTilesThatWereNotEdited) {
     succeed(small_scene + "-q -o old.tess --quality 60 --meta by=me " + quick);
@@ -79,6 +39,10 @@ TEST_F(EncodeVerb, KeepsItsPromises) {
     const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess " + quick;
     succeed(encode + "--max-error 0");
     EXPECT_EQ(json("compare a.rgb x.tess --json")["identical"], true);
+    const std::string lossless = slurp(at("x.tess"));
+    succeed(encode + "--lossless");
+    EXPECT_EQ(slurp(at("x.tess")), lossless);
+    fail(1, encode + "--lossless --max-error 0", {"--max-error and --lossless"});
     succeed(encode + "--max-error 3");
     EXPECT_LE(json("compare a.rgb x.tess --json")["max_error"].get<int>(), 3);
     succeed(encode + "--target-psnr 36");
@@ -247,9 +211,9 @@ TEST_F(EncodeVerb, TakesViewsOfCameras) {
 
     // From the place of a camera its view is seen, pixel for pixel.
     succeed("decode a.tess -q -o same/");
-    succeed("render a.tess -q -o v.png --size 8x6 --eye 0.25,-0.5,4");
+    succeed("render a.tess -q -o v.png --pixels 8x6 --eye 0.25,-0.5,4");
     EXPECT_EQ(json("compare v.png same/out_02_01_-1.5_.png --json")["identical"], true);
-    succeed("render a.tess -q -o middle.png --size 80x60 --focus 2");
+    succeed("render a.tess -q -o middle.png --pixels 80x60 --focus 2");
     EXPECT_EQ(json("compare v.png same/out_02_00_-1.5_.png --json")["identical"], false);
     fail(1, "render a.tess -q -o w.png --eye 0,0,-1", {"window"});
     fail(5, "render a.tess -q -o w.png --via load", {"planar views"});

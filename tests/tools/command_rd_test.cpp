@@ -39,7 +39,7 @@ TEST_F(RdVerb, MeasuresRateAndDistortion) {
     EXPECT_NE(again.out.find("x265:medium: not installed: x265, ffmpeg"), std::string::npos)
         << again.out;
     EXPECT_NE(slurp(at("report") / "index.html").find("install-rivals.sh"), std::string::npos);
-    succeed("rd lambert --texture-size 12x8x4x4 --samples 1 -q -o r2 --rivals none --quality 50 "
+    succeed("rd lambert --size 12x8x4x4 --spp 1 -q -o r2 --rivals none --quality 50 "
             "--keep");
     EXPECT_TRUE(
         fs::exists(at("r2") / "bitstreams" / "lambert_tessera-3_quality-50" / "texture.tess"));

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 TEST_F(Render, DrawsMeasuresAndShows) {
     const std::string file = encode("composed", "c.tess");
     ASSERT_TRUE(
-        run({file, "-o", at("v.png"), "--views", "paper", "--size", "40x30", "--truth", "composed",
-             "--truth-spp", "2", "--sheet", at("s.png"), "--json", "--write-all"})
+        run({file, "-o", at("v.png"), "--views", "paper", "--pixels", "40x30", "--truth",
+             "composed", "--truth-spp", "2", "--sheet", at("s.png"), "--json", "--write-all"})
             .ok());
     const Json json = Json::parse(out_);
     ASSERT_EQ(json["views"].size(), 5u);
@@ -39,20 +39,20 @@ TEST_F(Render, DrawsMeasuresAndShows) {
     EXPECT_GT(read_png_shape(at("s.png"))->height, 5u * 30);
     EXPECT_TRUE(fs::exists(at("v-5-truth.png")) && fs::exists(at("v-1-uncompressed.png")));
     // The original from a file, without a scene, and an orbit.
-    ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--size", "8x8", "--original", file,
+    ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--pixels", "8x8", "--original", file,
                      "--json"})
                     .ok());
     EXPECT_TRUE(Json::parse(out_)["views"][1]["compressed_uncompressed"]["psnr"].is_null());
     EXPECT_TRUE(fs::exists(at("o-2.png")));
-    ASSERT_TRUE(run({file, "-o", at("q.png"), "--size", "8x8", "-q"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("q.png"), "--pixels", "8x8", "-q"}).ok());
     EXPECT_EQ(out_, "");
 }
 
 TEST_F(Render, DrawsATextureThatNoFileHolds) {
-    const std::vector<std::string> how = {"--views", "1",        "--size", "40x30",
+    const std::vector<std::string> how = {"--views", "1",        "--pixels", "40x30",
                                           "--truth", "composed", "--json"};
-    std::vector<std::string> words = {
-        "-o", at("s.png"), "--scene", "composed", "--texture-size", "32x16x8x8", "--spp", "2"};
+    std::vector<std::string> words = {"-o",     at("s.png"), "--scene", "composed",
+                                      "--size", "32x16x8x8", "--spp",   "2"};
     words.insert(words.end(), how.begin(), how.end());
     ASSERT_TRUE(run(words).ok());
     const Json scene = Json::parse(out_);
@@ -63,15 +63,15 @@ TEST_F(Render, DrawsATextureThatNoFileHolds) {
               Json::parse(out_)["views"][0]["uncompressed_truth"]);
     EXPECT_FALSE(scene["views"][0].contains("compressed_truth"));
     // 422 TB.
-    EXPECT_TRUE(run({"-o", at("h.png"), "--scene", "lamps", "--texture-size", "65536x16384x256x256",
-                     "--spp", "1", "--size", "8x6"})
+    EXPECT_TRUE(run({"-o", at("h.png"), "--scene", "lamps", "--size", "65536x16384x256x256",
+                     "--spp", "1", "--pixels", "8x6"})
                     .ok());
 }
 
 TEST_F(Render, WritesExr) {
     const std::string file = encode("lamps", "l.tess");
-    ASSERT_TRUE(run({file, "-o", at("l.exr"), "--size", "32x20", "--truth", "lamps"}).ok());
-    ASSERT_TRUE(run({file, "-o", at("l.png"), "--size", "32x20"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("l.exr"), "--pixels", "32x20", "--truth", "lamps"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("l.png"), "--pixels", "32x20"}).ok());
     std::vector<float> rgb(32 * 20 * 3);
     Imf::InputFile in(at("l.exr").c_str());
     Imf::FrameBuffer frame;
@@ -94,7 +94,7 @@ TEST_F(Render, RefusesWithReasons) {
     const std::string file = encode("composed", "c.tess"), out = at("v.png");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--eye", "1,0,0"}, "outside");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--fov", "180"}, "between 0 and 180");
-    fails(ErrorCode::bad_argument, {file, "-o", out, "--size", "0x4"}, "0x4");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--pixels", "0x4"}, "0x4");
     fails(ErrorCode::bad_argument, {file, "-o", at("v.jpg")}, ".png");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "nowhere"}, "aliasing-near");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "mirror"}, "composed");
@@ -106,12 +106,11 @@ TEST_F(Render, RefusesWithReasons) {
     fails(ErrorCode::unsupported, {encode("composed", "flat.tess", false), "-o", out}, "--proxy");
     fails(ErrorCode::bad_argument, {"-o", out}, "--scene");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--scene", "composed"}, "not both");
-    fails(ErrorCode::bad_argument, {file, "-o", out, "--texture-size", "8x8x8x8"}, "--scene");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--size", "8x8x8x8"}, "--scene");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--spp", "2"}, "--truth");
     fails(ErrorCode::bad_argument, {"-o", out, "--scene", "nowhere"}, "aliasing-near");
     fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--via", "load"}, "CPU");
-    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--texture-size", "8x8x8"},
-          "8x8x8");
+    fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--size", "8x8x8"}, "8x8x8");
     fails(ErrorCode::bad_argument, {"-o", out, "--scene", "composed", "--truth", "mirror"},
           "mirror");
     fails(ErrorCode::io, {at("none.tess"), "-o", out}, "none.tess");

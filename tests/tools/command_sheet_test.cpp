@@ -26,7 +26,7 @@ TEST_F(SheetVerb, DrawsSheets) {
 
 TEST_F(SheetVerb, SetsPicturesSideBySide) {
     succeed(small_scene + quick + "-q -o a.tess");
-    succeed("render a.tess -o v.png --views paper --size 16x12 -q");
+    succeed("render a.tess -o v.png --views paper --pixels 16x12 -q");
     const Outcome o = run("sheet v-1.png v-2.png v-3.png --columns 2 --middle 10 -o m.png");
     EXPECT_EQ(o.out, "m.png: 44 x 76 pixels\n") << o.err; // gaps of 8, labels of 16
     EXPECT_EQ(run("sheet v-1.png v-2.png v-3.png -o m.png").out, "m.png: 80 x 44 pixels\n");

@@ -193,8 +193,8 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     EXPECT_LE((*tiny)->device_use()->bytes, (5u << 20) + camera.width * camera.height * 16 + 4096);
     unsigned missing = 0, touched = 0, budget = 0, advice = 0;
     ASSERT_EQ(std::sscanf(coarse.remark.c_str(),
-                          "%u of the %u tiles that it touches found no place within --budget %u "
-                          "and are drawn coarsely; --budget %u",
+                          "%u of the %u tiles that it touches found no place within --budget %uM "
+                          "and are drawn coarsely; --budget %uM",
                           &missing, &touched, &budget, &advice),
               4)
         << coarse.remark;
@@ -216,16 +216,16 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
 
 TEST_F(GpuRender, OrbitsByFeedback) {
     const std::string file = encode("composed", "c.tess");
-    ASSERT_TRUE(run({file, "-o", at("f.png"), "--orbit", "3", "--size", "40x30", "--via",
+    ASSERT_TRUE(run({file, "-o", at("f.png"), "--orbit", "3", "--pixels", "40x30", "--via",
                      "feedback", "--original", file, "--json"})
                     .ok());
     const Json json = Json::parse(out_);
     EXPECT_GT(json["device"]["bytes"].get<double>(), 0);
     for (const Json& view : json["views"])
         EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 45) << view;
-    ASSERT_TRUE(run({file, "-o", at("g.png"), "--size", "8x8", "--via", "load"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("g.png"), "--pixels", "8x8", "--via", "load"}).ok());
     EXPECT_NE(out_.find("MiB held"), std::string::npos) << out_;
-    fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1"},
+    fails(ErrorCode::unsupported, {file, "-o", at("h.png"), "--via", "feedback", "--budget", "1M"},
           "--via cpu");
 }
 
@@ -273,7 +273,7 @@ protected:
     // Draws a view of the file or URL in frames; the frames as JSON.
     Json frames_of(const std::string& file, const std::string& name,
                    const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--size",
+        std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--pixels",
                                           "96x72",    "--eye",  "8,3,6",           "--via",
                                           "feedback", "--json", "--frames"};
         words.insert(words.end(), more.begin(), more.end());
@@ -353,7 +353,7 @@ TEST_F(Sharpening, InStepsOnRequest) {
     EXPECT_EQ(frames.back()["coarse"], 0);
     EXPECT_TRUE(slurp(at("v.png")) == slurp(at("w.png")));
     EXPECT_TRUE(fs::exists(at("w-frame-" + std::to_string(frames.size()) + ".png")));
-    ASSERT_TRUE(run({at("g.tess"), "-o", at("o.png"), "--orbit", "2", "--size", "40x30", "--via",
+    ASSERT_TRUE(run({at("g.tess"), "-o", at("o.png"), "--orbit", "2", "--pixels", "40x30", "--via",
                      "feedback", "--log"})
                     .ok());
     EXPECT_EQ(out_.rfind("view 1 frame 1: ", 0), 0u) << out_;
@@ -399,12 +399,13 @@ TEST_F(Sharpening, ComesOverANetworkInFewRequests) {
     EXPECT_EQ(server.requests(),
               frames[0]["requests"].get<unsigned>() + frames[1]["requests"].get<unsigned>());
     ASSERT_TRUE(
-        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback"}).ok());
+        run({server.url(), "-o", at("x.png"), "--pixels", "40x30", "--via", "feedback"}).ok());
     EXPECT_NE(out_.find("view 1 frame 2: "), std::string::npos) << "usual for URLs\n" << out_;
-    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--size", "40x30"}).ok());
+    ASSERT_TRUE(run({server.url(), "-o", at("x.png"), "--pixels", "40x30"}).ok());
     EXPECT_NE(out_.find("view 1: "), std::string::npos) << out_;
     ASSERT_TRUE(
-        run({server.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}).ok());
+        run({server.url(), "-o", at("x.png"), "--pixels", "40x30", "--via", "feedback", "-q"})
+            .ok());
     EXPECT_EQ(out_, "");
 }
 
@@ -444,7 +445,7 @@ TEST_F(Sharpening, OutlivesAFailingNetwork) {
                        : "HTTP/1.1 503 Later\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n"};
     });
     fails(ErrorCode::io,
-          {gone.url(), "-o", at("x.png"), "--size", "40x30", "--via", "feedback", "-q"}, "503");
+          {gone.url(), "-o", at("x.png"), "--pixels", "40x30", "--via", "feedback", "-q"}, "503");
 }
 #endif
 

@@ -102,15 +102,15 @@ TEST_F(HttpCli, ComparesTranscodesDraws) {
     EXPECT_EQ(json("compare --json --no-ssim " + url_ + " a.tess")["identical"], true);
     // Ten, some more on a machine so busy that what was read ahead comes late; tile by tile 18.
     EXPECT_LE(requests() - before, 15u) << "reads ahead, not tile by tile";
-    succeed("render -q --size 32x24 -o far.png " + url_);
-    succeed("render -q --size 32x24 -o near.png a.tess");
+    succeed("render -q --pixels 32x24 -o far.png " + url_);
+    succeed("render -q --pixels 32x24 -o near.png a.tess");
     EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
     succeed("encode -q --effort 0 -o far.tess " + url_);
     succeed("encode -q --effort 0 -o near.tess a.tess");
     EXPECT_EQ(slurp(at("far.tess")), slurp(at("near.tess")));
     succeed("sheet -q -o far.png a.tess " + url_);
     succeed("rd -q --rivals none --quick --quality 40 --efforts 0 -o report " + url_);
-    const Outcome bench = run("bench gpu --size 99999x1 " + url_);
+    const Outcome bench = run("bench gpu --pixels 99999x1 " + url_);
     EXPECT_NE(bench.code, 2) << "it was opened\n" << bench.err;
 }
 

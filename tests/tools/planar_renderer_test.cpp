@@ -38,7 +38,7 @@ protected:
     // Filled by the window: what is beside it is the file's background, which is each file's own.
     std::string drawn(const std::string& file, std::vector<std::string> words) {
         const std::string output = at("v.exr"); // floats, where 8 bits could hide something
-        words.insert(words.begin(), {file, "-o", output, "-q", "--size", "36x30"});
+        words.insert(words.begin(), {file, "-o", output, "-q", "--pixels", "36x30"});
         const Status status = run(words);
         EXPECT_TRUE(status) << status.message();
         std::ifstream in(output, std::ios::binary);
@@ -111,7 +111,7 @@ TEST_F(PlanarRender, AlignedViewsAreComparedWithOthers) {
     const std::string aligned = views_file("a.tess", desc, 2, 2, "");
     const std::string plain = views_file("p.tess", desc, 2, 2, "-align");
     for (const auto& [file, original] : {std::pair(aligned, plain), std::pair(plain, aligned)}) {
-        const Status status = run({file, "-o", at("v.png"), "--size", "31x24", "--eye=0.4,0.3,2",
+        const Status status = run({file, "-o", at("v.png"), "--pixels", "31x24", "--eye=0.4,0.3,2",
                                    "--original", original, "--json"});
         ASSERT_TRUE(status) << status.message();
         EXPECT_NE(out_.find("\"psnr\": null"), std::string::npos) << out_; // identical

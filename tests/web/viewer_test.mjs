@@ -32,13 +32,13 @@ function makeTextures() {
     tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick);
     for (const [name, colour, ...more] of [['planar', planarColour, '0'], ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
         writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
-        tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar views', '-o', inFolder(`${name}.tess`), '-q', '--effort', ...more);
+        tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar-views', '-o', inFolder(`${name}.tess`), '-q', '--effort', ...more);
     }
 }
 
 const options = pose => ['eye', 'look', 'fov', 'focus', 'rays'].map(name => [`--${name}`, pose[name]]).flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
 function rendered(name, pose, size = '200x150') {
-    execFileSync(renderer, ['render', inFolder(name), '-o', inFolder('v.png'), '--size', size, '-q', ...options(pose)]);
+    execFileSync(renderer, ['render', inFolder(name), '-o', inFolder('v.png'), '--pixels', size, '-q', ...options(pose)]);
     return readPng(readFileSync(inFolder('v.png')));
 }
 const hash = (pose, size = '200x150') => `#size=${size}` + Object.entries(pose).map(([name, value]) => `&${name}=${value}`).join('');

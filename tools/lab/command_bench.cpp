@@ -16,8 +16,7 @@ struct BenchCommand {
 
 Status run(const BenchCommand& a) {
     if (a.target != "gpu")
-        return {ErrorCode::bad_argument,
-                "'" + a.target + "' is nothing that can be measured; gpu is"};
+        return {ErrorCode::bad_argument, "'" + a.target + "' cannot be measured, only gpu can"};
     GpuBenchOptions options = a.options;
     Result<BenchReport> report = Status();
     {
@@ -34,71 +33,84 @@ Status run(const BenchCommand& a) {
 }
 
 void declare_path(CLI::App& c, ViewRequest& view) {
+    constexpr const char* group = "Camera";
     view.orbit = 360;
-    c.add_option("--eye", view.eye, "Where the first frame is seen from, x,y,z (10,0,0)");
-    c.add_option("--look", view.look, "A point straight ahead, x,y,z (0,0,0)");
-    c.add_option("--fov", view.fov, "Vertical field of view in degrees")->capture_default_str();
+    c.add_option("--eye", view.eye, "Position of the first frame. Default: 10,0,0")
+        ->option_text("X,Y,Z")
+        ->group(group);
+    c.add_option("--look", view.look, "A point straight ahead. Default: 0,0,0")
+        ->option_text("X,Y,Z")
+        ->group(group);
+    c.add_option("--fov", view.fov, "Vertical field of view. Default: 45")
+        ->option_text("DEGREES")
+        ->group(group);
     c.add_option("--orbit", view.orbit,
-                 "Frames of a whole turn around the vertical line through the look point: 360 is a "
-                 "degree a frame")
+                 "Frames of a whole turn around the vertical line through --look. Default: 360")
         ->check(CLI::Range(1u, 100000u))
-        ->capture_default_str();
-    c.add_option("--size", view.size,
-                 "Pixels of a frame, WxH (1920x1080; 640x360 on a software device)");
+        ->option_text("N")
+        ->group(group);
+    c.add_option("--pixels", view.size,
+                 "Size of a frame. Default: 1920x1080, or 640x360 on a software device")
+        ->option_text("WxH")
+        ->group(group);
+}
+
+void declare(CLI::App& c, BenchCommand& a) {
+    GpuBenchOptions& o = a.options;
+    c.add_option("target", a.target, "What to measure: gpu")->required();
+    c.add_option("file", a.file,
+                 "A .tess with a texture on a sphere or a mesh, or its URL (http, https)")
+        ->required();
+    c.add_option("--frames", o.frames,
+                 "Frames to measure in each way. Default: 100, or 10 on a software device")
+        ->check(CLI::Range(1u, 100000u))
+        ->option_text("N");
+    c.add_option("--warm-up", o.warm_up,
+                 "Frames to draw before that. Default: 30, or 2 on a software device")
+        ->check(CLI::Range(0u, 100000u))
+        ->option_text("N");
+    c.add_option("--budget", o.budget_mib,
+                 "Memory on the device for the tile cache and all that belongs to it. Default: a "
+                 "fifth of the decoded texture, or what a view of a small file needs")
+        ->transform(size_in_mebibytes())
+        ->option_text("SIZE");
+    c.add_option("--original", o.original,
+                 "The uncompressed texture (raw or .tess) for the rows raw and for PSNR. Default: "
+                 "the texels as the CPU decodes them")
+        ->option_text("FILE");
+    c.add_option("--skip", o.skip, "Rows to leave out, a list of raw, load, feedback, decode")
+        ->delimiter(',')
+        ->check(one_of({"raw", "load", "feedback", "decode"}))
+        ->option_text("LIST");
+    c.add_flag("--json", a.json, "Print JSON");
+    c.add_flag("--quiet,-q", a.quiet, "No progress");
+    declare_path(c, o.view);
 }
 
 } // namespace
 
 void add_bench_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, BenchCommand& a) {
-        GpuBenchOptions& o = a.options;
-        c.add_option("target", a.target, "What to measure: gpu")->required();
-        c.add_option(
-             "file", a.file,
-             "A .tess with a texture on a sphere or a mesh, or the URL of one (http, https)")
-            ->required();
-        declare_path(c, o.view);
-        c.add_option("--frames", o.frames, "Frames measured in each way (100; software 10)")
-            ->check(CLI::Range(1u, 100000u));
-        c.add_option("--warm-up", o.warm_up, "Frames drawn before those (30; software 2)")
-            ->check(CLI::Range(0u, 100000u));
-        c.add_option("--budget", o.budget_mib,
-                     "Memory on the device for the tile cache and all that belongs to it: 64M, 2G, "
-                     "or a number of MiB (default: a fifth of the decoded texture, or for small "
-                     "files what a view needs)")
-            ->transform(mebibytes())
-            ->type_name("SIZE");
-        c.add_option("--original", o.original,
-                     "The uncompressed texture (raw or .tess) to draw as raw and to measure PSNR "
-                     "against; without it, the texels as the CPU decodes them");
-        c.add_option("--skip", o.skip, "Leave out some of raw,load,feedback,decode")
-            ->delimiter(',')
-            ->check(one_of({"raw", "load", "feedback", "decode"}));
-        c.add_flag("--json", a.json, "Print JSON");
-        c.add_flag("--quiet,-q", a.quiet, "No progress");
-    };
     add_verb<BenchCommand>(
         app, chosen, "bench", "Measure drawing a texture on the GPU",
-        "Rows, all drawn along the same path in one run:\n"
-        "  raw       an ordinary texture, as a renderer without this codec holds it\n"
-        "  load      the same, decoded on the GPU\n"
-        "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; a frame\n"
-        "            that marks its tiles, decoding them, and the frame drawn from them. Steady:\n"
-        "            along the orbit, with what little each frame decodes\n"
-        "'16' fetches texels one by one, '4 filtered' lets the texture unit mix them.\n\n"
-        "ms is a frame's time by the GPU's clock, decoding included, the median and what 95 in "
-        "100\n"
-        "frames stay below; wall ms by the host's. Of a software device ms is processor time\n"
-        "of all threads, and neither says anything about GPUs. PSNR is of the first view as "
-        "displayed, 8 bits; 'same' is\n"
-        "without any difference. Late: tiles that found no slot. Then, for decoding alone, what "
-        "its\n"
-        "stages take: uploading, entropy decoding, sorting the levels, and the inverse transform\n"
-        "with colour and writing.\n\n"
+        "All rows draw along the same path in one run:\n"
+        "  raw       an ordinary texture, as a renderer without this codec uses it\n"
+        "  load      the same texture, decoded on the GPU\n"
+        "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; one frame\n"
+        "            marks its tiles, they are decoded, and the frame is drawn. Steady: along the\n"
+        "            orbit, with the few tiles that each frame decodes\n"
+        "With '16' the shader fetches texels one by one, with '4 filtered' the texture unit\n"
+        "interpolates them.\n\n"
+        "ms is the time of a frame by the GPU's clock, decoding included: the median, and the\n"
+        "95th percentile. wall ms is by the host's clock. For a software device ms is the "
+        "processor\n"
+        "time of all threads; neither says anything about GPUs. PSNR compares the first view as\n"
+        "displayed, in 8 bits; 'same' means no difference. Late counts tiles that found no slot.\n"
+        "The last rows are the stages of decoding alone: uploading, entropy decoding, sorting the\n"
+        "levels, and the inverse transform with colour and writing.\n\n"
         "Examples:\n"
         "  tessera bench gpu scene.tess\n"
-        "  tessera bench gpu scene.tess --original scene.rgb --size 1280x720 --json\n"
-        "  tessera bench gpu scene.tess --budget 64 --skip raw,load",
+        "  tessera bench gpu scene.tess --original scene.rgb --pixels 1280x720 --json\n"
+        "  tessera bench gpu scene.tess --budget 64M --skip raw,load",
         declare, run);
 }
 

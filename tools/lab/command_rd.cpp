@@ -2,11 +2,10 @@
 #include "tools/lab/rd/rd_run.h"
 #include "tools/lab/rd/views_study.h"
 #include "tools/support/option_checks.h"
+#include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/verbs/command.h"
-
-#include <sstream>
 
 namespace tessera {
 namespace {
@@ -20,9 +19,9 @@ struct RdCommand {
 
 Status run_views(const RdCommand& a) {
     if (!a.options.textures.empty())
-        return {ErrorCode::bad_argument, "--views makes its own textures; it takes no others"};
+        return {ErrorCode::bad_argument, "--views bakes its own textures and accepts no others"};
     if (a.options.efforts.size() > 1)
-        return {ErrorCode::bad_argument, "--views: one of --efforts at a time"};
+        return {ErrorCode::bad_argument, "--views: accepts only one of --efforts"};
     TESSERA_TRY_ASSIGN(const TextureHints hints, make_hints(a.texture));
     ViewsOptions o{a.views, a.options.output, a.options.quick};
     if (!a.options.efforts.empty())
@@ -55,86 +54,89 @@ Status run(const RdCommand& a) {
     return {};
 }
 
-// Of lines such as "copies: from other views".
-std::string names_of_tools() {
-    std::istringstream lines(coding_tools_help());
-    std::string names;
-    for (std::string line; std::getline(lines, line);)
-        names += (names.empty() ? "" : ", ") + line.substr(0, line.find(':'));
-    return names;
-}
-
-void declare_rates(CLI::App& c, RdOptions& o) {
-    c.add_option("--psnr", o.psnr, "PSNRs in dB that tessera is measured at (35,38,41,44)")
-        ->delimiter(',')
-        ->check(CLI::Range(1.0, 200.0));
-    c.add_option("--quality", o.quality,
-                 "Qualities 1..100 that it is measured at; with --psnr both")
-        ->delimiter(',')
-        ->check(CLI::Range(1.0, 100.0));
-    c.add_option("--efforts", o.efforts,
-                 "Efforts 0..4 that it is measured at (3, and a point each at 0 and 4)")
-        ->delimiter(',')
-        ->check(CLI::Range(0, most_effort));
-    c.add_option("--tools", o.tools,
-                 "Coding tools off or on, such as -copies,+grids; of " + names_of_tools())
-        ->type_name("LIST");
-    c.add_option("--rivals", o.rivals,
-                 "all, none, or ids with commas: x265, x265:8, x265:medium, aom, svtav1, avif, "
-                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw (all)");
-    c.add_option("--anchor", o.anchor,
-                 "The codec that BD-rates are against (x265 if it ran, else tessera)");
-}
-
-void declare_sweep(CLI::App& c, RdOptions& o) {
+void declare_measurement(CLI::App& c, RdOptions& o) {
+    constexpr const char* group = "Measurements";
     c.add_flag(
-        "--quick", o.quick,
-        "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
-    c.add_option("--texture-size", o.texture_size, "UxVxSxT of a scene (its own)");
-    c.add_option("--samples", o.samples, "Rays per texel of a scene")
+         "--quick", o.quick,
+         "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals")
+        ->group(group);
+    c.add_option("--psnr", o.psnr, "PSNRs to encode with tessera at. Default: 35,38,41,44")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 200.0))
+        ->option_text("DB,DB,...")
+        ->group(group);
+    c.add_option("--quality", o.quality, "Qualities to encode with tessera at, also besides --psnr")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 100.0))
+        ->option_text("1..100,...")
+        ->group(group);
+    c.add_option("--efforts", o.efforts,
+                 "Efforts to encode with tessera at. Default: 3, and one point each at 0 and 4")
+        ->delimiter(',')
+        ->check(CLI::Range(0, most_effort))
+        ->option_text("0..4,...")
+        ->group(group);
+    c.add_option("--rivals", o.rivals,
+                 "all (default), none, or a list of: x265, x265:8, x265:medium, aom, svtav1, avif, "
+                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw")
+        ->option_text("LIST")
+        ->group(group);
+    c.add_option("--anchor", o.anchor,
+                 "The codec that BD-rates refer to. Default: x265 if it ran, else tessera")
+        ->option_text("ID")
+        ->group(group);
+    c.add_option("--spp", o.samples, "Rays per texel of a scene. Default: 16")
         ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-        ->capture_default_str();
-    c.add_flag("--sphere", o.on_sphere,
-               "The texture lies on the scenes' sphere though its file does not say so: measure "
-               "rendered views");
-    c.add_option("--cache", o.cache, "Folder of measurements, to go on from (OUTPUT/cache)");
-    c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
-    c.add_option("--timeout", o.timeout, "Seconds that a run of a rival's tool may take")
+        ->option_text("N")
+        ->group(group);
+    c.add_flag(
+         "--sphere", o.on_sphere,
+         "Assume that the texture lies on the sphere of the scenes, and also measure rendered "
+         "views")
+        ->group(group);
+    c.add_option("--cache", o.cache, "Folder with earlier measurements. Default: OUTPUT/cache")
+        ->option_text("FOLDER")
+        ->group(group);
+    c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams")
+        ->group(group);
+    c.add_option("--timeout", o.timeout,
+                 "Limit for one run of a rival's tool. Default: " + format_number(o.timeout, 0))
         ->check(number_between(1, 1e6))
-        ->capture_default_str();
+        ->option_text("SECONDS")
+        ->group(group);
+}
+
+void declare(CLI::App& c, RdCommand& a) {
+    c.add_option("textures", a.options.textures,
+                 "Textures: .tess, .exr, raw (with --size), folder of views; or scenes");
+    c.add_option("-o,--output", a.options.output,
+                 "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json")
+        ->required();
+    c.add_option(
+         "--views", a.views,
+         "Instead of textures: measure what an observer sees of this built-in scene against "
+         "the bytes of whole files, on its own surfaces, with a 2D texture, and on a "
+         "sphere; writes views.svg, .md, .csv and .json")
+        ->option_text("SCENE");
+    c.add_flag("--json", a.json, "Print JSON");
+    declare_measurement(c, a.options);
+    add_texture_options(c, a.texture);
 }
 
 } // namespace
 
 void add_rd_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, RdCommand& a) {
-        c.add_option("textures", a.options.textures,
-                     "Textures: .tess, .exr, raw (with --size), folder of views; or scenes");
-        c.add_option("--views", a.views,
-                     "Instead: what an observer sees of this built-in scene over the bytes of "
-                     "whole files: on its own surfaces, with a plain 2D texture, on the paper's "
-                     "sphere; writes views.svg, .md, .csv and .json");
-        c.add_option(
-             "-o,--output", a.options.output,
-             "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json (made if missing)")
-            ->required();
-        declare_rates(c, a.options);
-        declare_sweep(c, a.options);
-        c.add_flag("--json", a.json, "Print JSON");
-        add_texture_options(c, a.texture);
-    };
     add_verb<RdCommand>(
         app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
-        "Rivals run through their own command-line tools; tools/lab/scripts/install-rivals.sh "
-        "installs "
-        "them\n"
-        "from Debian, and what is missing is named. Results are kept: after Ctrl-C the same\n"
-        "command goes on where it stopped.\n\n"
+        "Rivals run as their own command-line tools. tools/lab/scripts/install-rivals.sh installs\n"
+        "them from Debian; missing ones are listed. Measurements are kept, so after Ctrl-C the "
+        "same\n"
+        "command continues.\n\n"
         "Examples:\n"
         "  tessera rd scene.tess -o report --quick\n"
-        "  tessera rd composed --texture-size 128x64x32x32 -o report\n"
+        "  tessera rd composed --size 128x64x32x32 -o report\n"
         "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
-        "  tessera rd lamps mirror --texture-size 64x64x16x16 -o report --efforts 0,3,4\n"
+        "  tessera rd lamps mirror --size 64x64x16x16 -o report --efforts 0,3,4\n"
         "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera\n"
         "  tessera rd --views composed -o report",
         declare, run);

@@ -1,11 +1,11 @@
 #include "tools/scenes/baked_surface.h"
 
-#include "tools/support/parse.h"
-
 #include "corpus/catalog.h"
 #include "corpus/surface/angular_choice.h"
 #include "corpus/surface/scene_surface.h"
 #include "corpus/surface/surface_source.h"
+#include "tools/support/description_text.h"
+#include "tools/support/parse.h"
 
 namespace tessera {
 namespace {
@@ -45,12 +45,15 @@ Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
 Result<std::optional<AngularMap>> parse_octahedral_map(const std::string& text) {
     if (text == "auto")
         return std::optional<AngularMap>();
-    for (const auto& [map, word] : {std::pair(AngularMap::octahedral_hemisphere, "hemisphere"),
-                                    std::pair(AngularMap::octahedral_mirrored, "mirrored")})
-        if (text == word || text == name_of(map))
-            return std::optional(map);
+    Description d;
+    if (set_description_field(d, "angular-map", text).ok() &&
+        (d.angular_map == AngularMap::octahedral_hemisphere ||
+         d.angular_map == AngularMap::octahedral_mirrored))
+        return std::optional(d.angular_map);
     return Status(ErrorCode::bad_argument,
-                  "'" + text + "' is not auto, hemisphere or mirrored, the maps of a mesh");
+                  "'" + text +
+                      "' is not auto, octahedral-hemisphere or octahedral-mirrored, the "
+                      "maps of a mesh");
 }
 
 } // namespace tessera

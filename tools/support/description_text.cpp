@@ -3,6 +3,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/suggestions.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -11,36 +12,43 @@
 namespace tessera {
 namespace {
 
-// Spelling does not matter: "bt709" is "BT.709", "mesh-uv" is "mesh uv".
-std::string normalised(std::string_view text) {
+constexpr float usual_sphere_radius = 3.5f; // the sphere of the built-in scenes
+
+// "hemisphere alpha/beta" -> "hemisphere-alpha-beta", "BT.709" -> "bt709".
+std::string kebab_case(std::string_view text) {
     std::string out;
-    for (char c : text)
+    for (const char c : text)
         if (std::isalnum(static_cast<unsigned char>(c)))
             out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        else if (c != '.')
+            out += '-';
     return out;
 }
 
-template <class Enum> std::string all_names(int last) {
-    std::string names;
+template <class Enum> std::vector<std::string> names_up_to(int last) {
+    std::vector<std::string> names;
     for (int i = 0; i <= last; ++i)
-        names += std::string(i > 0 ? ", " : "") + name_of(static_cast<Enum>(i));
+        names.push_back(kebab_case(name_of(static_cast<Enum>(i))));
     return names;
 }
 
-// Sets `out` to the value in first..last whose name is `text`.
+std::string joined(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words)
+        text += (text.empty() ? "" : ", ") + word;
+    return text;
+}
+
+// Sets `out` to the value in 0..last whose name is `text`.
 template <class Enum>
 Status set_by_name(Enum& out, int last, std::string_view field, const std::string& text) {
-    std::vector<std::string> names;
-    for (int i = 0; i <= last; ++i) {
-        const auto value = static_cast<Enum>(i);
-        names.emplace_back(name_of(value));
-        if (normalised(text) == normalised(name_of(value))) {
-            out = value;
-            return {};
-        }
-    }
-    return {ErrorCode::bad_argument, std::string(field) + " '" + text + "' is not one of: " +
-                                         all_names<Enum>(last) + did_you_mean(text, names)};
+    const std::vector<std::string> names = names_up_to<Enum>(last);
+    const auto found = std::ranges::find(names, kebab_case(text));
+    if (found == names.end())
+        return {ErrorCode::bad_argument, std::string(field) + " '" + text + "' is not one of: " +
+                                             joined(names) + did_you_mean(text, names)};
+    out = static_cast<Enum>(found - names.begin());
+    return {};
 }
 
 bool parse_floats(std::string_view text, float* out, int count) {
@@ -52,17 +60,27 @@ bool parse_floats(std::string_view text, float* out, int count) {
             !parse_number(text.substr(0, comma), value) || std::abs(value) > 2.0 * largest)
             return false;
         out[i] = static_cast<float>(value);
-        if (std::abs(out[i]) > largest) // as a float: its own text, rounded, may say more
+        if (std::abs(out[i]) > largest) // after rounding, so that its own text is accepted, too
             return false;
         text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
     }
     return true;
 }
 
+void set_sphere(Description& d, Proxy proxy, const float (&sphere)[4]) {
+    d.proxy = proxy;
+    for (int i = 0; i < 3; ++i)
+        d.sphere_centre[i] = sphere[i];
+    d.sphere_radius = sphere[3];
+}
+
 Status set_proxy(Description& d, const std::string& text) {
     if (text == "none") {
-        d.proxy = Proxy::none;
-        d.sphere_radius = d.sphere_centre[0] = d.sphere_centre[1] = d.sphere_centre[2] = 0;
+        set_sphere(d, Proxy::none, {0, 0, 0, 0});
+        return {};
+    }
+    if (text == "sphere") {
+        set_sphere(d, Proxy::sphere, {0, 0, 0, usual_sphere_radius});
         return {};
     }
     float sphere[4];
@@ -70,13 +88,10 @@ Status set_proxy(Description& d, const std::string& text) {
     const std::string kind = text.substr(0, colon);
     if ((kind != "sphere" && kind != "sphere-inside") || colon == std::string::npos ||
         !parse_floats(std::string_view(text).substr(colon + 1), sphere, 4) || sphere[3] <= 0)
-        return {ErrorCode::bad_argument,
-                "proxy '" + text +
-                    "' is not none, sphere:cx,cy,cz,r or sphere-inside:cx,cy,cz,r with r above 0"};
-    d.proxy = kind == "sphere" ? Proxy::sphere : Proxy::sphere_inside;
-    for (int i = 0; i < 3; ++i)
-        d.sphere_centre[i] = sphere[i];
-    d.sphere_radius = sphere[3];
+        return {ErrorCode::bad_argument, "proxy '" + text + "' is not " +
+                                             description_field_values("proxy") +
+                                             ", with r above 0"};
+    set_sphere(d, kind == "sphere" ? Proxy::sphere : Proxy::sphere_inside, sphere);
     return {};
 }
 
@@ -90,18 +105,18 @@ std::string float_text(float value) {
 
 std::string description_field_values(std::string_view field) {
     if (field == "proxy")
-        return "none, sphere:cx,cy,cz,r, sphere-inside:cx,cy,cz,r";
+        return "none, sphere, sphere:cx,cy,cz,r or sphere-inside:cx,cy,cz,r";
     if (field == "surface-map")
-        return all_names<SurfaceMap>(2);
+        return joined(names_up_to<SurfaceMap>(2));
     if (field == "angular-map")
-        return all_names<AngularMap>(4);
+        return joined(names_up_to<AngularMap>(4));
     if (field == "transfer")
-        return all_names<Transfer>(2);
+        return joined(names_up_to<Transfer>(2));
     if (field == "primaries")
-        return all_names<Primaries>(1);
+        return joined(names_up_to<Primaries>(1));
     if (field == "alpha")
-        return all_names<AlphaMode>(2);
-    return "near,far: distances of the observer from the centre";
+        return joined(names_up_to<AlphaMode>(2));
+    return "near,far: least and greatest distance of the observer from the centre";
 }
 
 Status set_description_field(Description& d, std::string_view field, const std::string& text) {
@@ -135,15 +150,15 @@ std::map<std::string, std::string> description_to_text(const Description& d) {
                         float_text(d.sphere_centre[0]) + "," + float_text(d.sphere_centre[1]) +
                         "," + float_text(d.sphere_centre[2]) + "," + float_text(d.sphere_radius);
     if (d.surface_map != SurfaceMap::none)
-        text["surface-map"] = name_of(d.surface_map);
+        text["surface-map"] = kebab_case(name_of(d.surface_map));
     if (d.angular_map != AngularMap::none)
-        text["angular-map"] = name_of(d.angular_map);
+        text["angular-map"] = kebab_case(name_of(d.angular_map));
     if (d.transfer != Transfer::unspecified)
-        text["transfer"] = name_of(d.transfer);
+        text["transfer"] = kebab_case(name_of(d.transfer));
     if (d.primaries != Primaries::unspecified)
-        text["primaries"] = name_of(d.primaries);
+        text["primaries"] = kebab_case(name_of(d.primaries));
     if (d.alpha != AlphaMode::none)
-        text["alpha"] = name_of(d.alpha);
+        text["alpha"] = kebab_case(name_of(d.alpha));
     if (d.viewing_radius[0] != 0 || d.viewing_radius[1] != 0)
         text["viewing-radius"] =
             float_text(d.viewing_radius[0]) + "," + float_text(d.viewing_radius[1]);

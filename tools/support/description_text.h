@@ -1,5 +1,5 @@
-// The description of a texture as words, one per field: the options of the command line, the
-// attributes of an EXR mosaic and the entries of tessera.json.
+// The description of a texture as text, one word or list per field: options of the command line,
+// attributes of an EXR mosaic, entries of tessera.json.
 #pragma once
 
 #include "format/metadata.h"
@@ -11,19 +11,18 @@
 
 namespace tessera {
 
-// Fields: proxy ("sphere:cx,cy,cz,r", "sphere-inside:cx,cy,cz,r"; a mesh is not said), surface-map, angular-map, transfer, primaries, alpha,
-// viewing-radius ("near,far").
 inline constexpr const char* description_fields[] = {
     "proxy", "surface-map", "angular-map", "transfer", "primaries", "alpha", "viewing-radius"};
 
-// What may be said, for help texts.
+// What a field accepts, for help texts.
 std::string description_field_values(std::string_view field);
 
-// Errors: bad_argument, which lists what is allowed.
+// Sets one field. The values are those that description_to_text() writes. Errors: bad_argument, with the
+// values that are allowed. `proxy` does not accept "mesh", since a mesh is more than a word.
 Status set_description_field(Description& description, std::string_view field,
                              const std::string& text);
 
-// Only the fields that say something.
+// The fields whose values differ from the default. A mesh as the proxy is left out.
 std::map<std::string, std::string> description_to_text(const Description& description);
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// The options of the encoder, shared by encode and bake.
+// The encoder's options, which encode and bake share.
 #pragma once
 
 #include "codec/encoder.h"
@@ -15,34 +15,39 @@ struct EncodeArguments {
     std::optional<double> quality, target_psnr, target_bpt, max_error;
     std::optional<std::uint64_t> target_bytes;
     std::optional<int> effort;
-    bool lossless_fallback = false, no_verify = false, layers = false, strict = false,
-         resume = false, json = false;
-    std::string tile, tools, memory;
+    bool lossless = false, lossless_fallback = false, no_verify = false, layers = false,
+         strict = false, resume = false, json = false;
+    std::string tile, memory;
     std::vector<std::string> metadata;              // key=value
     std::map<std::string, std::string> description; // field -> text
 };
 
-void add_encode_options(CLI::App& app, EncodeArguments& arguments);
+void add_rate_options(CLI::App& app, EncodeArguments& arguments);        // and --effort
+void add_run_options(CLI::App& app, EncodeArguments& arguments);         // how a run goes
+void add_layout_options(CLI::App& app, EncodeArguments& arguments);      // how the file is made up
+void add_description_options(CLI::App& app, EncodeArguments& arguments); // what the texture is
 
-// `metadata` and `description` are what the input says; the command line overrides them.
+// `metadata` and `description` come from the input; the command line overrides them. Accepts
+// --proxy mesh without looking for a mesh. Errors: bad_argument.
 Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsigned threads,
                                           Metadata metadata, Description description);
 
-// Whether nothing is asked for that a file of --reuse settles. Errors: bad_argument, naming the option.
+// Refuses options whose values the file of --reuse determines. Errors: bad_argument.
 Status check_reuse_options(const EncodeArguments& arguments);
 
-// Whether a .tess may be written there, and JSON beside it: before anything is read. Errors:
+// Whether a .tess may be written to `output`, beside the JSON. Call it before reading anything. Errors:
 // bad_argument, io.
 Status check_tess_output(const EncodeArguments& arguments, const std::string& output);
 
-// Whether `options` suit the texture, in the words of the command line; before a texel is read.
+// Whether `options` suit the texture. Call it before reading a texel. Errors: bad_argument, with the
+// option as the user typed it.
 Status check_for(const EncodeArguments& arguments, const EncodeOptions& options,
                  const TextureDesc& desc);
 
-// The first option that was given and that only a compressed file understands; "" for none.
+// The first option on the command line that only a compressed file can honour; "" if there is none.
 std::string option_of_encoder(const EncodeArguments& arguments);
 
-// An error of encode_file, with how to go on where its journal holds finished tiles.
+// `status` of encode_file, with a hint to --resume if the journal holds finished tiles.
 Status with_resume_hint(const Status& status, const std::string& output);
 
 } // namespace tessera

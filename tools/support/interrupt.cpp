@@ -33,8 +33,8 @@ void watch_for_signal() {
     std::this_thread::sleep_for(longest_end);
     std::string words = "tessera: error: interrupted";
     for (const std::string& journal : remove_unfinished_outputs())
-        words +=
-            "; finished tiles are kept in " + journal + "; the same command with --resume goes on";
+        words += "; finished tiles are kept in " + journal +
+                 "; the same command with --resume continues";
     words += "\n";
     (void)!::write(STDERR_FILENO, words.data(), words.size());
     std::signal(received, SIG_DFL); // so that a shell sees why we ended

@@ -1,20 +1,18 @@
 #include "tools/support/memory_budget.h"
 
 #include "format/work.h"
-#include "tools/support/parse.h"
-
 #include "tools/support/option_checks.h"
+
 #include <algorithm>
-#include <cctype>
 
 namespace tessera {
 namespace {
 
-// Measured, generously: the program with its libraries, the tables and the index of the largest
-// texture; and what one thread of an encoder holds.
+// Generous upper bounds, from measurements: the program with its libraries, tables and the index of the
+// largest texture; and one thread of the encoder.
 constexpr std::uint64_t fixed_bytes = 64ull << 20;
 constexpr std::uint64_t thread_bytes = 16ull << 20;
-// Of what is left, for slabs: pictures are held a second time in part while they are packed.
+// The share of the rest that slabs get. Packing a picture holds parts of it a second time.
 constexpr double slab_share = 0.75;
 
 } // namespace
@@ -22,9 +20,8 @@ constexpr double slab_share = 0.75;
 void add_memory_option(CLI::App& app, std::string& text) {
     text = usual_memory;
     app.add_option("--memory", text,
-                   "Most memory to use, such as 512M or 2G; K, M, G are powers of 1024")
-        ->type_name("SIZE")
-        ->capture_default_str();
+                   "Most memory to use, such as 512M or 2G. Default: " + std::string(usual_memory))
+        ->option_text("SIZE");
 }
 
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
@@ -32,7 +29,7 @@ Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads) {
     const std::uint64_t needed = fixed_bytes + thread_count(threads) * thread_bytes;
     const std::uint64_t least = needed + (16ull << 20);
     if (memory < least)
-        return Status(ErrorCode::bad_argument, "--memory: " + text + " is too little; " +
+        return Status(ErrorCode::bad_argument, "--memory: " + text + " is not enough; " +
                                                    std::to_string(thread_count(threads)) +
                                                    " threads need at least " +
                                                    std::to_string((least >> 20) + 1) + "M");

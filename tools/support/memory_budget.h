@@ -1,4 +1,4 @@
-// --memory: how much a verb may hold, and what that leaves for texels.
+// --memory: how much memory a verb may use, and how much of it is left for texels.
 #pragma once
 
 #include "codec/decoder.h"
@@ -15,16 +15,16 @@ inline constexpr const char* usual_memory = "1GiB";
 
 void add_memory_option(CLI::App& app, std::string& text);
 
-// Bytes of texels that a slab may hold when a process with that many threads (0: all cores) is to
-// stay within the budget `text`. Errors: bad_argument, also for a budget that not even the code and
-// its threads fit.
+// Bytes of texels that a slab may hold, so that a process with `threads` threads (0: all cores) stays
+// within the budget `text`. Errors: bad_argument, also if the budget is too small for the program and
+// its threads.
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads);
 
-// `options`, with the limit that keeps the heads of `files` files, open at once, within the budget that
-// left `slab_bytes`.
+// `options` with a limit for the heads of files, so that `files` files can be open at once beside slabs of
+// `slab_bytes`.
 DecodeOptions within_budget(DecodeOptions options, std::uint64_t slab_bytes, unsigned files = 1);
 
-// `status`, with the option that would help, where a slab was too large.
+// `status`; if a slab was too large, with a hint to --memory.
 Status with_memory_hint(const Status& status);
 
 } // namespace tessera

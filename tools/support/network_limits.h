@@ -1,4 +1,4 @@
-// How long a command waits for servers: one command, one answer, so these are its process's.
+// How long a command waits for servers. A process runs one command, so the limits are global.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,10 +6,9 @@
 namespace tessera {
 
 struct NetworkLimits {
-    unsigned lowest_rate =
-        100; // bytes a second that a transfer must bring; below it for 20 s, it failed
-    double total_seconds = 0; // of the command, from its first request on; 0: any
-    bool quiet = false;       // no line on the terminal while waiting
+    unsigned lowest_rate = 100; // bytes a second; a transfer that is slower for 20 s has failed
+    double total_seconds = 0;   // from the first request of the command; 0: no limit
+    bool quiet = false;         // print no line on the terminal while waiting
 };
 
 inline NetworkLimits& network_limits() {
@@ -20,14 +19,15 @@ inline NetworkLimits& network_limits() {
 inline void add_network_options(CLI::App& app) {
     NetworkLimits& limits = network_limits();
     app.add_option("--min-rate", limits.lowest_rate,
-                   "Bytes a second: a server slower than that for 20 s is asked anew, five times")
+                   "Bytes a second; if a server is slower for 20 s, the request is repeated, up to "
+                   "four times. Default: 100")
         ->check(CLI::Range(1u, 1u << 30))
-        ->capture_default_str()
+        ->option_text("N")
         ->group("Network");
     app.add_option("--max-time", limits.total_seconds,
-                   "Seconds that all requests of the command may take together; 0: any")
+                   "Seconds that the requests of the command may take together. Default: no limit")
         ->check(CLI::Range(0.0, 1e9))
-        ->capture_default_str()
+        ->option_text("SECONDS")
         ->group("Network");
 }
 

@@ -19,7 +19,7 @@ std::string in_quotes(const std::string& text) {
     return "'" + text.substr(0, 100) + "'";
 }
 
-// In the largest unit that says it exactly: "16G", "20000".
+// In the largest unit that is exact: "16G", "20000".
 std::string size_text(std::uint64_t bytes) {
     const char* const units[] = {"", "k", "M", "G", "T"};
     int unit = 0;
@@ -28,7 +28,7 @@ std::string size_text(std::uint64_t bytes) {
     return std::to_string(bytes) + units[unit];
 }
 
-// Digits as people write them: "0.001", "1e-06".
+// The shortest text that gives the same number: "0.001", "1e-06".
 std::string plain(double value) {
     char text[40];
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
@@ -36,11 +36,6 @@ std::string plain(double value) {
 
 std::string_view leading_digits(std::string_view text) {
     return text.substr(0, std::min(text.find_first_not_of("0123456789"), text.size()));
-}
-
-bool is_plain_number(const std::string& text) {
-    std::uint64_t value = 0;
-    return parse_number(text, value);
 }
 
 } // namespace
@@ -60,7 +55,7 @@ Result<std::uint64_t> parse_size(const std::string& text) {
             return malformed;
         unit = unit.substr(1 + after.size());
         if (unit.empty() || std::tolower(static_cast<unsigned char>(unit[0])) == 'b')
-            return malformed; // there is no part of a byte
+            return malformed; // a byte has no parts
     }
     for (char& c : unit)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -114,13 +109,12 @@ CLI::Validator size_between(std::uint64_t low, std::uint64_t high) {
             ""};
 }
 
-CLI::Validator mebibytes() {
+CLI::Validator size_in_mebibytes() {
     return {[](std::string& text) {
-                const auto size = parse_size(is_plain_number(text) ? text + "M" : text);
+                const auto size = parse_size(text);
                 const std::uint64_t whole = size.ok() ? (*size + (1u << 20) - 1) >> 20 : 0;
-                if (whole < 1 || whole > most_mebibytes)
-                    return in_quotes(text) + " is not a size from 1M to 1T such as 512M or 2G; "
-                                             "without a unit it is in MiB";
+                if (!size.ok() || *size < (1u << 20) || whole > most_mebibytes)
+                    return in_quotes(text) + " is not a size from 1M to 1T such as 512M or 2G";
                 text = std::to_string(whole);
                 return std::string();
             },

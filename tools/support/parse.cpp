@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <utility>
 #include <vector>
 
 namespace tessera {
@@ -167,24 +166,6 @@ std::string human_bytes(std::uint64_t bytes) {
     for (; value >= 999.95 && unit < 4; ++unit)
         value /= 1000;
     return format_number(value, 1) + " " + units[unit];
-}
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    // Of the first i letters of `a`, the row before and the one before that.
-    std::vector<std::size_t> row(b.size() + 1), above, above_that;
-    for (std::size_t j = 0; j <= b.size(); ++j)
-        row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        above_that = std::exchange(above, row);
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t replaced = above[j - 1] + (a[i - 1] != b[j - 1]);
-            row[j] = std::min({above[j] + 1, row[j - 1] + 1, replaced});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                row[j] = std::min(row[j], above_that[j - 2] + 1);
-        }
-    }
-    return row[b.size()];
 }
 
 } // namespace tessera

@@ -38,7 +38,4 @@ std::string printable(std::string text);
 std::string human_bytes(std::uint64_t bytes); // "402.7 MB", powers of 1000
 std::string format_number(double value, int decimals);
 
-// Letters to insert, drop, replace, or swap with their neighbour, to make one word of the other.
-std::size_t edit_distance(std::string_view a, std::string_view b);
-
 } // namespace tessera

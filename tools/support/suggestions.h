@@ -1,4 +1,4 @@
-// "did you mean": the known words nearest to one that is not known.
+// "Did you mean ...?": the known words that are most like an unknown one.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 
 namespace tessera {
 
-// "; did you mean --quality?", or with up to three words; "" where none is near. Near is what differs
-// by a letter in three, begins with the word, or holds it ("--psnr": "--target-psnr"); large and small
-// letters are the same, two that are swapped count once.
+// "; did you mean --quality?", with up to three words; "" if no known word is like `word`. A word is like
+// it if at most a third of the letters differ, or if it contains it ("--psnr": "--target-psnr"). Case does
+// not matter; swapping two neighbours is one difference.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& known);
 
 } // namespace tessera

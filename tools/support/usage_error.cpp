@@ -13,15 +13,11 @@ bool is_number(const std::string& word) {
     return parse_number(word, value);
 }
 
-// Of the verb and of its groups, such as the rates.
 std::vector<std::string> option_names(const CLI::App& verb) {
     std::vector<std::string> names;
     for (const CLI::Option* option : verb.get_options())
         for (const std::string& name : option->get_lnames())
             names.push_back("--" + name);
-    for (const CLI::App* group : verb.get_subcommands({}))
-        for (std::string& name : option_names(*group))
-            names.push_back(std::move(name));
     return names;
 }
 
@@ -29,7 +25,7 @@ bool has_option(const CLI::App& verb, const std::string& name) {
     return std::ranges::count(option_names(verb), name) > 0;
 }
 
-// Verbs that do have it: ": encode and bake have it".
+// "; it belongs to bake and encode", or "" if no verb has the option.
 std::string where_it_belongs(const CLI::App& app, const std::string& option) {
     std::vector<std::string> verbs;
     for (const CLI::App* verb : app.get_subcommands({}))

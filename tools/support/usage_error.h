@@ -1,4 +1,4 @@
-// Why a command line cannot be understood, in the words that were typed.
+// Explains why a command line is wrong, in the words that were typed.
 #pragma once
 
 #include "format/status.h"
@@ -9,11 +9,11 @@
 
 namespace tessera {
 
-// What is wrong before anything is parsed: `-q 50`, where -q is --quiet. `words`: those after the verb.
+// Finds mistakes that parsing would accept: `-q 50`, where -q is --quiet. `words`: those after the verb.
 Status check_words(const CLI::App& verb, const std::vector<std::string>& words);
 
-// `error` of parsing for `verb` (nullptr: there was none). An unknown option is what is wrong even
-// where something else is missing, too: it usually is what was meant.
+// Explains `error`, which parsing for `verb` threw (nullptr: no verb was given). Prefers an unknown option
+// to a missing one, because the unknown one usually is a misspelling of it.
 Status usage_error(const CLI::App& app, const CLI::App* verb, const CLI::ParseError& error);
 
 } // namespace tessera

@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-// Diffuse light is found once a place, by this many times the paths of a texel.
+// Diffuse light is computed once per surface point, with this many times the paths of a texel.
 constexpr unsigned diffuse_share = 16;
 constexpr unsigned noise_trials = 200;
 constexpr corpus::Texels2 usual_directions{16, 16};
@@ -23,9 +23,9 @@ constexpr Extent4 usual_tile{32, 32, 8, 8};
 Status check_model(const BakeCommand& a) {
     if (!a.texture.size.empty())
         return {ErrorCode::bad_argument,
-                "--size: a model's size comes from --density and --directions"};
+                "--size: the size of a model comes from --density and --directions"};
     if (a.encode.description.contains("surface-map"))
-        return {ErrorCode::bad_argument, "--surface-map: a mesh has its own"};
+        return {ErrorCode::bad_argument, "--surface-map: a mesh always has mesh-uv"};
     if (!is_compressed(a))
         return {ErrorCode::bad_argument,
                 a.output + ": a model needs a .tess output, which holds the mesh"};
@@ -35,17 +35,30 @@ Status check_model(const BakeCommand& a) {
 } // namespace
 
 void add_model_options(CLI::App& app, ModelArguments& a) {
-    app.add_option("--env", a.environment,
-                   "Model: light from all around, an .exr or .hdr of longitude and latitude "
-                   "(default: a studio)");
-    app.add_option("--light", a.light, "Model: a sun towards x,y,z, beside that");
-    app.add_option("--exposure", a.exposure,
-                   "Model: what light is multiplied by for the display (default: white in the mean "
-                   "light becomes 0.6)")
-        ->check(number_between(1e-6, 1e6));
-    app.add_option("--roughness", a.roughness, "Model: of all its materials")
-        ->check(number_between(0, 1));
-    app.add_option("--metal", a.metal, "Model: of all its materials")->check(number_between(0, 1));
+    constexpr const char* group = "Models";
+    app.add_option(
+           "--env", a.environment,
+           "Environment light: an .exr or .hdr in longitude and latitude. Default: a studio")
+        ->option_text("FILE")
+        ->group(group);
+    app.add_option("--light", a.light, "A sun besides the environment; the direction towards it")
+        ->option_text("X,Y,Z")
+        ->group(group);
+    app.add_option(
+           "--exposure", a.exposure,
+           "Factor from light to displayed values. Default: white in the mean light becomes "
+           "0.6")
+        ->check(number_between(1e-6, 1e6))
+        ->option_text("N")
+        ->group(group);
+    app.add_option("--roughness", a.roughness, "Roughness of all materials, instead of their own")
+        ->check(number_between(0, 1))
+        ->option_text("0..1")
+        ->group(group);
+    app.add_option("--metal", a.metal, "Metalness of all materials, instead of their own")
+        ->check(number_between(0, 1))
+        ->option_text("0..1")
+        ->group(group);
 }
 
 Status check_no_model_options(const ModelArguments& a) {
@@ -56,7 +69,7 @@ Status check_no_model_options(const ModelArguments& a) {
           std::pair("--metal", a.metal.has_value())})
         if (given)
             return {ErrorCode::bad_argument,
-                    std::string(option) + ": needs a model; built-in scenes have their own"};
+                    std::string(option) + ": needs a model; a built-in scene has its own"};
     return {};
 }
 
@@ -120,10 +133,10 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
                    {"noise_db", noise.decibels}};
     baking.remark = std::to_string(triangles) + " triangles in " + human_bytes(baking.mesh.size()) +
                     ", " + std::to_string(charts) + " charts, " + format_number(density, 3) +
-                    " texels a unit, " + name_of(chosen) + "; exposure " +
-                    format_number(display.exposure, 4) + "; noise of chance " +
-                    format_number(noise.decibels, 1) + " dB, 50 dB take --spp " +
-                    format_number(noise.samples_for(50.0), 0);
+                    " texels per unit, " + name_of(chosen) + "; exposure " +
+                    format_number(display.exposure, 4) + "; sampling noise " +
+                    format_number(noise.decibels, 1) +
+                    " dB, --spp for 50 dB: " + format_number(noise.samples_for(50.0), 0);
     return baking;
 }
 

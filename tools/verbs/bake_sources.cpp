@@ -23,7 +23,7 @@ Description colours_of(SampleType type) {
     return d;
 }
 
-// The value that was given for a field of the description, which is taken out; "" where none was.
+// Removes a field from the description on the command line and returns its value, "" if it is not there.
 std::string take(BakeCommand& a, const char* field) {
     auto& fields = a.encode.description;
     const auto entry = fields.find(field);
@@ -34,13 +34,13 @@ std::string take(BakeCommand& a, const char* field) {
     return text;
 }
 
-// Every scene lies inside the paper's sphere of diameter 7; one that is seen from inside stands in the scene.
+// Every scene lies inside the sphere with diameter 7. A sphere-inside lies in the scene.
 Result<Baking> sphere_baking(const BakeCommand& a) {
     for (const auto& [option, given] : {std::pair("--density", a.density.has_value()),
                                         std::pair("--directions", !a.directions.empty())})
         if (given)
             return Status(ErrorCode::bad_argument,
-                          std::string(option) + ": needs --proxy mesh; a sphere has --size");
+                          std::string(option) + ": needs --proxy mesh; for a sphere use --size");
     TESSERA_TRY_ASSIGN(const auto scene, corpus::find_scene(a.scene));
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(a.texture.size, "--size", scene.default_size));
@@ -72,9 +72,9 @@ Status check_mesh_options(const BakeCommand& a) {
                 "--directions"};
     if (a.seed)
         return {ErrorCode::bad_argument,
-                "--seed: with --proxy mesh every texel has the same sample pattern"};
+                "--seed: with --proxy mesh all texels have the same sample pattern"};
     if (a.encode.description.contains("surface-map"))
-        return {ErrorCode::bad_argument, "--surface-map: --proxy mesh has its own"};
+        return {ErrorCode::bad_argument, "--surface-map: --proxy mesh always has mesh-uv"};
     if (!is_compressed(a))
         return {ErrorCode::bad_argument,
                 a.output + ": --proxy mesh needs a .tess output, which holds the mesh"};
@@ -108,7 +108,7 @@ Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
                    {"mesh_bytes", baked.mesh.size()}};
     baking.remark = std::to_string(baked.triangles) + " triangles in " +
                     human_bytes(baked.mesh.size()) + ", " + std::to_string(baked.charts) +
-                    " charts, " + density + " texels a unit, " + name_of(baked.map);
+                    " charts, " + density + " texels per unit, " + name_of(baked.map);
     baking.mesh = std::move(baked.mesh);
     baking.texels = std::move(baked.texels);
     baking.mask = std::move(baked.mask);
@@ -144,13 +144,14 @@ Result<Baking> make_baking(BakeCommand& a) {
         proxy != a.encode.description.end() ? proxy->second : (is_model ? "mesh" : "sphere");
     if (is_model && word != "mesh")
         return Status(ErrorCode::bad_argument,
-                      "--proxy " + word + ": a model's texture lies on itself, --proxy mesh");
+                      "--proxy " + word +
+                          ": the texture of a model lies on the model, --proxy mesh");
     if (!is_model) {
         TESSERA_TRY(check_scene(a.scene));
         TESSERA_TRY(check_no_model_options(a.model));
     }
     if (word == "mesh" || word == "sphere")
-        take(a, "proxy"); // others describe the sphere's texels in their own way
+        take(a, "proxy"); // others only change the description
     if (word != "mesh")
         return sphere_baking(a);
     const std::string map = take(a, "angular-map");

@@ -52,6 +52,7 @@ void add_verb(CLI::App& app, Invocation& chosen, const char* verb, const char* s
               Status (*run)(const Arguments& arguments)) {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand(verb, summary);
+    command->get_help_ptr()->group(""); // would be the first option of every help
     command->footer(std::string(examples) + "\n\n" + exit_codes_help);
     declare(*command, *arguments);
     command->callback([&chosen, arguments, verb, run] {

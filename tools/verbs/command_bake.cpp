@@ -33,21 +33,21 @@ std::string capitalised(std::string name) {
     return name;
 }
 
-// What a texture that is not compressed would drop without a word.
+// Refuses options that an uncompressed output would silently ignore.
 Status check_plain_output(const BakeCommand& a) {
     if (const std::string option = option_of_encoder(a.encode); !option.empty())
         return {ErrorCode::bad_argument, option + ": needs a .tess output, not " + a.output};
     if (kind_of(a.output) != TextureKind::raw)
         return {};
     for (const auto& [field, text] : a.encode.description)
-        if (field != "proxy" || (text != "sphere" && text != "mesh")) // these say what to bake
+        if (field != "proxy" || (text != "sphere" && text != "mesh")) // these choose what to bake
             return {ErrorCode::bad_argument,
                     "--" + field + ": needs a .tess, .exr or folder/ output; a raw file, " +
                         a.output + ", holds samples only"};
     return {};
 }
 
-// What the command asks of the encoder; errors that need no texel.
+// The options of the encoder. Finds all errors that can be found before a texel is baked.
 Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
     const TextureDesc& desc = baking.texels->desc();
     const bool compressed = is_compressed(a);
@@ -125,70 +125,87 @@ Status run(const BakeCommand& a) {
         TESSERA_TRY(check_plain_output(a));
     BakeCommand own = a;
     TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
-    baking.texels = interruptible(std::move(baking.texels)); // bakes where it is read
+    baking.texels = interruptible(std::move(baking.texels)); // reading bakes
     TESSERA_TRY_ASSIGN(const auto options, options_for(own, baking));
     return with_memory_hint(is_compressed(a) ? bake_compressed(own, baking, options)
                                              : bake_plain(own, baking, options));
 }
 
+// Options of encode that work here, too. The help of encode explains them.
+void hide_from_help(CLI::App& c) {
+    for (CLI::Option* option : c.get_options())
+        if (option->get_group() == "Layout of the file" ||
+            option->get_group() == "Description of the texture")
+            option->group("");
+}
+
+void declare(CLI::App& c, BakeCommand& a) {
+    c.add_option("scene", a.scene, "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
+    add_rate_options(c, a.encode);
+    c.add_option(
+        "-o,--output", a.output,
+        "What to write: .tess, .exr, raw samples (.rgb), folder/; - is a .tess on standard "
+        "output");
+    c.add_flag("--list", a.list, "List the built-in scenes and stop");
+    add_run_options(c, a.encode);
+    add_threads_options(c, a.texture);
+    c.add_option("--spp", a.samples, "Rays per texel, spread over all four dimensions. Default: 16")
+        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
+        ->option_text("N");
+    constexpr const char *sphere = "On a sphere", *mesh = "On a mesh (--proxy mesh, and models)";
+    add_layout_options(c, a.encode);
+    add_description_options(c, a.encode);
+    hide_from_help(c);
+    c.get_option("--proxy")
+        ->description("What the texture lies on. sphere: the one around the scene (default); mesh: "
+                      "the scene's own surfaces; sphere-inside:cx,cy,cz,r: a sphere in the scene "
+                      "around the observer")
+        ->group("Options");
+    c.add_option("--size", a.texture.size, "Size of the texture. Default: see --list")
+        ->option_text("UxVxSxT")
+        ->group(sphere);
+    c.add_option("--seed", a.seed, "Seed of the sample pattern. Default: 1")
+        ->option_text("N")
+        ->group(sphere);
+    c.add_option(
+         "--density", a.density,
+         "Texels per world unit; mirrors and distant objects have fewer. Default: 32, or 64 "
+         "for patterned objects")
+        ->check(number_between(0.01, 10000))
+        ->option_text("N")
+        ->group(mesh);
+    c.add_option("--directions", a.directions,
+                 "Size of the angular image of each point. Default: 24x24, or 16x16 if only some "
+                 "objects are glossy, 1x1 if none is")
+        ->option_text("SxT")
+        ->group(mesh);
+    c.get_option("--angular-map")
+        ->description("octahedral-hemisphere, octahedral-mirrored, or auto: the cheaper of both "
+                      "(default)")
+        ->group(mesh);
+    add_model_options(c, a.model);
+}
+
 } // namespace
 
 void add_bake_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, BakeCommand& a) {
-        c.add_option("scene", a.scene,
-                     "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
-        c.add_option(
-            "-o,--output", a.output,
-            "What to write: .tess (compressed on the way; - is standard output), .exr, .rgb, "
-            "folder/");
-        c.add_flag("--list", a.list, "Show the scenes and stop");
-        c.add_option("--size", a.texture.size, "UxVxSxT (default: the scene's own, see --list)");
-        c.add_option("--spp", a.samples, "Rays per texel, over all four dimensions")
-            ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-            ->capture_default_str();
-        c.add_option("--seed", a.seed, "Of the sample pattern on the sphere (default 1)");
-        c.add_option(
-             "--density", a.density,
-             "Mesh: texels a world unit (default 32; 64 where things have patterns); mirrors "
-             "and what is farther away have fewer")
-            ->check(number_between(0.01, 10000));
-        c.add_option(
-            "--directions", a.directions,
-            "Mesh: SxT of each place's angular image (default 24x24; 16x16 where only some "
-            "things shine, 1x1 where none do)");
-        add_model_options(c, a.model);
-        add_threads_options(c, a.texture);
-        add_encode_options(c, a.encode);
-        c.get_option("--proxy")->description(
-            "What the texture lies on: sphere, the paper's (default), or mesh, the surfaces of the "
-            "things themselves, or sphere-inside:cx,cy,cz,r, a sphere in the scene around the "
-            "observer; none or sphere:cx,cy,cz,r describe it otherwise");
-        c.get_option("--angular-map")
-            ->description("Mesh: hemisphere, mirrored, or auto, by trial (default). Sphere: " +
-                          description_field_values("angular-map"));
-    };
     add_verb<BakeCommand>(
         app, chosen, "bake", "Ray trace a built-in scene or a model into a texture",
-        "A .tess is compressed while it is baked, so no size is too large for memory; its options\n"
-        "are those of encode. Other kinds take --size, --spp, --seed, --threads, --memory, --json "
-        "only,\n"
-        "and what describes the texture, for which raw files have no place.\n\n"
-        "On the paper's sphere, things that lie behind the surface are blurred: no size resolves "
-        "them.\n"
-        "--proxy mesh puts the texture on the things themselves. The scene becomes a mesh with "
-        "charts in\n"
-        "an atlas; the file holds both, and the texels that nobody sees cost next to nothing. "
-        "Places\n"
-        "need --density, what shines needs --directions; --spp samples spread over the place "
-        "only.\n\n"
+        "A .tess is compressed while it is baked, so the texture may be larger than the memory.\n"
+        "For a .tess, the options of encode for the layout of the file and for the description\n"
+        "work here, too. Other outputs are not compressed: .exr and folder/ accept the\n"
+        "description, raw files only --size, --spp, --seed, --threads, --memory and --json.\n\n"
+        "A texture on a sphere blurs what lies behind the surface of the sphere, whatever its\n"
+        "size. --proxy mesh puts the texture on the surfaces themselves: the scene becomes a mesh\n"
+        "whose charts share an atlas, and the file holds both. Texels that no surface uses cost\n"
+        "almost nothing. Fine patterns need --density, sharp reflections need --directions.\n\n"
         "Examples:\n"
         "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"
         "  tessera bake composed -o composed.tess --resume    (after an interruption)\n"
         "  tessera bake composed -o mesh.tess --proxy mesh --target-bytes 16000\n"
         "  tessera bake mirror -o mirror.tess --proxy mesh --density 64 --directions 32x32\n"
         "  tessera bake bunny.glb -o bunny.tess --env studio.exr --spp 64\n"
-        "  tessera bake lamps -o lamps.exr --size 64x32x8x8\n"
-        "  tessera bake --list",
+        "  tessera bake lamps -o lamps.exr --size 64x32x8x8",
         declare, run);
 }
 

@@ -311,52 +311,72 @@ Status run(const CompareCommand& a) {
     return {ErrorCode::difference, text};
 }
 
+void declare_scene(CLI::App& c, CompareCommand& a) {
+    constexpr const char* group = "Comparing with a built-in scene";
+    c.add_option(
+         "--bake", a.scene,
+         "Compare with this scene, baked while it is read, instead of with a reference file")
+        ->option_text("SCENE")
+        ->group(group);
+    c.add_option("--spp", a.samples, "Rays per texel. Default: as the file says")
+        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
+        ->option_text("N")
+        ->group(group);
+    c.add_option("--seed", a.seed, "Seed of the sample pattern. Default: as the file says")
+        ->option_text("N")
+        ->group(group);
+}
+
+void declare(CLI::App& c, CompareCommand& a) {
+    c.add_option("a", a.a, "The reference: .tess or its URL, .exr, raw, folder/, PNG, or -")
+        ->required();
+    c.add_option("b", a.b, "What is compared with it");
+    c.add_option("--min-psnr", a.min_psnr, "Exit with 7 if the PSNR over all samples is lower")
+        ->option_text("DB");
+    c.add_option("--max-error", a.max_error,
+                 "Exit with 7 if a sample differs by more: in steps of 8-bit samples, in ulps of "
+                 "half floats")
+        ->option_text("N");
+    auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit with 7 if the mean SSIM is lower")
+                     ->option_text("0..1");
+    c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
+    add_memory_option(c, a.memory);
+    c.add_flag("--json", a.json, "Print JSON");
+    add_fill_options(c, a.texture.decode);
+    constexpr const char* parts = "Comparing parts";
+    auto* sample = c.add_option("--sample", a.sample,
+                                "Compare only this share of the tiles, chosen at random; no SSIM")
+                       ->check(CLI::Range(0.0, 1.0))
+                       ->option_text("0..1")
+                       ->group(parts);
+    c.add_option("--sample-seed", a.sample_seed, "Seed of that choice. Default: 1")
+        ->needs(sample)
+        ->option_text("N")
+        ->group(parts);
+    c.add_option("--beginnings", a.beginnings,
+                 "PSNR of this many beginnings of b, a .tess: the quality while it arrives")
+        ->check(CLI::Range(2u, 1000u))
+        ->excludes(ssim)
+        ->excludes(sample)
+        ->option_text("N")
+        ->group(parts);
+    add_mask_options(c, a.mask, "masked texels are ignored, and there is no SSIM");
+    c.get_option("--mask")->excludes(ssim)->group(parts);
+    c.get_option("--mask-size")->group(parts);
+    declare_scene(c, a);
+    add_texture_options(c, a.texture);
+    add_network_options(c);
+}
+
 } // namespace
 
 void add_compare_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, CompareCommand& a) {
-        c.add_option("a", a.a, "The reference: .tess or the URL of one, .exr, raw, folder/, PNG, -")
-            ->required();
-        c.add_option("b", a.b, "What is measured against it");
-        c.add_option("--bake", a.scene,
-                     "Bake this scene as the reference, as it is read; then there is one file only")
-            ->type_name("SCENE");
-        c.add_option("--spp", a.samples, "Rays per texel of --bake (default: as the file says)")
-            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
-        c.add_option("--seed", a.seed, "Sample pattern of --bake (default: as the file says)");
-        auto* sample = c.add_option("--sample", a.sample,
-                                    "Compare this part of all tiles only, chosen at random (0.01: "
-                                    "1 %); no SSIM")
-                           ->check(CLI::Range(0.0, 1.0));
-        c.add_option("--sample-seed", a.sample_seed, "Which tiles --sample chooses")
-            ->needs(sample)
-            ->capture_default_str();
-        c.add_option("--min-psnr", a.min_psnr, "Exit 7 when PSNR over all samples (dB) is lower");
-        c.add_option("--max-error", a.max_error,
-                     "Exit 7 when a sample is off by more: 8-bit steps, or ulps of half");
-        auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit 7 when mean SSIM is lower");
-        c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
-        c.add_flag("--json", a.json, "Print JSON");
-        c.add_option("--beginnings", a.beginnings,
-                     "PSNR of this many beginnings of the second texture, a .tess: how it looks as "
-                     "it arrives")
-            ->check(CLI::Range(2u, 1000u))
-            ->excludes(ssim)
-            ->excludes(sample);
-        add_mask_options(c, a.mask, "only those that do count, and SSIM is left out");
-        c.get_option("--mask")->excludes(ssim);
-        add_fill_options(c, a.texture.decode);
-        add_memory_option(c, a.memory);
-        add_texture_options(c, a.texture);
-        add_network_options(c);
-    };
     add_verb<CompareCommand>(
-        app, chosen, "compare", "Measure how far two textures are apart",
-        "PSNR and SSIM of 8-bit samples are of their values, of half floats over 16-bit codes. A "
-        "raw\n"
-        "texture takes its size from the other one. Without a threshold any difference is "
-        "success.\n"
-        "Exit code 7: a threshold was missed, or size or type differ.\n\n"
+        app, chosen, "compare", "Measure the difference between two textures",
+        "PSNR and SSIM of 8-bit samples refer to their values, those of half floats to 16-bit\n"
+        "codes. A raw texture takes its size from the other one. Without a threshold the exit "
+        "code\n"
+        "is 0 for any difference; it is 7 if a threshold is missed, or if size or type differ.\n\n"
         "Examples:\n"
         "  tessera compare scene.exr scene.tess --min-psnr 40\n"
         "  tessera compare scene.rgb scene.tess --json\n"

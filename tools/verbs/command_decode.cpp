@@ -21,7 +21,7 @@ struct DecodeCommand {
     bool json = false;
 };
 
-// Moves boxes of the whole texture to where they lie in the part that is written.
+// Shifts boxes of the whole texture to their positions in the part that is written.
 class PartSink : public TexelSink {
 public:
     PartSink(std::unique_ptr<TexelSink> inner, const Extent4& origin)
@@ -46,13 +46,13 @@ private:
     Extent4 origin_;
 };
 
-// A picture is held whole beside the slabs.
+// A picture is held in memory as a whole, beside the slabs.
 Status hold_picture(const std::string& path, std::uint64_t bytes, std::uint64_t& slab_bytes) {
     if (bytes > slab_bytes / 2)
-        return {ErrorCode::over_budget,
-                path + ": the picture's " + std::to_string(bytes) +
-                    " bytes have to be held in memory, only " + std::to_string(slab_bytes / 2) +
-                    " are allowed (.exr and views/ are written piece by piece)"};
+        return {ErrorCode::over_budget, path + ": the picture's " + std::to_string(bytes) +
+                                            " bytes must be in memory at once, but only " +
+                                            std::to_string(slab_bytes / 2) +
+                                            " are allowed (.exr and views/ are written in parts)"};
     slab_bytes -= bytes;
     return {};
 }
@@ -68,7 +68,7 @@ Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& b
     const ContainerReader& file = decoder.container();
     ViewLayout layout = layout_for(asked, file.metadata());
     if (desc.size != decoder.desc().size && !asked.quilt)
-        layout.quilt.reset(); // of a part there is none but who asks
+        layout.quilt.reset(); // the quilt of the file is that of all its views
     TESSERA_TRY_ASSIGN(
         auto sink, create_texture(a.output, desc, file.description(), a.texture.threads, layout));
     PartSink part(interruptible(std::move(sink)), box.begin);
@@ -77,7 +77,6 @@ Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& b
         decoder.decode(box, part, a.texture.threads, progress.function(), slab_bytes));
 }
 
-// What was written, and what of it had to be filled.
 Json to_json(const DecodeCommand& a, const Decoder& decoder, const ByteSource& file,
              const Box4& box, double seconds) {
     const TextureDesc& desc = decoder.desc();
@@ -135,36 +134,32 @@ Status run(const DecodeCommand& a) {
 
 void add_decode_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, DecodeCommand& a) {
-        c.add_option("input", a.input,
-                     "The .tess file, the URL of one (http, https), or - for standard input")
+        c.add_option("input", a.input, "A .tess, its URL (http, https), or - for standard input")
             ->required();
-        c.add_option(
-             "-o,--output", a.output,
-             "What to write: .exr, raw (.rgb ...), folder/ of views, .png or .jpg (a mosaic, or a "
-             "quilt); - is raw samples on standard output")
+        c.add_option("-o,--output", a.output,
+                     "What to write: .exr, raw samples (.rgb ...), folder/ of views, .png or .jpg "
+                     "(a mosaic or a quilt); - is raw samples on standard output")
             ->required();
         c.add_option("--box", a.box,
-                     "Part to decode, u0:u1,v0:v1,s0:s1,t0:t1; ends are excluded, ':' is all");
-        add_view_options(c, a.texture);
+                     "The part to decode, half-open; ':' is a whole axis. Default: everything")
+            ->option_text("U0:U1,V0:V1,S0:S1,T0:T1");
         add_fill_options(c, a.texture.decode);
         add_memory_option(c, a.memory);
-        c.add_flag("--json", a.json, "Print what was written as JSON");
+        c.add_flag("--json", a.json, "Print the result as JSON");
         add_threads_options(c, a.texture);
+        add_view_options(c, a.texture);
         add_network_options(c);
     };
     add_verb<DecodeCommand>(
         app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
-        "Only the tiles that the box touches are read; the default is all of it. Views get the\n"
-        "names and the kind of picture, and quilts the columns, that they came with.\n\n"
+        "Only the tiles that the box touches are read. Views keep the names and the format, and\n"
+        "quilts the columns, that they were encoded from.\n\n"
         "Examples:\n"
         "  tessera decode scene.tess -o scene.exr\n"
         "  tessera decode scene.tess -o - | sha256sum\n"
-        "  tessera decode scene.tess -o views/\n"
         "  tessera decode scene.tess -o views/ --views-pattern 'cam_{t:2}_{s:2}.jpg'\n"
         "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"
-        "  tessera decode scene.tess -o part.rgb --box 0:64,0:64,:,:\n"
-        "  tessera decode https://example.org/scene.tess -o part.exr --box "
-        "0:64,0:64,:,:",
+        "  tessera decode https://example.org/scene.tess -o part.exr --box 0:64,0:64,:,:",
         declare, run);
 }
 

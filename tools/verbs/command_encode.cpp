@@ -1,5 +1,6 @@
 #include "format/surface_mesh.h"
 #include "tools/support/camera_grid.h"
+#include "tools/support/description_text.h"
 #include "tools/support/encode_arguments.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
@@ -19,8 +20,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t longest_mesh_stream = 1u << 28;               // a file's head holds no more
-constexpr std::uint64_t largest_mesh_memory = std::uint64_t{1} << 34; // of the largest there is
+constexpr std::uint64_t longest_mesh_stream = 1u << 28;               // bytes, by FORMAT.md
+constexpr std::uint64_t largest_mesh_memory = std::uint64_t{1} << 34; // bytes, once it is decoded
 
 struct EncodeCommand {
     std::string input, output, mesh, reuse;
@@ -30,7 +31,7 @@ struct EncodeCommand {
     CameraFacts cameras;
 };
 
-// The encoder does not know what its texels came from. A URL is named without its password.
+// The name of the input for messages. That of a URL is without its password.
 std::string name_of_input(const EncodeCommand& a, const OpenedTexture& input) {
     if (input.decoder != nullptr)
         return input.decoder->container().name();
@@ -48,7 +49,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const EncodeCommand& a
     return facts;
 }
 
-// A file that another program writes meanwhile gives texels of two textures.
+// If another program writes to the input meanwhile, the texels are a mixture of two textures.
 Status check_unchanged(const EncodeCommand& a, const std::string& name,
                        const std::vector<std::pair<std::string, std::string>>& before) {
     const auto now = facts_of(a);
@@ -61,7 +62,7 @@ Status check_unchanged(const EncodeCommand& a, const std::string& name,
     return {ErrorCode::io, name + ": changed while it was being read (" + what + "); run again"};
 }
 
-// The file of --reuse; nothing without one.
+// The file of --reuse; nothing without that option.
 Result<std::optional<Decoder>> open_reused(const EncodeCommand& a, const DecodeOptions& opening) {
     if (a.reuse.empty())
         return std::optional<Decoder>();
@@ -73,7 +74,7 @@ Result<std::optional<Decoder>> open_reused(const EncodeCommand& a, const DecodeO
     return std::optional(std::move(*decoder));
 }
 
-// The effort that a file was encoded at, if it says so.
+// The effort that a file states in its metadata, else the default.
 int effort_of(const ContainerReader& file) {
     const auto recorded = file.metadata().find(made_effort_key);
     std::uint64_t effort = 0;
@@ -82,8 +83,8 @@ int effort_of(const ContainerReader& file) {
     return is_known ? static_cast<int>(effort) : usual_effort;
 }
 
-// What was decoded from a file and edited is still what that file says of it, where it does not say
-// otherwise itself: a raw one says nothing.
+// An edited texture keeps the description and metadata of the file that it was decoded from, unless the
+// input states its own; a raw one does not.
 void describe_as(const ContainerReader& reused, OpenedTexture& input) {
     if (input.description == Description())
         input.description = reused.description();
@@ -91,28 +92,7 @@ void describe_as(const ContainerReader& reused, OpenedTexture& input) {
         input.metadata.insert(entry);
 }
 
-// The mesh that is asked for, else that of a .tess, which then is the proxy.
-Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, const ContainerReader* reused,
-                                        OpenedTexture& input) {
-    std::vector<std::byte> mesh;
-    if (!a.mesh.empty()) {
-        TESSERA_TRY_ASSIGN(const auto file, open_file(a.mesh));
-        if (file->size() > longest_mesh_stream)
-            return Status(ErrorCode::unsupported, a.mesh + ": more than 2^28 bytes");
-        mesh.resize(file->size());
-        TESSERA_TRY(file->read(0, mesh));
-        TESSERA_TRY(decode_mesh(mesh, largest_mesh_memory).with_context(a.mesh));
-    } else if (const auto* described =
-                   input.decoder != nullptr ? &input.decoder->container() : reused) {
-        const auto kept = described->proxy_mesh();
-        mesh.assign(kept.begin(), kept.end());
-    }
-    if (!mesh.empty())
-        input.description.proxy = Proxy::mesh;
-    return mesh;
-}
-
-// Many views of a grid of cameras are planar views, unless the command line says what else they are.
+// Many views of a grid of cameras are planar views, unless the command line states another surface.
 Status describe_cameras(const EncodeCommand& a, OpenedTexture& input) {
     const bool other = a.encode.description.contains("proxy") || !a.mesh.empty() ||
                        a.encode.description.contains("angular-map") ||
@@ -133,18 +113,94 @@ Status describe_cameras(const EncodeCommand& a, OpenedTexture& input) {
     return {};
 }
 
-// What pictures were taken for, before the work begins.
-void tell(const EncodeCommand& a, const std::string& told, const TextureDesc& desc) {
-    if (a.texture.quiet || a.encode.json || told.empty())
+Result<OpenedTexture> open_input(const EncodeCommand& a, TextureHints hints,
+                                 const ContainerReader* reused) {
+    if (reused != nullptr && !hints.size && kind_of_input(a.input) == TextureKind::raw)
+        hints.size = reused->desc().size;
+    auto input = open_texture(a.input, hints);
+    if (!input.ok())
+        return with_memory_hint(input.status());
+    if (reused != nullptr)
+        describe_as(*reused, *input);
+    input->metadata.erase(software_key); // the encoder writes its own name
+    TESSERA_TRY(describe_cameras(a, *input));
+    return input;
+}
+
+// The mesh of --mesh, else that of the input or of the file of --reuse. Empty if there is none.
+Result<std::vector<std::byte>> mesh_for(const EncodeCommand& a, const ContainerReader* reused,
+                                        const OpenedTexture& input) {
+    if (a.mesh.empty()) {
+        const auto* file = input.decoder != nullptr ? &input.decoder->container() : reused;
+        const auto kept = file != nullptr ? file->proxy_mesh() : std::span<const std::byte>();
+        return std::vector<std::byte>(kept.begin(), kept.end());
+    }
+    TESSERA_TRY_ASSIGN(const auto file, open_file(a.mesh));
+    if (file->size() > longest_mesh_stream)
+        return Status(ErrorCode::unsupported, a.mesh + ": more than 2^28 bytes");
+    std::vector<std::byte> mesh(file->size());
+    TESSERA_TRY(file->read(0, mesh));
+    TESSERA_TRY(decode_mesh(mesh, largest_mesh_memory).with_context(a.mesh));
+    return mesh;
+}
+
+Result<EncodeOptions> options_for(const EncodeCommand& a, const Decoder* reused,
+                                  OpenedTexture& input) {
+    const ContainerReader* const old = reused != nullptr ? &reused->container() : nullptr;
+    TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, old, input));
+    if (!mesh.empty())
+        input.description.proxy = Proxy::mesh;
+    TESSERA_TRY_ASSIGN(auto options,
+                       make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
+                                           input.description));
+    if (options.description.proxy == Proxy::mesh) { // --proxy may state another one
+        if (mesh.empty())
+            return Status(ErrorCode::bad_argument,
+                          "--proxy mesh: needs --mesh, or a .tess input with a mesh");
+        options.mesh = std::move(mesh);
+    }
+    if (reused != nullptr) {
+        options.reuse = reused;
+        options.layers = options.layers || old->levels().size() > 1;
+        options.effort = a.encode.effort.value_or(effort_of(*old));
+    }
+    TESSERA_TRY(check_for(a.encode, options, input.source->desc()));
+    options.source_name = name_of_input(a, input);
+    options.source_facts = facts_of(a);
+    options.confirm = [&a, name = options.source_name, before = options.source_facts] {
+        return check_unchanged(a, name, before);
+    };
+    return options;
+}
+
+// Prints how pictures were interpreted, before the work begins.
+void print_interpretation(const EncodeCommand& a, const OpenedTexture& input) {
+    if (a.texture.quiet || a.encode.json || input.told.empty())
         return;
+    const TextureDesc& desc = input.source->desc();
     std::FILE* to = summary_stream(a.output);
-    std::fprintf(to, "%s: %s; %s, %d x %s\n", printable(a.input).c_str(), printable(told).c_str(),
-                 to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
+    std::fprintf(to, "%s: %s; %s, %d x %s\n", printable(a.input).c_str(),
+                 printable(input.told).c_str(), to_string(desc.size).c_str(), desc.channels,
+                 name_of(desc.type));
     std::fflush(to);
 }
 
+void print_result(const EncodeCommand& a, const OpenedTexture& input, const EncodeOptions& options,
+                  const EncodeReport& report) {
+    const TextureDesc& desc = input.source->desc();
+    if (a.encode.json) {
+        Json json = report_json(a.output, desc, options, report);
+        json["input"] = a.input;
+        if (!input.told.empty())
+            json["understood_as"] = input.told;
+        print_json(json);
+    } else if (!a.texture.quiet) {
+        print_report(summary_stream(a.output), a.output, desc, report);
+    }
+}
+
 Status run(const EncodeCommand& a) {
-    // What the command line alone shows to be wrong, before a file is opened.
+    // Errors of the command line alone come first, before a file is opened.
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
@@ -153,108 +209,89 @@ Status run(const EncodeCommand& a) {
                        make_encode_options(a.encode, a.texture.threads, {}, {}));
     hints.decode = within_budget(hints.decode, checked.slab_bytes, a.reuse.empty() ? 1 : 2);
     TESSERA_TRY_ASSIGN(const std::optional<Decoder> reused, open_reused(a, hints.decode));
-    const ContainerReader* const old = reused ? &reused->container() : nullptr;
-    if (old != nullptr && !hints.size && kind_of_input(a.input) == TextureKind::raw)
-        hints.size = old->desc().size;
-    auto opened = open_texture(a.input, hints);
-    if (!opened.ok())
-        return with_memory_hint(opened.status());
-    OpenedTexture& input = *opened;
-    if (old != nullptr)
-        describe_as(*old, input);
-    input.metadata.erase(software_key); // the encoder names itself
-    TESSERA_TRY(describe_cameras(a, input));
-    TESSERA_TRY_ASSIGN(std::vector<std::byte> mesh, mesh_for(a, old, input));
-    TESSERA_TRY_ASSIGN(auto options,
-                       make_encode_options(a.encode, a.texture.threads, std::move(input.metadata),
-                                           input.description));
-    if (options.description.proxy == Proxy::mesh) // --proxy may have put another in its place
-        options.mesh = std::move(mesh);
-    if (old != nullptr) {
-        options.reuse = &*reused;
-        options.layers = options.layers || old->levels().size() > 1;
-        options.effort = a.encode.effort.value_or(effort_of(*old));
-    }
-    const auto source = interruptible(std::move(input.source));
-    TESSERA_TRY(check_for(a.encode, options, source->desc()));
-    const auto mask = open_mask(a.mask, source->desc().size, a.texture.threads, options.slab_bytes);
+    TESSERA_TRY_ASSIGN(OpenedTexture input,
+                       open_input(a, hints, reused ? &reused->container() : nullptr));
+    TESSERA_TRY_ASSIGN(auto options, options_for(a, reused ? &*reused : nullptr, input));
+    input.source = interruptible(std::move(input.source));
+    const auto mask =
+        open_mask(a.mask, input.source->desc().size, a.texture.threads, options.slab_bytes);
     if (!mask.ok())
         return with_memory_hint(mask.status());
     options.mask = mask->get();
-    options.source_name = name_of_input(a, input);
-    options.source_facts = facts_of(a);
-    options.confirm = [&a, name = options.source_name, before = options.source_facts] {
-        return check_unchanged(a, name, before);
-    };
-    tell(a, input.told, source->desc());
+    print_interpretation(a, input);
     const auto report = [&] {
         Progress progress("tessera encode", a.texture.quiet);
         options.progress = progress.function();
-        return encode_to(*source, a.output, options);
+        return encode_to(*input.source, a.output, options);
     }();
     if (!report.ok())
         return with_memory_hint(report.status());
-    if (a.encode.json) {
-        Json json = report_json(a.output, source->desc(), options, *report);
-        json["input"] = a.input;
-        if (!input.told.empty())
-            json["understood_as"] = input.told;
-        print_json(json);
-    } else if (!a.texture.quiet) {
-        print_report(summary_stream(a.output), a.output, source->desc(), *report);
-    }
+    print_result(a, input, options, *report);
     return check_target(a.output, options, *report);
+}
+
+void declare_cameras(CLI::App& c, CameraFacts& cameras) {
+    constexpr const char* group = "Folders of views, quilts and mosaics";
+    c.add_option("--camera-spacing", cameras.spacing,
+                 "From camera to camera of a planar grid, in world units")
+        ->option_text("X or X,Y")
+        ->group(group);
+    c.add_option("--camera-fov", cameras.fov, "Horizontal field of view of a view. Default: 40")
+        ->option_text("DEGREES")
+        ->group(group);
+    c.add_option("--camera-focus", cameras.focus,
+                 "Distance at which the views coincide, in world units; a large one for parallel "
+                 "axes. Default: four times the longer side of the grid")
+        ->option_text("LENGTH")
+        ->group(group);
+}
+
+void declare(CLI::App& c, EncodeCommand& a) {
+    c.add_option("input", a.input,
+                 "A folder of views (PNG, JPEG, EXR), a quilt or mosaic as one picture, raw "
+                 "samples (.rgb ...), a .tess or its URL, - for standard input")
+        ->required();
+    add_rate_options(c, a.encode);
+    c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
+        ->required();
+    add_run_options(c, a.encode);
+    add_texture_options(c, a.texture);
+    declare_cameras(c, a.cameras);
+    add_layout_options(c, a.encode);
+    c.add_option("--reuse", a.reuse,
+                 "The .tess that the input was decoded from before it was edited: unmodified tiles "
+                 "are copied, the others get its quantiser, tile shape, tables and effort. It also "
+                 "gives the size and the description")
+        ->option_text("FILE")
+        ->group("Layout of the file");
+    add_mask_options(c, a.mask,
+                     "masked texels take the values that cost least, and rate targets ignore them");
+    for (const char* option : {"--mask", "--mask-size"})
+        c.get_option(option)->group("Layout of the file");
+    add_description_options(c, a.encode);
+    c.get_option("--proxy")->description(description_field_values("proxy") +
+                                         ", or mesh: that of --mesh or of the input");
+    c.add_option("--mesh", a.mesh,
+                 "The surface as a Draco mesh with uv; it becomes the proxy. A .tess keeps its own")
+        ->option_text("FILE")
+        ->group("Description of the texture");
+    add_network_options(c);
 }
 
 } // namespace
 
 void add_encode_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, EncodeCommand& a) {
-        c.add_option(
-             "input", a.input,
-             "Texture: folder of views (PNG, JPEG, EXR), quilt or mosaic as one picture, raw "
-             "(.rgb ...), .tess or the URL of one, - for standard input")
-            ->required();
-        c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
-            ->required();
-        add_texture_options(c, a.texture);
-        add_network_options(c);
-        add_mask_options(c, a.mask, "the others get what costs least, and no target binds them");
-        add_encode_options(c, a.encode);
-        c.add_option("--reuse", a.reuse,
-                     "A .tess that the input was decoded from and edited since: tiles that are "
-                     "still what it decodes to stay, byte for byte, the others get its quantiser, "
-                     "shape, tables and, unless said, effort; size and description are its, too");
-        c.add_option(
-             "--mesh", a.mesh,
-             "The surface: a Draco mesh with uv, stored as the proxy (that of a .tess is kept)")
-            ->group("Description");
-        c.add_option("--camera-spacing", a.cameras.spacing,
-                     "Of planar views: from camera to camera, X or X,Y, in world units")
-            ->group("Pictures of views");
-        c.add_option("--camera-fov", a.cameras.fov, "Degrees that a view is wide (usual: 40)")
-            ->group("Pictures of views");
-        c.add_option("--camera-focus", a.cameras.focus,
-                     "Distance at which the views coincide, in world units; large for cameras "
-                     "whose axes are parallel (usual: four times the grid's longer side)")
-            ->group("Pictures of views");
-    };
     add_verb<EncodeCommand>(
         app, chosen, "encode", "Compress a texture into a .tess file",
-        "At most one rate is asked for: --quality, --target-psnr, --target-bpt, --target-bytes or\n"
-        "--max-error. Finished tiles wait in OUTPUT.journal until the file is there, for "
-        "--resume.\n"
-        "The same texels and options give the same bytes, on any number of threads; the file says\n"
-        "which rate and effort it was made with (tessera info).\n\n"
+        "The same texels and options give the same bytes, with any number of threads. Finished\n"
+        "tiles are kept in OUTPUT.journal until the file is complete, for --resume.\n\n"
         "Examples:\n"
         "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
-        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess\n"
-        "  cat scene.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > "
-        "x.tess\n"
+        "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess --lossless\n"
         "  tessera encode views/ -o views.tess --max-error 2 --effort 4\n"
         "  tessera encode rig/ -o rig.tess --grid 17x17 --order serpentine,bottom-up\n"
         "  tessera encode photo_qs8x6a0.75.png -o quilt.tess --camera-spacing 0.02\n"
-        "  tessera decode old.tess -o edited.rgb    (edit, then without any loss elsewhere:)\n"
+        "  cat a.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > a.tess\n"
         "  tessera encode edited.rgb --reuse old.tess -o new.tess\n"
         "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
         declare, run);

@@ -33,7 +33,7 @@ Json texture_json(const std::string& path, const TextureDesc& desc,
             {"description", description_to_text(description)}};
 }
 
-// "error" where the section holds no mesh, or one too large to look at here.
+// Has the key "error" if the section holds no mesh, or one that is too large to decode here.
 Json mesh_json(std::span<const std::byte> stream) {
     Json json = {{"bytes", stream.size()}};
     const auto mesh = decode_mesh(stream, most_mesh_memory);
@@ -53,7 +53,8 @@ Json mesh_json(std::span<const std::byte> stream) {
     return json;
 }
 
-// Json looks for a key before it adds one; those of a file are distinct, and may be 65,536.
+// Adding a key to a Json searches all keys first. A file has distinct keys, and up to 65,536 of them, so they
+// are appended without a search.
 Json metadata_json(const Metadata& metadata) {
     Json::object_t::Container entries;
     entries.reserve(metadata.size());
@@ -113,7 +114,7 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     return json;
 }
 
-// Rounded where more digits say nothing: to four that count.
+// A value in one line. Floating-point numbers are rounded to four significant digits.
 std::string text_of(const Json& value) {
     if (value.is_number_float()) {
         char text[32];
@@ -124,35 +125,35 @@ std::string text_of(const Json& value) {
                              : value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// "psnr 40.123456789012345" -> "psnr 40.12": the number at the end, if there is one.
-std::string rounded(const std::string& text) {
-    const std::size_t blank = text.rfind(' ');
-    double number = 0;
-    if (blank == std::string::npos || !parse_number(text.substr(blank + 1), number))
-        return text;
+// "psnr 40.123456789012345" -> "--target-psnr 40.12": the option of encode, its number rounded.
+std::string rate_option(const std::string& rate) {
+    const std::size_t blank = rate.find(' ');
+    if (blank == std::string::npos)
+        return rate;
+    const std::string kind = rate.substr(0, blank), number = rate.substr(blank + 1);
+    const bool is_target = kind == "psnr" || kind == "bpt" || kind == "bytes";
     std::uint64_t whole = 0;
-    if (parse_number(text.substr(blank + 1), whole))
-        return text;
-    return text.substr(0, blank + 1) + text_of(number);
+    double value = 0;
+    const bool rounds = !parse_number(number, whole) && parse_number(number, value);
+    return (is_target ? "--target-" : "--") + kind + " " + (rounds ? text_of(value) : number);
 }
 
-// Control characters of a file's strings must not reach the terminal.
-// How the file was encoded, in one line: "Tessera 0.1.0, psnr 40, effort 3"; "" where it does not say.
+// How the file was encoded: "Tessera 0.1.0, --target-psnr 40 --effort 3"; "" if it does not say.
 std::string made_text(const Metadata& metadata) {
-    std::string text;
-    const auto add = [&](const char* key, const char* before) {
-        if (const auto found = metadata.find(key); found != metadata.end())
-            text += (text.empty() ? "" : ", ") + std::string(before) + rounded(found->second);
+    const auto value_of = [&](const char* key) {
+        const auto found = metadata.find(key);
+        return found == metadata.end() ? std::string() : found->second;
     };
-    add(software_key, "");
-    add(made_rate_key, "");
-    add(made_effort_key, "effort ");
-    add(made_tools_key, "tools ");
-    return text;
+    std::string text = value_of(software_key), options;
+    if (const std::string rate = value_of(made_rate_key); !rate.empty())
+        options = rate_option(rate);
+    if (const std::string effort = value_of(made_effort_key); !effort.empty())
+        options += (options.empty() ? "" : " ") + ("--effort " + effort);
+    return text + (text.empty() || options.empty() ? "" : ", ") + options;
 }
 
-// The JSON of a .tess as people want it: sizes in words, too, and how it was made in one line instead of
-// four keys among the metadata.
+// The JSON of a .tess, changed for people: sizes also in units, and how the file was encoded in one line
+// instead of in several keys of the metadata.
 Json for_people(Json json, const Metadata& metadata) {
     Json out;
     for (auto& [key, value] : json.items()) {
@@ -163,7 +164,7 @@ Json for_people(Json json, const Metadata& metadata) {
         if (key == "metadata") {
             if (const std::string made = made_text(metadata); !made.empty())
                 out["made"] = made;
-            for (const char* shown : {software_key, made_rate_key, made_effort_key, made_tools_key})
+            for (const char* shown : {software_key, made_rate_key, made_effort_key})
                 value.erase(shown);
         }
         out[key] = value;
@@ -171,7 +172,8 @@ Json for_people(Json json, const Metadata& metadata) {
     return out;
 }
 
-// One line a value, tables for lists of objects.
+// Prints one line per value, and tables for lists of objects. Control characters of a file's strings must not
+// reach the terminal.
 void print_for_people(const Json& json, const std::string& indent) {
     for (const auto& [key, value] : json.items()) {
         const bool nested =
@@ -243,18 +245,18 @@ Status run(const InfoCommand& a) {
 
 void add_info_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, InfoCommand& a) {
-        c.add_option("file", a.input, "Any texture; a .tess file, the URL of one, or -, says most")
+        c.add_option("file", a.input, "Any texture, the URL of a .tess, or - for standard input")
             ->required();
         c.add_flag("--allow-partial", a.texture.decode.allow_partial,
-                   "Take the beginning of a .tess, as a broken download leaves it");
-        c.add_flag("--json", a.json, "Print JSON");
+                   "Accept the beginning of a .tess, such as a broken download");
+        c.add_flag("--json", a.json, "Print JSON, with all digits");
         add_texture_options(c, a.texture);
         add_network_options(c);
     };
     add_verb<InfoCommand>(
-        app, chosen, "info", "Say everything about a file but its texels",
-        "Of a .tess: size, samples, how it was made, tiles, coarse levels, sections, metadata.\n"
-        "Figures are rounded; --json has all digits.\n\n"
+        app, chosen, "info", "Show everything about a file except its texels",
+        "For a .tess: size, sample type, options of the encoder, tiles, coarse levels, sections,\n"
+        "metadata. Options accept the words that info prints. Numbers are rounded.\n\n"
         "Examples:\n"
         "  tessera info scene.tess\n"
         "  tessera info scene.exr --json\n"

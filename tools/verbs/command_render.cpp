@@ -27,7 +27,7 @@ struct RenderCommand {
     std::string sheet;
     bool json = false, write_all = false, log = false, frames = false;
 
-    // Over a network one wants to know what is going on.
+    // Reading over a network is slow, so it shows what it does.
     bool logs() const { return !json && (log || (is_url(stage.file) && !texture.quiet)); }
 };
 
@@ -55,14 +55,14 @@ Status check_outputs(const RenderCommand& a, const std::vector<PlannedView>& pla
     for (const PlannedView& view : plan) {
         pixels += 4ull * view.camera.width * view.camera.height;
         if (view.output == a.sheet)
-            return {ErrorCode::bad_argument, a.sheet + ": is a view's name, too"};
+            return {ErrorCode::bad_argument, a.sheet + ": is also the name of a view"};
     }
     if (pixels > max_sheet_pixels)
         return {ErrorCode::unsupported, a.sheet + ": the sheet would be too large"};
     return check_output_path(a.sheet);
 }
 
-// One bar for all views and all renderers; each renderer reports the rows of its view.
+// One progress bar for all views and all renderers. Each renderer reports the rows of its view.
 class Steps {
 public:
     Steps(ProgressFunction show, std::size_t count) : show_(std::move(show)), count_(count) {}
@@ -85,10 +85,10 @@ private:
 struct DrawnView {
     ViewPictures pictures; // kept for the sheet only
     ViewFigures figures;
-    double seconds = 0; // of drawing what is written
+    double seconds = 0; // for drawing the picture that is written
     std::string remark;
-    std::vector<DrawnFrame> frames; // on feedback
-    Traffic traffic;                // of what is written
+    std::vector<DrawnFrame> frames; // with --via feedback
+    Traffic traffic;                // for the picture that is written
 };
 
 std::string to_text(const Traffic& traffic, bool remote) {
@@ -97,7 +97,7 @@ std::string to_text(const Traffic& traffic, bool remote) {
            ", " + human_bytes(traffic.bytes);
 }
 
-// Keeps, writes and says what each frame of a view was; at once, as the next may take a while.
+// Stores, writes and prints each frame of a view, at once, because the next may take a while.
 class FrameLog {
 public:
     FrameLog(const RenderCommand& a, SampleType type)
@@ -118,7 +118,7 @@ public:
         frames_.push_back(frame);
         if (log_) {
             if (!frame.trouble.empty())
-                say("view " + std::to_string(view_) + ": asks again: " + frame.trouble);
+                say("view " + std::to_string(view_) + ": retries: " + frame.trouble);
             say("view " + std::to_string(view_) + " frame " + std::to_string(number) + ": " +
                 std::to_string(frame.touched) + " tiles touched, " + std::to_string(frame.decoded) +
                 " decoded, " + std::to_string(frame.coarse) + " coarse, " +
@@ -143,7 +143,7 @@ private:
     std::vector<DrawnFrame> frames_; // of the view
 };
 
-// A view of each renderer that there is; the stage's subject is written, and the others on request.
+// Draws a view with every renderer of the stage. Writes that of the subject, and on request the others.
 Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, bool write_all,
                        Steps& steps) {
     DrawnView drawn;
@@ -245,7 +245,7 @@ void report_text(const Stage& stage, const std::vector<PlannedView>& plan,
                     static_cast<double>(use->bytes) / (1 << 20));
 }
 
-// Pictures that lack something are pictures all the same, so this is not an error.
+// Remarks about incomplete pictures. They are not errors.
 void report_remarks(const std::vector<PlannedView>& plan, const std::vector<DrawnView>& views) {
     for (std::size_t i = 0; i < views.size(); ++i)
         if (!views[i].remark.empty())
@@ -278,13 +278,13 @@ Status run(const RenderCommand& a) {
             [&log](unsigned number, const DrawnFrame& frame, const auto& picture) {
                 return log.add(number, frame, picture);
             });
-        Traffic told; // so that the first view's includes opening
+        Traffic before; // none, so that the first view includes opening the file
         for (const PlannedView& view : plan) {
             TESSERA_TRY(check_interrupt());
             log.begin(views.size() + 1, view.output);
             TESSERA_TRY_ASSIGN(auto drawn, draw(view, stage, a.write_all, steps));
-            drawn.traffic = stage.traffic() - told;
-            told = stage.traffic();
+            drawn.traffic = stage.traffic() - before;
+            before = stage.traffic();
             drawn.frames = log.end(drawn.traffic);
             if (a.sheet.empty())
                 drawn.pictures = {};
@@ -301,118 +301,158 @@ Status run(const RenderCommand& a) {
     return {};
 }
 
-void declare_camera(CLI::App& c, ViewRequest& r) {
+void declare_camera(CLI::App& c, RenderCommand& a) {
+    ViewRequest& r = a.views;
+    constexpr const char* group = "Camera";
     auto* eye = c.add_option("--eye", r.eye,
-                             "Where the observer stands, x,y,z (10,0,0; of planar views amid their "
-                             "cameras)");
+                             "Position of the observer. Default: 10,0,0, or among the cameras of "
+                             "planar views")
+                    ->option_text("X,Y,Z")
+                    ->group(group);
     auto* look = c.add_option("--look", r.look,
-                              "A point straight ahead, x,y,z (0,0,0; without it, planar views fill "
-                              "the picture, whatever the eye)");
-    c.add_option("--fov", r.fov, "Vertical field of view in degrees")->capture_default_str();
-    c.add_option("--size", r.size, "Pixels of the picture, WxH (640x480)");
-    auto* views =
-        c.add_option("--views", r.views,
-                     "paper: the paper's five views, numbered name-1.png and so on; 1..5: one of "
-                     "them")
-            ->excludes(eye)
-            ->excludes(look);
+                              "A point straight ahead. Default: 0,0,0; planar views then fill the "
+                              "picture, wherever the eye is")
+                     ->option_text("X,Y,Z")
+                     ->group(group);
+    c.add_option("--fov", r.fov, "Vertical field of view. Default: 45")
+        ->option_text("DEGREES")
+        ->group(group);
+    c.add_option("--pixels", r.size, "Size of the picture. Default: 640x480")
+        ->option_text("WxH")
+        ->group(group);
+    auto* views = c.add_option("--views", r.views,
+                               "paper: five standard views, written as name-1.png and so on; 1..5: "
+                               "one of them")
+                      ->excludes(eye)
+                      ->excludes(look)
+                      ->option_text("paper or 1..5")
+                      ->group(group);
     c.add_option("--orbit", r.orbit,
-                 "So many frames once around the vertical line through the look point, numbered")
+                 "This many numbered frames, once around the vertical line through --look")
         ->check(CLI::Range(1u, 100000u))
-        ->excludes(views);
+        ->excludes(views)
+        ->option_text("N")
+        ->group(group);
+    c.add_option("--focus", a.stage.focus,
+                 "For planar views: the distance from the cameras at which they are superimposed. "
+                 "Default: where they coincide")
+        ->option_text("LENGTH")
+        ->group(group);
+}
+
+void declare_renderer(CLI::App& c, RenderCommand& a) {
+    StageRequest& r = a.stage;
+    constexpr const char* group = "Renderer";
+    c.add_option("--via", r.via,
+                 "cpu (default), or on the GPU: load (decoded as a whole), feedback (a cache of "
+                 "visible tiles), gpu (load if the budget suffices, else feedback)")
+        ->check(one_of({"cpu", "gpu", "load", "feedback"}))
+        ->option_text("NAME")
+        ->group(group);
+    c.add_option("--budget", r.budget_mib,
+                 "Memory for decoded texels; on the GPU, for everything that the file needs. "
+                 "Default: 512M")
+        ->transform(size_in_mebibytes())
+        ->option_text("SIZE")
+        ->group(group);
+    c.add_option(
+         "--rays", r.rays,
+         "Rays per pixel on the CPU. Default: 1 for a sphere, 4 for a mesh, whose edges they "
+         "smooth")
+        ->check(CLI::Range(1u, 65536u))
+        ->option_text("N")
+        ->group(group);
+    c.add_option(
+         "--tiles-per-frame", r.tiles_per_frame,
+         "With --via feedback: most tiles to fetch and decode between two frames, so that a "
+         "view sharpens in steps. Default: all that are missing")
+        ->check(CLI::Range(0u, 1u << 24))
+        ->option_text("N")
+        ->group(group);
+    c.add_flag("--frames", a.frames,
+               "With --via feedback: write every frame of a view while it sharpens, as "
+               "name-frame-1.png and so on")
+        ->group(group);
+    c.add_flag("--log", a.log,
+               "Print what each frame touched, decoded, still lacked and read; on by default for "
+               "URLs")
+        ->group(group);
+}
+
+void declare_comparison(CLI::App& c, RenderCommand& a) {
+    StageRequest& r = a.stage;
+    constexpr const char* group = "Comparison";
+    auto* truth = c.add_option("--truth", r.truth,
+                               "Ray trace this built-in scene or model and measure against it; for "
+                               "a sphere, also against the uncompressed texture")
+                      ->option_text("SCENE or FILE")
+                      ->group(group);
+    c.add_option("--truth-spp", r.truth_samples,
+                 "Rays per pixel for it. Default: 16, or 512 paths for a model")
+        ->check(CLI::Range(1u, 65536u))
+        ->needs(truth)
+        ->option_text("N")
+        ->group(group);
+    c.add_option("--env", r.truth_environment,
+                 "The environment light of the model (.exr or .hdr), if it has moved since bake")
+        ->needs(truth)
+        ->option_text("FILE")
+        ->group(group);
+    c.add_option(
+         "--original", r.original,
+         "The uncompressed texture (raw or .tess). Default: it is baked where it is visible")
+        ->option_text("FILE")
+        ->group(group);
+    c.add_option("--spp", r.samples,
+                 "Rays per texel for baking. Default: as the file says, else 16")
+        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
+        ->option_text("N")
+        ->group(group);
+    c.add_flag("--write-all", a.write_all,
+               "Also write what is measured against, as name-truth.png and name-uncompressed.png")
+        ->group(group);
+    c.add_option("--sheet", a.sheet, "Write one .png with all views and their differences")
+        ->option_text("FILE")
+        ->group(group);
+}
+
+void declare(CLI::App& c, RenderCommand& a) {
+    StageRequest& r = a.stage;
+    c.add_option("file", r.file,
+                 "A .tess with a texture on a sphere or a mesh, or with planar views; or its URL");
+    c.add_option("-o,--output", a.views.output,
+                 "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
+        ->required();
+    c.add_option("--scene", r.scene,
+                 "Instead of a file: the uncompressed texture of a built-in scene, baked where it "
+                 "is visible, so that no size is too large")
+        ->option_text("NAME");
+    c.add_option("--size", r.texture_size, "Size of that texture. Default: see bake --list")
+        ->option_text("UxVxSxT");
+    add_fill_options(c, r.decode);
+    c.add_flag("--json", a.json, "Print JSON");
+    add_threads_options(c, a.texture);
+    declare_camera(c, a);
+    declare_renderer(c, a);
+    declare_comparison(c, a);
+    add_network_options(c);
 }
 
 } // namespace
 
 void add_render_command(CLI::App& app, Invocation& chosen) {
-    const auto declare = [](CLI::App& c, RenderCommand& a) {
-        StageRequest& r = a.stage;
-        c.add_option(
-            "file", r.file,
-            "A .tess with a texture on a sphere or a mesh, or with planar views, or the URL of one "
-            "(http, https)");
-        c.add_option(
-            "--scene", r.scene,
-            "In place of a file: the uncompressed texture of a built-in scene, baked where "
-            "it is looked at, so that no size is too large");
-        c.add_option("--texture-size", r.texture_size,
-                     "UxVxSxT of that texture (default: the scene's own, see bake --list)");
-        c.add_option("-o,--output", a.views.output,
-                     "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
-            ->required();
-        declare_camera(c, a.views);
-        c.add_option(
-             "--via", r.via,
-             "cpu, or on the GPU: load (decoded at once), feedback (a cache of the tiles in "
-             "view), or gpu: load where the budget has room for it, else feedback")
-            ->check(one_of({"cpu", "gpu", "load", "feedback"}))
-            ->capture_default_str();
-        c.add_option("--budget", r.budget_mib,
-                     "Most decoded texels in memory; on the GPU, all that it holds for the file: "
-                     "512M, 2G, or a number of MiB")
-            ->transform(mebibytes())
-            ->type_name("SIZE")
-            ->default_str("512M");
-        c.add_option("--rays", r.rays,
-                     "Rays per pixel on the CPU, spread evenly (default: 1 for a sphere, 4 for a "
-                     "mesh, whose edges they smooth)")
-            ->check(CLI::Range(1u, 65536u));
-        c.add_option("--focus", r.focus,
-                     "Of planar views: at which distance from the cameras they are laid on each "
-                     "other (usual: where they coincide)");
-        auto* truth = c.add_option("--truth", r.truth,
-                                   "A built-in scene, or a model's file, to ray trace and measure "
-                                   "against; of a sphere, together with the uncompressed texture");
-        c.add_option("--truth-spp", r.truth_samples,
-                     "Rays per pixel of the truth (default: 16; paths of a model: 512)")
-            ->check(CLI::Range(1u, 65536u))
-            ->needs(truth);
-        c.add_option("--env", r.truth_environment,
-                     "With --truth MODEL: the .exr or .hdr of its light, where the file names "
-                     "another place")
-            ->needs(truth);
-        c.add_option("--original", r.original,
-                     "The uncompressed texture (raw or .tess); without it, it is baked where it is "
-                     "looked at");
-        c.add_option("--spp", r.samples,
-                     "Samples per texel of what is baked (default: what the file says, or 16)")
-            ->check(CLI::Range(1u, corpus::max_samples_per_texel));
-        add_fill_options(c, r.decode);
-        c.add_flag("--write-all", a.write_all,
-                   "Write what it is measured against as well: name-truth.png and "
-                   "name-uncompressed.png beside each view");
-        c.add_option("--sheet", a.sheet, "One .png with all views, and the differences");
-        c.add_option("--tiles-per-frame", r.tiles_per_frame,
-                     "With --via feedback: most tiles that are fetched and decoded from one frame "
-                     "to the next, so that a view sharpens in steps (0: all that it misses)")
-            ->check(CLI::Range(0u, 1u << 24))
-            ->capture_default_str();
-        c.add_flag("--frames", a.frames,
-                   "With --via feedback: write every frame of a view while it sharpens, as "
-                   "name-frame-1.png (coarse) and so on beside it");
-        c.add_flag("--log", a.log,
-                   "Print what each frame of a view touched, decoded, still lacked and read; usual "
-                   "for URLs, unless --quiet");
-        c.add_flag("--json", a.json, "Print JSON");
-        add_threads_options(c, a.texture);
-        add_network_options(c);
-    };
     add_verb<RenderCommand>(
         app, chosen, "render", "Draw what an observer sees of the textured surface",
-        "PSNR and SSIM are of the whole 8-bit picture as displayed. Seconds are those of what is\n"
-        "written only, with reading and decoding.\n"
-        "With --via feedback a view's first frame shows coarse data at once (of files that were "
-        "made\n"
-        "with --layers at the cost of their first few kilobytes), and later ones sharpen it.\n\n"
+        "PSNR and SSIM refer to the whole 8-bit picture as displayed. Times include reading and\n"
+        "decoding, but only of the picture that is written. With --via feedback the first frame\n"
+        "shows coarse data at once (for files encoded with --layers, after a few kilobytes).\n\n"
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
         "  tessera render bunny.tess -o v.png --views paper --truth bunny.glb\n"
-        "  tessera render scene.tess -o frame.png --orbit 120 --size 1280x720 --via feedback\n"
-        "  tessera render http://host/scene.tess -o v.png --via feedback --orbit 16\n"
-        "  tessera render http://host/scene.tess -o v.png --via feedback --frames "
-        "--tiles-per-frame 16\n"
-        "  tessera render --scene composed --texture-size 1024x512x128x128 -o v.png --views 1",
+        "  tessera render scene.tess -o frame.png --orbit 120 --pixels 1280x720 --via feedback\n"
+        "  tessera render http://host/scene.tess -o v.png --via feedback --frames\n"
+        "  tessera render --scene composed --size 1024x512x128x128 -o v.png --views 1",
         declare, run);
 }
 

@@ -23,14 +23,14 @@ Result<std::vector<ShaderDefine>> parse_defines(const std::vector<std::string>& 
     for (const std::string& word : words) {
         const std::size_t equals = word.find('=');
         if (equals == 0)
-            return Status(ErrorCode::bad_argument, "--define " + word + ": a name is missing");
+            return Status(ErrorCode::bad_argument, "--define " + word + ": needs a name");
         defines.emplace_back(word.substr(0, equals),
                              equals == std::string::npos ? "1" : word.substr(equals + 1));
     }
     return defines;
 }
 
-// Programs whole; sample.glsl without a head, to be pasted into a program of the reader's own.
+// Programs are written whole. sample.glsl is pasted into other programs, so its #version line goes.
 Status write_shader(std::string_view name, const ShadersCommand& a, ShaderDialect dialect,
                     std::span<const ShaderDefine> defines) {
     TESSERA_TRY_ASSIGN(std::string text, shader_source(name, dialect, defines));
@@ -63,28 +63,25 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ShadersCommand& a) {
         c.add_option("-o,--output", a.output, "Folder to write to")->required();
         c.add_option("--dialect", a.dialect,
-                     "gl450 (OpenGL 4.5), es310 (OpenGL ES 3.1) or vulkan (GLSL for SPIR-V)")
+                     "gl450: OpenGL 4.5 (default); es310: OpenGL ES 3.1; vulkan: GLSL for SPIR-V")
             ->check(one_of({"gl450", "es310", "vulkan"}))
-            ->capture_default_str();
-        c.add_option("-D,--define", a.defines,
-                     "NAME or NAME=VALUE: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, "
-                     "TSR_OUTPUT_HALF, ...");
+            ->option_text("NAME");
+        c.add_option(
+             "-D,--define", a.defines,
+             "A macro: TESSERA_RESIDENT_CACHE, TESSERA_HARDWARE_FILTER, TSR_OUTPUT_HALF ...")
+            ->option_text("NAME[=VALUE]");
     };
     add_verb<ShadersCommand>(
         app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
-        "sample.glsl holds tessera_sample(), for pasting into a shader of your "
-        "own; its first lines\n"
-        "say how. The .comp files decode, in this order: tree, levels, corrections, order, and "
-        "then "
-        "items,\n"
-        "groups, texels as often as copies are deep, filter last. Storage buffers: 0 tables, 1 "
-        "what "
-        "to\n"
-        "decode, 2 work, 3 coefficients; image 0 texels. Sampling: buffers 4 the texture, 5 marks "
-        "of "
-        "tiles;\n"
-        "uniforms 2; texture unit 0 texels. Vulkan: buffers are set 0, images 1, textures 2, "
-        "uniforms 3.\n\n"
+        "sample.glsl defines tessera_sample(); paste it into a shader of your own. Its first "
+        "lines\n"
+        "explain how. The .comp files decode. Run them in this order: tree, levels, corrections,\n"
+        "order; then items, groups and texels, once per level of copies; then filter.\n\n"
+        "Decoding uses the storage buffers 0 tables, 1 input, 2 work, 3 coefficients, and image 0\n"
+        "for the texels. Sampling uses the storage buffers 4 texture and 5 marks of tiles, "
+        "uniform\n"
+        "buffer 2, and texture unit 0 for the texels. In Vulkan, buffers are in set 0, images in\n"
+        "set 1, textures in set 2, uniforms in set 3.\n\n"
         "Examples:\n"
         "  tessera shaders -o shaders/\n"
         "  tessera shaders -o spirv/ --dialect vulkan -D TESSERA_RESIDENT_CACHE",

@@ -26,11 +26,11 @@ bool is_png_file(const std::string& path) {
            !std::filesystem::is_directory(path);
 }
 
-// `remark` gets what of the textures had to be filled.
+// Appends to `remark` which parts of the textures were missing and had to be filled.
 Result<Picture> sheet_of_textures(const SheetCommand& a, std::string& remark) {
     if (a.inputs.size() > 2)
         return Status(ErrorCode::bad_argument,
-                      "a sheet shows two textures at most, or any number of .png files");
+                      "a sheet shows at most two textures, or any number of .png files");
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
     SheetOptions options = a.sheet;
     options.name_a = std::filesystem::path(a.inputs[0]).filename().string();
@@ -75,44 +75,51 @@ Status run(const SheetCommand& a) {
 void add_sheet_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, SheetCommand& a) {
         c.add_option("inputs", a.inputs,
-                     "A texture (.tess also as a URL); a second one to show beside it, with the "
-                     "difference. Or 8-bit RGB .png files, to set side by side")
+                     "One texture (.tess also as a URL), or two to show side by side with their "
+                     "difference. Or any number of 8-bit RGB .png files")
             ->required();
         c.add_option("-o,--output", a.output, "The .png to write")->required();
-        c.add_option("--views", a.sheet.views, "How many views")
+        c.add_option("--views", a.sheet.views,
+                     "Number of views, spread over s and t. Default: " +
+                         std::to_string(a.sheet.views))
             ->check(CLI::Range(1u, 16u))
-            ->capture_default_str();
-        c.add_option("--angular", a.sheet.angular_images, "How many angular images")
+            ->option_text("1..16");
+        c.add_option("--angular", a.sheet.angular_images,
+                     "Number of angular images, spread over u and v. Default: " +
+                         std::to_string(a.sheet.angular_images))
             ->check(CLI::Range(0u, 32u))
-            ->capture_default_str();
-        c.add_option("--amplify", a.sheet.amplify, "Factor of the difference")
+            ->option_text("0..32");
+        c.add_option("--amplify", a.sheet.amplify, "Factor of the difference. Default: 8")
             ->check(CLI::Range(1.0, 255.0))
-            ->capture_default_str();
-        c.add_option("--columns", a.grid.columns, "Of .png files: pictures in a row")
-            ->check(CLI::Range(1u, 100u))
-            ->capture_default_str();
-        c.add_option("--label", a.grid.labels,
-                     "Of .png files: text above a picture; once for each, in their order (their "
-                     "names)")
-            ->expected(1)
-            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-        c.add_option("--middle", a.grid.middle,
-                     "Of .png files: only the middle of each, so many pixels wide and high; 0: all")
-            ->check(CLI::Range(0u, 16384u))
-            ->capture_default_str();
+            ->option_text("1..255");
         add_fill_options(c, a.texture.decode);
+        constexpr const char* pictures = "Sheets of .png files";
+        c.add_option("--columns", a.grid.columns,
+                     "Pictures in a row. Default: " + std::to_string(a.grid.columns))
+            ->check(CLI::Range(1u, 100u))
+            ->option_text("1..100")
+            ->group(pictures);
+        c.add_option("--label", a.grid.labels,
+                     "Text above a picture, once per picture. Default: their names")
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+            ->option_text("TEXT")
+            ->group(pictures);
+        c.add_option("--middle", a.grid.middle,
+                     "Show only the middle of each, this many pixels wide and high; 0 shows all")
+            ->check(CLI::Range(0u, 16384u))
+            ->option_text("N")
+            ->group(pictures);
         add_texture_options(c, a.texture);
         add_network_options(c);
     };
     add_verb<SheetCommand>(
         app, chosen, "sheet", "A PNG of some views and angular images, or of pictures side by side",
-        "Views are spread over s and t, angular images over u and v; half floats are shown as\n"
-        "sRGB of x / (1 + x).\n\n"
+        "Half floats are shown as sRGB of x / (1 + x).\n\n"
         "Examples:\n"
         "  tessera sheet scene.exr scene.tess -o sheet.png\n"
         "  tessera sheet scene.tess -o sheet.png --views 5\n"
-        "  tessera sheet v-1.png v-2.png --label front --label side --columns 2 "
-        "-o both.png",
+        "  tessera sheet v-1.png v-2.png --label front --label side --columns 2 -o both.png",
         declare, run);
 }
 

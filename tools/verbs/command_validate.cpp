@@ -27,7 +27,7 @@ struct ValidateCommand {
 
 constexpr std::size_t tiles_at_once = 1 << 14;
 
-// The tiles that findings have condemned.
+// The tiles in which findings already report errors.
 class CondemnedTiles {
 public:
     explicit CondemnedTiles(const std::vector<Finding>& findings) {
@@ -36,7 +36,7 @@ public:
             end = std::max(end, f.first_tile + f.tile_count);
         }
         std::uint64_t end = 0;
-        for (auto& [first, range_end] : ends_) // so that a range that begins last ends last
+        for (auto& [first, range_end] : ends_) // a later range must not end earlier
             end = range_end = std::max(end, range_end);
     }
     bool contains(std::uint64_t tile) const {
@@ -45,11 +45,11 @@ public:
     }
 
 private:
-    std::map<std::uint64_t, std::uint64_t> ends_; // of ranges of tiles, by their begin
+    std::map<std::uint64_t, std::uint64_t> ends_; // first tile of a range -> end of the range
 };
 
-// Takes groups from `group` on until there is work for a while. Empty tiles are none: a small file
-// claims millions of them. A group without a sound record is among the findings already.
+// Collects tiles of `group` and the groups behind it, enough for a while. Empty tiles are skipped, because a
+// small file may claim millions of them. A group with an invalid record is already among the findings.
 Result<std::vector<std::uint64_t>>
 next_tiles(const ContainerReader& file, const CondemnedTiles& condemned, std::uint32_t& group) {
     std::vector<std::uint64_t> tiles;
@@ -65,7 +65,7 @@ next_tiles(const ContainerReader& file, const CondemnedTiles& condemned, std::ui
     return tiles;
 }
 
-// Decodes every tile that the container's findings have not already condemned.
+// Decodes every tile in which the findings of the container report no error.
 Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned threads,
                    const ProgressFunction& progress, std::vector<Finding>& findings) {
     const auto decoder = Decoder::open(bytes, options);
@@ -87,7 +87,7 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
             const Status status =
                 received.ok() && *received ? decoder->check_tile(tiles[i]) : received.status();
             if (status.code() == ErrorCode::io || status.code() == ErrorCode::runtime)
-                return status; // says nothing about the file
+                return status; // not an error of the file
             const std::lock_guard lock(mutex);
             if (progress)
                 progress("decoding tiles", first + share * static_cast<double>(++done),
@@ -123,7 +123,7 @@ void print_findings(const ValidateCommand& a, const std::vector<Finding>& findin
 
 Status run(const ValidateCommand& a) {
     TESSERA_TRY_ASSIGN(const auto opened, open_bytes(a.input));
-    // Every byte will be wanted, twice.
+    // All bytes are read twice.
     const std::unique_ptr<ByteSource> ahead =
         opened->wants_prefetch() ? read_ahead(*opened) : nullptr;
     ByteSource& bytes = ahead ? *ahead : *opened;
@@ -139,7 +139,7 @@ Status run(const ValidateCommand& a) {
                     show("checking pages", done, total);
             },
             open);
-        // A file that does not open has no tiles to look at; its finding says why.
+        // If the file does not open, its finding says why, and there are no tiles to check.
         if (ContainerReader::open(bytes, open).ok())
             TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, show, findings));
     }
@@ -164,23 +164,22 @@ Status run(const ValidateCommand& a) {
 
 void add_validate_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ValidateCommand& a) {
-        c.add_option("file", a.input, "The .tess file, the URL of one (http, https), or -")
+        c.add_option("file", a.input, "A .tess, its URL (http, https), or - for standard input")
             ->required();
         c.add_flag("--allow-partial", a.texture.decode.allow_partial,
-                   "Check what is there of a file whose end is missing");
+                   "Check the beginning of a .tess, such as a broken download");
         c.add_flag("--json", a.json, "Print JSON");
         add_threads_options(c, a.texture);
         add_network_options(c);
     };
     add_verb<ValidateCommand>(
-        app, chosen, "validate", "Check everything a reader relies on",
-        "Findings are numbered: 1 the bytes cannot be read; 2 to 15 the head of the file; 20 and "
-        "21 "
-        "its\n"
-        "index; 22 its mesh; 30 a page; 40 to 43 notes, which are no errors; 50 a tile; 99 there "
-        "are "
-        "more.\n"
-        "Exit code 3 when one is an error, 2 when the bytes cannot be read.\n\n"
+        app, chosen, "validate", "Check everything in a .tess that a reader relies on",
+        "Each finding has a number: 1, the bytes cannot be read; 2 to 15, the head of the file; "
+        "20\n"
+        "and 21, its index; 22, its mesh; 30, a page; 40 to 43, remarks that are not errors; 50, "
+        "a\n"
+        "tile; 99, there are more findings. The exit code is 3 if one is an error, 2 if the bytes\n"
+        "cannot be read.\n\n"
         "Examples:\n"
         "  tessera validate scene.tess\n"
         "  tessera validate scene.tess --json",

@@ -35,23 +35,23 @@ struct ViewCommand {
     bool no_open = false, quiet = false;
 };
 
-// Base64 of more would not open in a browser.
+// Browsers do not open pages with more base64 than this.
 constexpr std::uint64_t most_file_bytes = 256ull << 20;
 
 Status too_large(const std::string& name, std::uint64_t bytes) {
     return {ErrorCode::unsupported,
             name + ": " + human_bytes(bytes) +
-                " are too much for one page; without -o it is read in parts"};
+                " are too many for one page; without -o the page reads the file in parts"};
 }
 
-// Small: it stands in the page, and is seen for a moment.
+// Pixels of the picture that the page contains and shows until the viewer has started.
 constexpr std::uint32_t poster_width = 128, poster_height = 96;
 
 Result<std::vector<std::byte>> to_png(const Picture& picture) {
     return encode_png({picture.width, picture.height, 3}, picture.rgb);
 }
 
-// Of planar views the one in the middle, every n-th texel.
+// The middle one of planar views, every n-th texel.
 Result<Picture> middle_view(const Decoder& decoder) {
     const Extent4& size = decoder.desc().size;
     const std::uint32_t s = size[axis_s] / 2, t = size[axis_t] / 2;
@@ -73,7 +73,7 @@ Result<Picture> middle_view(const Decoder& decoder) {
     return to_picture(view, decoder.desc().type);
 }
 
-// What the viewer shows first; nothing where it is not known how to draw that, or the file was a stream.
+// The viewer's first view. Empty if the surface cannot be drawn here, or if the file is standard input.
 Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& decoder) {
     const Description& about = decoder.container().description();
     if (about.proxy == Proxy::none && about.angular_map == AngularMap::planar_views) {
@@ -96,7 +96,7 @@ Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& 
     return to_png(to_picture(view, stage.desc.type));
 }
 
-// What is on a server comes whole, once: the page, and the colours and the mesh for it, read it twice.
+// A file on a server is fetched whole, because the page and the colours and mesh for it read it twice.
 Result<std::unique_ptr<ByteSource>> open_for_page(const std::string& name,
                                                   std::vector<std::byte>& fetched) {
     TESSERA_TRY_ASSIGN(std::unique_ptr<ByteSource> source, open_tess_bytes(name, "view"));
@@ -136,8 +136,8 @@ Status write_page(const ViewCommand& a) {
 
 #ifdef TESSERA_HTTP
 
-// Whatever comes of it: the address is on the screen. Ctrl-C here must not end a browser that was started for
-// this, and it is not to ignore the signals that we ignore.
+// Ignores failures, since the URL is on the screen. The browser gets its own process group, so that Ctrl-C
+// does not end it, and its own handling of the signals that this program ignores.
 void open_in_browser(const std::string& url) {
     const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
     sigset_t ignored_here;
@@ -162,12 +162,12 @@ void open_in_browser(const std::string& url) {
 
 Status serve_page(const ViewCommand& a) {
     if (is_url(a.file))
-        return {ErrorCode::bad_argument, a.file + ": a page from this machine shows files of this "
-                                                  "machine; -o page.html takes URLs, too"};
-    TESSERA_TRY(make_server_page().status()); // says at once what is missing
+        return {ErrorCode::bad_argument, a.file + ": view serves local files only; -o page.html "
+                                                  "accepts URLs"};
+    TESSERA_TRY(make_server_page().status()); // fails here if the build lacks the decoder
     TESSERA_TRY(Decoder::open_file(a.file).status());
-    // The file itself, also where the name is a link to it, and nothing that lies beside it: any page that
-    // the browser shows could ask this server for it.
+    // Serves only this file, also if the name is a link to it: any page in the browser can send requests to
+    // this server.
     std::error_code error;
     const std::filesystem::path path = std::filesystem::canonical(a.file, error);
     if (error)
@@ -202,25 +202,24 @@ Status run(const ViewCommand& a) {
 void add_view_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ViewCommand& a) {
         c.add_option("file", a.file,
-                     "A .tess with a texture on a sphere, a mesh, or of planar views")
+                     "A .tess with a texture on a sphere, on a mesh, or of planar views")
             ->required();
-        auto* output =
-            c.add_option("-o,--output", a.output,
-                         "Write one HTML file with viewer, decoder and texture, which opens "
-                         "from disk and needs no network");
-        c.add_option("--port", a.port, "Port of the page that is served; 0: one that is free")
+        auto* output = c.add_option("-o,--output", a.output,
+                                    "Write one HTML file with viewer, decoder and texture, which "
+                                    "needs no server and no network");
+        c.add_option("--port", a.port, "Port of the served page; 0 picks a free one. Default: 0")
             ->check(CLI::Range(0, 65535))
-            ->capture_default_str()
-            ->excludes(output);
-        c.add_flag("--no-open", a.no_open, "Print the page's address, and open no browser")
+            ->excludes(output)
+            ->option_text("N");
+        c.add_flag("--no-open", a.no_open, "Print the URL of the page, but do not open a browser")
             ->excludes(output);
         c.add_flag("--quiet,-q", a.quiet, "Print no summary");
     };
     add_verb<ViewCommand>(
         app, chosen, "view", "Show a texture in a browser",
-        "Without -o a page is served from this machine (127.0.0.1) until Ctrl-C, and opened where\n"
-        "there is xdg-open. It reads the file in parts: large ones, and those made with --layers,\n"
-        "are seen at once. The page's ? says what mouse and keys do.\n\n"
+        "Without -o, this machine serves a page at 127.0.0.1 until Ctrl-C, and xdg-open opens it.\n"
+        "The page reads the file in parts, so large files, and those encoded with --layers, are\n"
+        "visible at once. Its button ? explains mouse and keys.\n\n"
         "Examples:\n"
         "  tessera view scene.tess\n"
         "  tessera view scene.tess -o scene.html\n"

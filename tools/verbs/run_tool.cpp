@@ -14,27 +14,52 @@ namespace tessera {
 namespace {
 
 const char* const main_help =
-    "A texture has U x V places on a surface, and at each of them S x T directions that light\n"
-    "leaves it in; for one direction all places together are a view. Boxes are half-open ranges,\n"
-    "0:64,0:64,:,: (':' is all of an axis).\n\n"
-    "Textures are told by their first bytes, raw ones by their names:\n"
-    "  x.tess      compressed; also a URL (http, https)\n"
-    "  x.exr       one OpenEXR picture, the angular images side by side\n"
-    "  views/      a folder with one PNG per view; a single PNG is one view\n"
-    "  x.rgb       raw samples in the order v, u, t, s, channels adjacent; they need --size. Also\n"
-    "              .rgba .gray .ya, with 16f appended for half floats, and .raw, which needs "
-    "--type\n"
-    "              and --channels\n"
-    "  -           standard input, of any kind that is one file, or standard output: .tess of\n"
-    "              encode and bake, raw samples of decode\n"
-    "Sizes in bytes take K, M, G and T, powers of 1024. Folders on the way to an output are "
-    "made.\n\n"
+    "A texture has U x V points on a surface and, for each of them, S x T directions in which\n"
+    "light leaves it. A view is the picture of all points in one direction; an angular image "
+    "shows\n"
+    "all directions of one point. Boxes are half-open ranges such as 0:64,0:64,:,: (':' is a "
+    "whole\n"
+    "axis).\n\n"
+    "Kinds of textures; compressed ones are recognised by their content, others by their names:\n"
+    "  x.tess      compressed; also as a URL (http, https)\n"
+    "  x.exr       one OpenEXR picture with the angular images side by side\n"
+    "  views/      a folder with one picture per view; a single PNG is one view\n"
+    "  x.rgb       raw samples in the order v, u, t, s with interleaved channels; needs --size. "
+    "Also\n"
+    "              .rgba .gray .ya, each also with 16f behind it for half floats, and .raw, which\n"
+    "              needs --type and --channels\n"
+    "  -           standard input, or standard output: a .tess from encode and bake, raw samples\n"
+    "              from decode\n"
+    "K, M, G and T in sizes are powers of 1024. Missing folders of outputs are created.\n\n"
     "Examples:\n"
     "  tessera bake composed -o scene.tess --size 256x128x16x16\n"
     "  tessera encode views/ -o scene.tess --target-psnr 40\n"
     "  tessera info scene.tess\n"
     "  tessera decode scene.tess -o views/\n"
     "tessera VERB --help explains a verb.\n\n";
+
+// CLI11's help, with descriptions wrapped to the lines of a terminal.
+class HelpFormatter : public CLI::Formatter {
+public:
+    HelpFormatter() { column_width(names_width); }
+    std::string make_option_desc(const CLI::Option* option) const override {
+        return wrapped(CLI::Formatter::make_option_desc(option));
+    }
+
+private:
+    static constexpr std::size_t names_width = 30, line_width = 100;
+    static std::string wrapped(std::string text) {
+        std::size_t line = 0; // begins there
+        while (text.size() - line > line_width - names_width) {
+            const std::size_t blank = text.rfind(' ', line + line_width - names_width);
+            if (blank == text.npos || blank <= line)
+                break;
+            text[blank] = '\n';
+            line = blank + 1;
+        }
+        return text;
+    }
+};
 
 std::string version_text() {
     return std::string("tessera ") + library_version + ", file format " +
@@ -56,7 +81,7 @@ int report(const std::string& verb, const Status& status) {
     if (status.ok())
         return 0;
     std::fprintf(stderr, "tessera%s%s: error: %s\n", verb.empty() ? "" : " ", verb.c_str(),
-                 printable(status.message()).c_str()); // which may quote a file
+                 printable(status.message()).c_str()); // it may quote a file
     const ErrorCode code = status.code();
     return static_cast<int>(code == ErrorCode::over_budget ? ErrorCode::unsupported : code);
 }
@@ -73,7 +98,7 @@ Status unknown_verb(const std::vector<std::string>& names, const std::string& wo
 void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
     for (const Verb& verb : verbs)
         verb.add(app, chosen);
-    CLI::App* help = app.add_subcommand(help_verb, "Show this, or the options of a verb");
+    CLI::App* help = app.add_subcommand(help_verb, "Show this text, or explain a verb");
     auto topic = std::make_shared<std::string>();
     help->add_option("verb", *topic, "The verb to explain");
     help->callback([&app, &chosen, topic, names = names_of(verbs)] {
@@ -81,7 +106,7 @@ void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
         chosen.run = [&app, topic, names]() -> Status {
             if (!topic->empty() && !is_among(names, *topic))
                 return unknown_verb(names, *topic);
-            // Not app.help(): that explains the verb that was called, which is this one.
+            // app.help() would explain the verb `help`, because that was called.
             const CLI::App* about = topic->empty() ? &app : app.get_subcommand(*topic);
             const std::string name = topic->empty() ? "tessera" : "tessera " + *topic;
             const auto mode = CLI::AppFormatMode::Normal;
@@ -89,7 +114,7 @@ void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
             return {};
         };
     });
-    app.add_subcommand(version_verb, "Show the versions of tool and file format")
+    app.add_subcommand(version_verb, "Show the versions of the tool and of the file format")
         ->callback([&chosen] {
             chosen.verb = version_verb;
             chosen.run = []() -> Status {
@@ -119,7 +144,7 @@ int run_tool(int argc, char** argv) {
                  "tessera");
     app.set_version_flag("--version", version_text());
     app.require_subcommand(1);
-    app.get_formatter()->column_width(34);
+    app.formatter(std::make_shared<HelpFormatter>());
     app.footer(std::string(main_help) + exit_codes_help);
     Invocation chosen;
     add_verbs(app, all_verbs(), chosen);

@@ -161,8 +161,9 @@ private:
             return {};
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
                " tiles that it touches found no place within --budget " +
-               std::to_string(options_.budget_mib) + " and are drawn coarsely; --budget " +
-               std::to_string((texture_->budget_for(report.touched) >> 20) + 1) + " holds them all";
+               std::to_string(options_.budget_mib) + "M and are drawn coarsely; --budget " +
+               std::to_string((texture_->budget_for(report.touched) >> 20) + 1) +
+               "M holds them all";
     }
 
     HeadlessContext context_;

@@ -174,7 +174,7 @@ Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage
     TESSERA_TRY(check_scene(r.scene).with_context("--scene"));
     TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene));
     TESSERA_TRY_ASSIGN(const auto size,
-                       parse_extent_or(r.texture_size, "--texture-size", info.default_size));
+                       parse_extent_or(r.texture_size, "--size", info.default_size));
     TESSERA_TRY_ASSIGN(stage.original, corpus::make_baked_source(
                                            r.scene, size, r.samples.value_or(usual_samples), 1)
                                            .with_context("--scene " + r.scene));
@@ -205,7 +205,7 @@ Status check_request(const StageRequest& r) {
     if (r.file.empty() && corpus::is_model_path(r.truth))
         return {ErrorCode::bad_argument, "--truth " + r.truth + ": a model needs a .tess of it"};
     if (!r.file.empty() && !r.texture_size.empty())
-        return {ErrorCode::bad_argument, "--texture-size belongs to --scene"};
+        return {ErrorCode::bad_argument, "--size belongs to --scene; --pixels is the size of the picture"};
     if (r.samples && !r.original.empty())
         return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
     if (r.samples && r.truth.empty() && r.scene.empty())

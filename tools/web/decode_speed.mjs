@@ -35,10 +35,10 @@ const files = [
     ['sphere, lossless', file => ['bake', 'composed', '--size', '128x64x16x16', '--max-error', '0', '--effort', '1', '-o', file]],
     ['sphere, half-float', file => ['bake', 'lamps', '--size', '64x32x16x16', '-o', file]],
     ['mesh', file => ['bake', 'composed', '--proxy', 'mesh', '--density', '4', '--directions', '16x16', '--effort', '2', '-o', file]],
-    ['planar views', file => {
+    ['planar-views', file => {
         const raw = path.join(scratch, 'views.rgb');
         fs.writeFileSync(raw, planarViews(96, 96, 9, 9));
-        return ['encode', raw, '--size', '96x96x9x9', '--angular-map', 'planar views', '--quality', '40', '-o', file];
+        return ['encode', raw, '--size', '96x96x9x9', '--angular-map', 'planar-views', '--quality', '40', '-o', file];
     }],
 ];
 

@@ -57,12 +57,12 @@ std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
         if (std::none_of(codecs.begin(), codecs.end(), [&](const CodecUnderTest& c) {
                 return c.id == "tessera:" + std::to_string(effort);
             }))
-            codecs.push_back(tessera_codec(effort, tessera_settings(o), o.tools));
+            codecs.push_back(tessera_codec(effort, tessera_settings(o)));
     if (!o.efforts.empty())
         return codecs;
     for (const int effort : o.quick ? quick_speed_efforts : speed_efforts)
         if (effort != efforts.front()) {
-            codecs.push_back(tessera_codec(effort, {speed_setting}, o.tools));
+            codecs.push_back(tessera_codec(effort, {speed_setting}));
             codecs.back().in_plot = false;
         }
     return codecs;
@@ -107,10 +107,7 @@ std::string command_text(const RdOptions& o) {
         text += " " + name;
     if (o.hints.size)
         text += " --size " + to_string(*o.hints.size);
-    if (!o.texture_size.empty())
-        text += " --texture-size " + o.texture_size;
     return text + (o.on_sphere ? " --sphere" : "") + (o.quick ? " --quick" : "") +
-           (o.tools.empty() ? "" : " --tools " + o.tools) +
            (o.rivals.empty() ? "" : " --rivals " + o.rivals) + " -o " + o.output;
 }
 
@@ -167,8 +164,8 @@ Result<TextureReport> measure_texture(const RdOptions& o, const std::string& nam
                                       const std::vector<Rival>& rivals) {
     std::optional<Progress> bar;
     bar.emplace("tessera rd", o.quiet);
-    const auto texture = load_rd_texture(
-        {name, o.texture_size, o.samples, o.on_sphere, o.quick, o.hints}, bar->function());
+    const auto texture =
+        load_rd_texture({name, o.samples, o.on_sphere, o.quick, o.hints}, bar->function());
     bar.reset();
     TESSERA_TRY(texture);
     TextureReport report = describe(*texture);
@@ -215,7 +212,6 @@ Result<RdReport> run_rd(const RdOptions& options) {
     TESSERA_TRY_ASSIGN(const auto rivals, rivals_named(!options.rivals.empty() ? options.rivals
                                                        : options.quick         ? "quick"
                                                                                : "all"));
-    TESSERA_TRY(check_coding_tools(options.tools).with_context("--tools"));
     for (const std::string& name : options.textures)
         TESSERA_TRY(check_rd_name(name));
     std::error_code error;

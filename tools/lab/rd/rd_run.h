@@ -14,11 +14,9 @@ struct RdOptions {
     std::string output;                // folder of the report
     std::vector<double> psnr, quality; // both empty: the usual PSNRs
     std::vector<int> efforts;          // empty: the usual one
-    std::string tools;                 // coding tools switched on top of the effort, as --tools
     std::string rivals;                // empty: all, or with `quick` the fast ones
     std::string anchor;                // a codec's id; empty: chosen
     bool quick = false;
-    std::string texture_size; // of scenes
     unsigned samples = 16;
     bool on_sphere = false;
     std::string cache; // empty: output/cache

@@ -40,10 +40,9 @@ bool is_scene(const std::string& name) {
 
 Result<std::unique_ptr<TexelSource>> open_scene(const TextureRequest& r, RdTexture& texture) {
     TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.name));
-    TESSERA_TRY_ASSIGN(const auto size,
-                       parse_extent_or(r.texture_size, "--texture-size", info.default_size));
     texture.window = SphereWindow{};
-    return corpus::make_baked_source(r.name, size, r.samples, 1);
+    return corpus::make_baked_source(r.name, r.hints.size.value_or(info.default_size), r.samples,
+                                     1);
 }
 
 Result<std::unique_ptr<TexelSource>> open_named(const TextureRequest& r, RdTexture& texture) {

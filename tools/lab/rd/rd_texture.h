@@ -14,12 +14,11 @@
 namespace tessera {
 
 struct TextureRequest {
-    std::string name;         // a file that the other verbs read, or a built-in scene
-    std::string texture_size; // of a scene: "UxVxSxT"; empty: the scene's own
-    unsigned samples = 16;    // of a scene, per texel
-    bool on_sphere = false;   // a file that does not say so lies on the scenes' sphere
-    bool crop = false;        // only a small box in the middle
-    TextureHints hints;
+    std::string name;       // a file that the other verbs read, or a built-in scene
+    unsigned samples = 16;  // of a scene, per texel
+    bool on_sphere = false; // a file that does not say so lies on the scenes' sphere
+    bool crop = false;      // only a small box in the middle
+    TextureHints hints;     // the size is also that of a scene
 };
 
 struct RdTexture {

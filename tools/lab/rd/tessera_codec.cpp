@@ -79,10 +79,8 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-Result<Coded> code(int effort, const std::string& tools, const CodingJob& job,
-                   const std::string& setting) {
+Result<Coded> code(int effort, const CodingJob& job, const std::string& setting) {
     EncodeOptions options;
-    options.tools = tools;
     options.rate = rate_of(setting);
     options.effort = effort;
     options.threads = job.threads;
@@ -109,16 +107,14 @@ Result<Coded> code(int effort, const std::string& tools, const CodingJob& job,
 
 } // namespace
 
-CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings,
-                             const std::string& tools) {
+CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings) {
     CodecUnderTest codec;
     codec.id = "tessera:" + std::to_string(effort);
-    codec.layout = "effort " + std::to_string(effort) + ", tiles that decode alone" +
-                   (tools.empty() ? "" : ", tools " + tools);
-    codec.version = "tessera " + build_version() + (tools.empty() ? "" : " " + tools);
+    codec.layout = "effort " + std::to_string(effort) + ", tiles that decode alone";
+    codec.version = "tessera " + build_version();
     codec.settings = std::move(settings);
-    codec.run = [effort, tools](const CodingJob& job, const std::string& setting) {
-        return code(effort, tools, job, setting);
+    codec.run = [effort](const CodingJob& job, const std::string& setting) {
+        return code(effort, job, setting);
     };
     return codec;
 }

@@ -5,9 +5,7 @@
 
 namespace tessera {
 
-// At one effort. Settings are "psnr 38", "quality 62". The id is "tessera:<effort>". `tools`: as
-// --tools; a run fails where it is wrong.
-CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings,
-                             const std::string& tools = "");
+// Tessera at one effort. Settings are "psnr 38", "quality 62". The id is "tessera:<effort>".
+CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings);
 
 } // namespace tessera

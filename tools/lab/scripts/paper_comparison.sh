@@ -42,7 +42,7 @@ row() {
 uncompressed() {
     local scene=$1 size=$2 name=$3
     shift 3
-    $T render --scene "$scene" --texture-size "$size" --spp "$RAYS" --truth "$scene" \
+    $T render --scene "$scene" --size "$size" --spp "$RAYS" --truth "$scene" \
         --truth-spp "$RAYS" -o "$OUT/$name.png" "$@" >"$OUT/$name.txt"
 }
 
@@ -70,7 +70,7 @@ for size in 512x256x32x32 256x128x64x64 128x64x128x128 64x32x256x256; do
     say "Compressed $size"
     $T bake composed --size $size --spp $RAYS -q -o "$OUT/raw.rgb"
     $T encode "$OUT/raw.rgb" --size $size --target-psnr 40 --proxy sphere:0,0,0,3.5 \
-        --surface-map "sphere longitude/latitude" --angular-map "hemisphere alpha/beta" \
+        --surface-map sphere-longitude-latitude --angular-map hemisphere-alpha-beta \
         -o "$OUT/$size.tess" | tee "$OUT/$size-encode.txt"
     $T render "$OUT/$size.tess" --original "$OUT/raw.rgb" --views paper --truth composed \
         --truth-spp $RAYS -o "$OUT/$size-compressed.png" >"$OUT/$size-compressed.txt"
@@ -145,7 +145,7 @@ add() { pictures+=("$1"); labels+=(--label "$2"); }
 for size in 1024x512x128x128 512x256x64x64 512x256x32x32 64x32x256x256; do
     uncompressed composed $size small-$size --views paper --size 256x192 --write-all
 done
-$T render "$OUT/512x256x32x32.tess" --views paper --size 256x192 -q -o "$OUT/small-compressed.png"
+$T render "$OUT/512x256x32x32.tess" --views paper --pixels 256x192 -q -o "$OUT/small-compressed.png"
 for n in 1 2 3 4 5; do add "$OUT/small-1024x512x128x128-$n-truth.png" "truth, view $n"; done
 for size in 1024x512x128x128 512x256x64x64 512x256x32x32 compressed 64x32x256x256; do
     for n in 1 2 3 4 5; do
