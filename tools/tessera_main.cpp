@@ -1,7 +1,7 @@
 // The program `tessera`: what concerns the whole process, around run_tool().
 #include "format/status.h"
 #include "tools/support/interrupt.h"
-#include "tools/verbs/run_tool.h"
+#include "tools/verbs/command.h"
 
 #include <csignal>
 #include <cstdio>

@@ -196,7 +196,7 @@ TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
          {"decode part.tess -o x.rgb", "compare part.tess a.tess", "compare a.tess part.tess",
           "render part.tess -o x.png", "info part.tess", "sheet part.tess -o x.png",
           "sheet a.tess part.tess -o x.png"})
-        fail(3, verb, {"cut off", "; --allow-partial reads the part that is there"});
+        fail(3, verb, {"cut off", "; --allow-partial reads the part that is present"});
     EXPECT_NE(run("validate part.tess").err.find("--allow-partial"), std::string::npos);
     succeed("info part.tess --allow-partial");
     EXPECT_EQ(json("info part.tess --allow-partial --json")["received_bytes"], whole.size() - 100);

@@ -254,7 +254,7 @@ TEST(Http, RefusesLongFilesOfServersWithoutRanges) {
     options.max_whole_bytes = file.size();
     const RawServer server(whole("")); // its end is that of the connection
     EXPECT_TRUE(HttpSource::open(server.url(), options).ok());
-    expect_no_reading(whole("Content-Length: 300000\r\n"), ErrorCode::io, "whole file where", 1);
+    expect_no_reading(whole("Content-Length: 300000\r\n"), ErrorCode::io, "whole file instead", 1);
 }
 
 // ---------------------------------------------------------------- wrong answers
@@ -464,8 +464,8 @@ TEST(Http, RefusesGarbage) {
     std::string endless = "HTTP/1.1 206 OK\r\n";
     for (int i = 0; i < 20'000; ++i)
         endless += "X-" + std::to_string(i) + ": 0123456789012345678901234567890123456789\r\n";
-    expect_no_opening(says(endless), ErrorCode::io, "no end", 1);
-    expect_no_opening(says("HTTP/1.1 503 Busy\r\n\r\n" + file), ErrorCode::io, "no end", 1);
+    expect_no_opening(says(endless), ErrorCode::io, "too long", 1);
+    expect_no_opening(says("HTTP/1.1 503 Busy\r\n\r\n" + file), ErrorCode::io, "too long", 1);
 }
 
 TEST(Http, SaysWhenNobodyListens) {
@@ -519,7 +519,7 @@ TEST(Http, TimeEndsWhatStillMoves) {
     const auto source = HttpSource::open(server.url(), options);
     ASSERT_TRUE(source.ok()) << source.status().message();
     Bytes a(100);
-    expect_error((*source)->read(20'000, a), ErrorCode::io, "time that was allowed");
+    expect_error((*source)->read(20'000, a), ErrorCode::io, "time limit");
     EXPECT_GT(told, 1u);
     EXPECT_TRUE(over);
 }

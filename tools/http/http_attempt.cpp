@@ -9,20 +9,20 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t max_head_bytes = 256 << 10; // of all heads of one request
-// A body that says why a request failed is read this far, so that its connection can be used again.
+constexpr std::uint64_t max_head_bytes = 256 << 10; // all heads of one request together
+// The body of an error is read up to this length, so that its connection can be used again.
 constexpr std::uint64_t max_discarded_bytes = 64 << 10;
-constexpr std::chrono::seconds longest_asked_pause{10};
+constexpr std::chrono::seconds longest_retry_after{10};
 
-// Failures of the moment: the server, or what lies between, is busy or restarting.
-bool may_pass(int status) {
-    for (const int passing : {408, 429, 500, 502, 503, 504})
-        if (status == passing)
+// The server, or a proxy, is busy or restarting.
+bool is_temporary(int status) {
+    for (const int temporary : {408, 429, 500, 502, 503, 504})
+        if (status == temporary)
             return true;
     return false;
 }
 
-bool may_pass(CURLcode code) {
+bool is_temporary(CURLcode code) {
     switch (code) {
     case CURLE_COULDNT_CONNECT:
     case CURLE_OPERATION_TIMEDOUT:
@@ -38,7 +38,6 @@ bool may_pass(CURLcode code) {
     }
 }
 
-// libcurl's words may quote the server's.
 } // namespace
 
 Result<std::unique_ptr<HttpAttempt>> HttpAttempt::create(const std::string& url,
@@ -76,7 +75,7 @@ bool HttpAttempt::configure(const std::string& url, const std::vector<std::strin
     const std::string range = std::to_string(request_.first) + "-" + std::to_string(request_.last);
     const bool secure = url.size() > 5 && (url[4] == 's' || url[4] == 'S');
     const std::string agent = std::string("tessera/") + library_version;
-    // Never slower than the slowest that counts as alive, so that nothing lasts for ever.
+    // The time that the slowest accepted transfer takes, so that no transfer lasts for ever.
     const std::uint64_t longest_seconds = 60 + request_.longest / std::max(1u, options.stall_bytes);
     set(CURLOPT_URL, url.c_str());
     set(CURLOPT_PROTOCOLS_STR, "http,https");
@@ -88,7 +87,7 @@ bool HttpAttempt::configure(const std::string& url, const std::vector<std::strin
     set(CURLOPT_USERAGENT, agent.c_str());
     if (!options.ca_file.empty())
         set(CURLOPT_CAINFO, options.ca_file.c_str());
-    set(CURLOPT_NOSIGNAL, 1L); // signals are the tool's, see interrupt.h
+    set(CURLOPT_NOSIGNAL, 1L); // the tool handles signals, see interrupt.h
     set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options.connect_timeout.count()));
     set(CURLOPT_LOW_SPEED_LIMIT, static_cast<long>(options.stall_bytes));
     set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(options.stall_timeout.count()));
@@ -103,7 +102,7 @@ bool HttpAttempt::configure(const std::string& url, const std::vector<std::strin
     return good;
 }
 
-// libcurl is C: nothing may be thrown through it.
+// No exception may pass through libcurl, which is written in C.
 template <class Take> std::size_t HttpAttempt::guard(std::size_t bytes, const Take& take) {
     try {
         refused_ = take();
@@ -128,7 +127,7 @@ std::size_t HttpAttempt::on_body(char* data, std::size_t size, std::size_t count
 Status HttpAttempt::take_head(std::string_view line) {
     head_bytes_ += line.size();
     if (head_bytes_ > max_head_bytes)
-        return {ErrorCode::io, "the head of the server's answer has no end"};
+        return {ErrorCode::io, "the head of the server's response is too long"};
     add_head_line(head_, line);
     return {};
 }
@@ -137,17 +136,17 @@ Status HttpAttempt::begin() {
     begun_ = true;
     if (!head_.field("content-encoding").empty() && head_.field("content-encoding") != "identity")
         return {ErrorCode::unsupported,
-                "the server sends the file compressed once more, which has no byte ranges"};
+                "the server sends the file compressed, so that byte ranges are impossible"};
     return request_.receiver->begin(head_);
 }
 
 Status HttpAttempt::take_body(std::span<const std::byte> bytes) {
     received_ += bytes.size();
-    if (may_pass(head_.status)) {
+    if (is_temporary(head_.status)) {
         discarded_ += bytes.size();
         if (discarded_ > max_discarded_bytes)
             return {ErrorCode::io, "the server answers " + describe_status(head_.status) +
-                                       " with a body that has no end"};
+                                       " with a body that is too long"};
         return {};
     }
     if (!begun_)
@@ -165,12 +164,12 @@ HttpAttempt::Outcome HttpAttempt::finish(CURLcode code) {
                 {}};
     if (code != CURLE_OK) {
         const std::string said = error_[0] != 0 ? error_ : curl_easy_strerror(code);
-        return {{ErrorCode::io, printable(said)}, may_pass(code), {}};
+        return {{ErrorCode::io, printable(said)}, is_temporary(code), {}};
     }
-    if (may_pass(head_.status)) {
+    if (is_temporary(head_.status)) {
         curl_off_t seconds = 0;
         curl_easy_getinfo(handle_, CURLINFO_RETRY_AFTER, &seconds);
-        const auto most = static_cast<curl_off_t>(longest_asked_pause.count());
+        const auto most = static_cast<curl_off_t>(longest_retry_after.count());
         return {{ErrorCode::io, "the server answers " + describe_status(head_.status)},
                 true,
                 std::chrono::seconds(std::clamp<curl_off_t>(seconds, 0, most))};

@@ -1,4 +1,4 @@
-// One attempt at an HTTP request: a libcurl handle, what it hears, and what became of it.
+// One attempt at an HTTP request: a libcurl handle and its outcome.
 #pragma once
 
 #include "tools/http/http_transfers.h"
@@ -12,10 +12,10 @@
 
 namespace tessera {
 
-// Lives on the thread of the transfers. Must stay where it is: libcurl knows its address.
+// Used by the transfers' thread only. It must not move, because libcurl keeps its address.
 class HttpAttempt {
 public:
-    // `received` counts the bytes of bodies; it must outlive the attempt.
+    // Adds the bytes of the body to `received`, which must outlive the attempt.
     static Result<std::unique_ptr<HttpAttempt>> create(const std::string& url,
                                                        const std::vector<std::string>& fields,
                                                        const HttpOptions& options,
@@ -29,10 +29,10 @@ public:
 
     struct Outcome {
         Status status;
-        bool may_pass = false;                    // an error that another attempt may not meet
-        std::chrono::milliseconds asked_pause{0}; // by Retry-After
+        bool is_temporary = false;                // another attempt may succeed
+        std::chrono::milliseconds retry_after{0}; // from the field Retry-After
     };
-    // Call once, after libcurl has ended the transfer with `code`.
+    // Call it once, after libcurl has ended the transfer with `code`.
     Outcome finish(CURLcode code);
 
 private:
@@ -40,7 +40,7 @@ private:
         : request_(request), received_(received) {}
     bool configure(const std::string& url, const std::vector<std::string>& fields,
                    const HttpOptions& options);
-    // What libcurl calls. 0 ends the transfer.
+    // Callbacks of libcurl. Returning 0 ends the transfer.
     static std::size_t on_head(char* data, std::size_t size, std::size_t count, void* self);
     static std::size_t on_body(char* data, std::size_t size, std::size_t count, void* self);
     Status take_head(std::string_view line);
@@ -56,8 +56,8 @@ private:
     HttpHead head_;
     std::uint64_t head_bytes_ = 0, discarded_ = 0;
     bool begun_ = false;
-    unsigned redirects_ = 0; // most
-    Status refused_;         // by us, final
+    unsigned redirects_ = 0; // most to follow
+    Status refused_;         // why we ended the transfer; no further attempt
 };
 
 } // namespace tessera

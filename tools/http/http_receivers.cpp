@@ -18,13 +18,13 @@ std::string range_text(std::uint64_t first, std::uint64_t last) {
 }
 
 Status wrong_range(const std::string& asked, const ContentRange& got) {
-    return io_error("the server sends bytes " + range_text(got.first, got.last) + " where bytes " +
-                    asked + " were asked for");
+    return io_error("the server sends bytes " + range_text(got.first, got.last) +
+                    " instead of bytes " + asked);
 }
 
 Status too_much(std::uint64_t expected) {
     return io_error("the server sends more than the " + std::to_string(expected) +
-                    " bytes that were asked for");
+                    " bytes that were requested");
 }
 
 Status too_little(std::uint64_t got, std::uint64_t expected) {
@@ -36,8 +36,8 @@ Status too_little(std::uint64_t got, std::uint64_t expected) {
 Result<ContentRange> range_of(const HttpHead& head) {
     const auto range = parse_content_range(head.field("content-range"));
     if (!range || !range->has_range)
-        return io_error("the server sends a part of the file without saying which "
-                        "(no usable Content-Range)");
+        return io_error("the server does not say which part of the file it sends "
+                        "(no valid Content-Range)");
     if (!range->total)
         return io_error("the server does not say how long the file is");
     return *range;
@@ -57,7 +57,7 @@ Status OpeningReceiver::begin(const HttpHead& head) {
     if (head.status == 206)
         return begin_part(head);
     const auto range = parse_content_range(head.field("content-range"));
-    empty_ = head.status == 416 && range && range->total == 0; // no first byte to send
+    empty_ = head.status == 416 && range && range->total == 0; // the file has no first byte
     if (empty_)
         return {};
     return io_error("the server answers " + describe_status(head.status));
@@ -67,7 +67,7 @@ Status OpeningReceiver::begin_whole(const HttpHead& head) {
     const auto length = parse_decimal(head.field("content-length"));
     if (length && *length > max_whole_)
         return {ErrorCode::unsupported,
-                "the server does not send parts of files (byte ranges), and the whole has " +
+                "the server does not support byte ranges, and the file has " +
                     std::to_string(*length) + " bytes, more than the " +
                     std::to_string(max_whole_) + " that are kept in memory"};
     return {};
@@ -84,11 +84,10 @@ Status OpeningReceiver::begin_part(const HttpHead& head) {
 
 Status OpeningReceiver::receive(std::span<const std::byte> more) {
     if (empty_)
-        return {}; // the body says why there is none
+        return {}; // the text of the error
     if (whole_ && more.size() > max_whole_ - bytes.size())
         return {ErrorCode::unsupported,
-                "the server does not send parts of files (byte ranges), and the whole has more "
-                "than the " +
+                "the server does not support byte ranges, and the file has more than the " +
                     std::to_string(max_whole_) + " bytes that are kept in memory"};
     if (!whole_ && more.size() > expected_ - bytes.size())
         return too_much(expected_);
@@ -111,9 +110,9 @@ Status PartReceiver::begin(const HttpHead& head) {
     if (head.status == 412)
         return changed("412, precondition failed");
     if (head.status == 416)
-        return changed("416, it has no such range any more");
+        return changed("416, the range does not exist");
     if (head.status == 200)
-        return io_error("the server sends the whole file where a part was asked for");
+        return io_error("the server sends the whole file instead of a part");
     if (head.status != 206)
         return io_error("the server answers " + describe_status(head.status));
     TESSERA_TRY_ASSIGN(const ContentRange range, range_of(head));

@@ -1,4 +1,4 @@
-// What is asked of a server's answers: at opening, and for every part after that.
+// Receives and checks responses: the one that opens a file, and each part after that.
 #pragma once
 
 #include "tools/http/http_transfers.h"
@@ -11,13 +11,14 @@
 
 namespace tessera {
 
-// Which version of a file an answer is of.
+// The version of a file that a response belongs to.
 struct HttpVersion {
     std::uint64_t size = 0; // bytes of the whole file
     std::string etag, last_modified;
 };
 
-// Takes the first part of a file, or all of it.
+// Receives the first `wanted` bytes of a file, or all of it if the server does not support ranges.
+// Refuses a whole file of more than `max_whole` bytes.
 class OpeningReceiver : public HttpReceiver {
 public:
     OpeningReceiver(std::uint64_t wanted, std::uint64_t max_whole)
@@ -39,7 +40,7 @@ private:
     std::uint64_t expected_ = 0; // bytes; of a part
 };
 
-// Takes one part of a file whose version is known.
+// Receives one part of a file whose version is known.
 class PartReceiver : public HttpReceiver {
 public:
     // `version` and `out` must outlive it.

@@ -1,4 +1,4 @@
-// What an HTTP server says ahead of the bytes. All of it is checked before it is believed.
+// The head of an HTTP response. It comes from an untrusted server.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +10,30 @@
 namespace tessera {
 
 struct HttpHead {
-    int status = 0;                            // 0: none came
-    std::map<std::string, std::string> fields; // names in lower case; the last of a name counts
+    int status = 0;                            // 0: none was received
+    std::map<std::string, std::string> fields; // names in lower case; the last one of a name
 
-    // "" where there is no such field.
+    // "" if there is no such field.
     const std::string& field(const std::string& name) const;
 };
 
-// Takes one line of a head as it comes in. A status line starts a new head, so that after redirects
-// the last one stands.
+// Adds one received line to the head. A status line starts a new head, so that after redirects the
+// last head remains.
 void add_head_line(HttpHead& head, std::string_view line);
 
-// "bytes 0-99/1000"; "bytes */1000" has no range.
+// The value of Content-Range: "bytes 0-99/1000", or "bytes */1000" without a range.
 struct ContentRange {
     bool has_range = false;
     std::uint64_t first = 0, last = 0;  // bytes, both included, first <= last
-    std::optional<std::uint64_t> total; // bytes of the file; none: "*"
+    std::optional<std::uint64_t> total; // bytes of the file; none for "*"
 };
-// Nothing where the text is anything else, or a number does not fit 64 bits.
+// Nothing if the text has another form, or a number does not fit into 64 bits.
 std::optional<ContentRange> parse_content_range(std::string_view text);
 
-// Digits alone, in 64 bits.
+// Parses digits only; nothing if the number does not fit into 64 bits.
 std::optional<std::uint64_t> parse_decimal(std::string_view text);
 
-// "404 (Not Found)". The reason is ours: a server's own words may hold anything.
+// "404 (Not Found)". The reason is not the server's, which could be any text.
 std::string describe_status(int status);
 
 } // namespace tessera

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// The URL without what must not be printed.
+// The URL without user and password, for messages.
 Result<std::string> name_of_url(const std::string& url) {
     const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl_url(), curl_url_cleanup);
     if (parsed == nullptr)
@@ -17,7 +17,7 @@ Result<std::string> name_of_url(const std::string& url) {
     if (const CURLUcode code = curl_url_set(parsed.get(), CURLUPART_URL, url.c_str(), 0);
         code != CURLUE_OK)
         return Status(ErrorCode::bad_argument,
-                      url + ": is no URL: " + std::string(curl_url_strerror(code)));
+                      url + ": is not a URL: " + std::string(curl_url_strerror(code)));
     char* text = nullptr;
     curl_url_set(parsed.get(), CURLUPART_USER, nullptr, 0);
     curl_url_set(parsed.get(), CURLUPART_PASSWORD, nullptr, 0);
@@ -28,7 +28,7 @@ Result<std::string> name_of_url(const std::string& url) {
     return name;
 }
 
-// What makes a server refuse to send parts of another version. A weak ETag never matches.
+// Fields that make a server refuse to send parts of another version. A weak ETag never matches.
 std::vector<std::string> conditions(const HttpVersion& version) {
     if (version.etag.starts_with('"'))
         return {"If-Match: " + version.etag};
@@ -37,7 +37,8 @@ std::vector<std::string> conditions(const HttpVersion& version) {
     return {};
 }
 
-// One merged request: straight into its only reader's buffer, else by way of its own.
+// One merged request. It writes into the buffer of its reader if that is the only one, else into
+// its own.
 struct Part {
     Part(const HttpVersion& version, const MergedRead& merged,
          std::span<const ReadRequest> requests)

@@ -14,11 +14,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How soon an interrupt is noticed.
+// The delay until an interrupt is noticed.
 constexpr std::chrono::milliseconds longest_poll{100};
-constexpr std::chrono::milliseconds idle_poll{60000}; // submitting and stopping wake it
+constexpr std::chrono::milliseconds idle_poll{60000}; // run() and the destructor wake it
 
-// What one call of run() waits for.
+// The requests of one call of run().
 struct Batch {
     std::size_t left = 0;
     Status error; // the first
@@ -62,7 +62,7 @@ public:
         batch.left = requests.size();
         std::list<Job> jobs;
         for (const HttpRequest& request : requests)
-            jobs.push_back({request, &batch, 0, {}, nullptr});
+            jobs.push_back({.request = request, .batch = &batch});
         std::unique_lock lock(mutex_);
         waiting_.splice(waiting_.end(), jobs);
         curl_multi_wakeup(multi_);
@@ -85,7 +85,7 @@ private:
                     fail_all({ErrorCode::runtime, e.what()});
                 }
             }
-            // Without the lock: this is where the time goes, and where run() may add jobs.
+            // Waits without the lock, so that run() can add jobs.
             curl_multi_poll(multi_, nullptr, 0, poll_milliseconds(), nullptr);
         }
     }
@@ -94,8 +94,8 @@ private:
         if (interrupted_by() != 0 && !(waiting_.empty() && active_.empty()))
             fail_all({ErrorCode::runtime, "interrupted"});
         if (options_.deadline && Clock::now() >= *options_.deadline)
-            fail_all({ErrorCode::io, "the time that was allowed for the network is over; " +
-                                         std::to_string(bytes_) + " bytes have come"});
+            fail_all({ErrorCode::io, "the time limit for the network is over; " +
+                                         std::to_string(bytes_) + " bytes were received"});
         drop_failed();
         start_some();
         int running = 0;
@@ -106,7 +106,7 @@ private:
                 finish(message->easy_handle, message->data.result);
         drop_failed();
         start_some();
-        tell_waiting();
+        report_waiting();
         const auto now = Clock::now();
         auto pause = active_.empty() && waiting_.empty() ? idle_poll : longest_poll;
         for (const Job& job : waiting_)
@@ -117,11 +117,11 @@ private:
         poll_ = pause;
     }
 
-    void tell_waiting() {
+    void report_waiting() {
         const bool waits = !(active_.empty() && waiting_.empty());
-        if (options_.waiting && (waits || told_))
+        if (options_.waiting && (waits || reported_))
             options_.waiting(waits ? std::optional<std::uint64_t>(bytes_) : std::nullopt);
-        told_ = waits;
+        reported_ = waits;
     }
 
     int poll_milliseconds() const { return static_cast<int>(poll_.count()); }
@@ -155,7 +155,7 @@ private:
             return;
         HttpAttempt::Outcome outcome = job->attempt->finish(code);
         stop(*job);
-        if (outcome.status.ok() || !outcome.may_pass || !job->batch->error.ok())
+        if (outcome.status.ok() || !outcome.is_temporary || !job->batch->error.ok())
             return end(job, outcome.status);
         if (++job->failures > options_.retries) {
             const std::string tries =
@@ -165,7 +165,7 @@ private:
         ++retries_;
         const auto back_off = options_.back_off * (1 << std::min(job->failures - 1, 16u));
         job->not_before =
-            Clock::now() + std::max<std::chrono::milliseconds>(back_off, outcome.asked_pause);
+            Clock::now() + std::max<std::chrono::milliseconds>(back_off, outcome.retry_after);
         waiting_.splice(waiting_.begin(), active_, job);
     }
 
@@ -176,7 +176,7 @@ private:
         job.attempt.reset();
     }
 
-    // Takes the job out of active_.
+    // Removes the job from active_.
     void end(std::list<Job>::iterator job, const Status& status) {
         stop(*job);
         Batch& batch = *job->batch;
@@ -193,7 +193,7 @@ private:
             end(active_.begin(), status);
     }
 
-    // What belongs to a batch that has failed is not worth finishing.
+    // Ends the remaining jobs of batches that have failed.
     void drop_failed() {
         for (auto job = waiting_.begin(); job != waiting_.end();) {
             const auto current = job++;
@@ -213,12 +213,12 @@ private:
     std::vector<std::string> fields_;
     std::atomic<std::uint64_t> requests_{0}, bytes_{0}, retries_{0};
 
-    std::mutex mutex_; // of what follows; the thread holds it but for its pauses
+    std::mutex mutex_; // of the members below; the thread holds it except while it waits
     std::condition_variable ended_;
     std::list<Job> waiting_, active_;
     bool stopping_ = false;
-    bool told_ = false;                         // that something waits
-    std::chrono::milliseconds poll_{idle_poll}; // of the thread alone
+    bool reported_ = false;                     // that requests are in flight
+    std::chrono::milliseconds poll_{idle_poll}; // used by the thread only
     std::thread thread_;
 };
 

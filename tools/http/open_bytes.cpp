@@ -18,7 +18,7 @@ namespace {
 
 Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 #ifdef TESSERA_HTTP
-    static const auto start = std::chrono::steady_clock::now(); // of the command's first request
+    static const auto start = std::chrono::steady_clock::now(); // first request of the process
     const NetworkLimits& limits = network_limits();
     HttpOptions options;
     options.stall_bytes = limits.lowest_rate;
@@ -27,7 +27,7 @@ Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
                                        std::chrono::duration<double>(limits.total_seconds));
     if (!limits.quiet)
         options.waiting = show_waiting;
-    if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // as curl itself has it
+    if (const char* bundle = std::getenv("CURL_CA_BUNDLE")) // the variable that curl reads
         options.ca_file = bundle;
     TESSERA_TRY_ASSIGN(auto source, HttpSource::open(url, options));
     return std::unique_ptr<ByteSource>(std::move(source));

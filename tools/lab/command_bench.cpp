@@ -33,26 +33,16 @@ Status run(const BenchCommand& a) {
 }
 
 void declare_path(CLI::App& c, ViewRequest& view) {
-    constexpr const char* group = "Camera";
+    OptionGroup group(c, "Camera");
     view.orbit = 360;
-    c.add_option("--eye", view.eye, "Position of the first frame. Default: 10,0,0")
-        ->option_text("X,Y,Z")
-        ->group(group);
-    c.add_option("--look", view.look, "A point straight ahead. Default: 0,0,0")
-        ->option_text("X,Y,Z")
-        ->group(group);
-    c.add_option("--fov", view.fov, "Vertical field of view. Default: 45")
-        ->option_text("DEGREES")
-        ->group(group);
-    c.add_option("--orbit", view.orbit,
-                 "Frames of a whole turn around the vertical line through --look. Default: 360")
-        ->check(CLI::Range(1u, 100000u))
-        ->option_text("N")
-        ->group(group);
-    c.add_option("--pixels", view.size,
-                 "Size of a frame. Default: 1920x1080, or 640x360 on a software device")
-        ->option_text("WxH")
-        ->group(group);
+    group.option("--eye", "X,Y,Z", view.eye, "Position of the first frame. Default: 10,0,0");
+    group.option("--look", "X,Y,Z", view.look, "A point straight ahead. Default: 0,0,0");
+    group.option("--fov", "DEGREES", view.fov, "Vertical field of view. Default: 45");
+    group.option("--orbit", "N", view.orbit,
+                 "Frames of a whole turn around the vertical line through --look. Default: 360",
+                 CLI::Range(1u, 100000u));
+    group.option("--pixels", "WxH", view.size,
+                 "Size of a frame. Default: 1920x1080, or 640x360 on a software device");
 }
 
 void declare(CLI::App& c, BenchCommand& a) {
@@ -95,17 +85,16 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         "All rows draw along the same path in one run:\n"
         "  raw       an ordinary texture, as a renderer without this codec uses it\n"
         "  load      the same texture, decoded on the GPU\n"
-        "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; one frame\n"
-        "            marks its tiles, they are decoded, and the frame is drawn. Steady: along the\n"
-        "            orbit, with the few tiles that each frame decodes\n"
-        "With '16' the shader fetches texels one by one, with '4 filtered' the texture unit\n"
+        "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; one frame "
+        "marks its tiles, they are decoded, and the frame is drawn. Steady: along the orbit, with "
+        "the few tiles that each frame decodes\n"
+        "With '16' the shader fetches texels one by one, with '4 filtered' the texture unit "
         "interpolates them.\n\n"
-        "ms is the time of a frame by the GPU's clock, decoding included: the median, and the\n"
-        "95th percentile. wall ms is by the host's clock. For a software device ms is the "
-        "processor\n"
-        "time of all threads; neither says anything about GPUs. PSNR compares the first view as\n"
-        "displayed, in 8 bits; 'same' means no difference. Late counts tiles that found no slot.\n"
-        "The last rows are the stages of decoding alone: uploading, entropy decoding, sorting the\n"
+        "ms is the time of a frame by the GPU's clock, decoding included: the median, and the 95th"
+        " percentile. wall ms is by the host's clock. For a software device ms is the processor "
+        "time of all threads; neither says anything about GPUs. PSNR compares the first view as "
+        "displayed, in 8 bits; 'same' means no difference. Late counts tiles that found no slot. "
+        "The last rows are the stages of decoding alone: uploading, entropy decoding, sorting the "
         "levels, and the inverse transform with colour and writing.\n\n"
         "Examples:\n"
         "  tessera bench gpu scene.tess\n"

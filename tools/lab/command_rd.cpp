@@ -55,55 +55,42 @@ Status run(const RdCommand& a) {
 }
 
 void declare_measurement(CLI::App& c, RdOptions& o) {
-    constexpr const char* group = "Measurements";
-    c.add_flag(
-         "--quick", o.quick,
-         "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals")
-        ->group(group);
-    c.add_option("--psnr", o.psnr, "PSNRs to encode with tessera at. Default: 35,38,41,44")
+    OptionGroup group(c, "Measurements");
+    group.flag(
+        "--quick", o.quick,
+        "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
+    group
+        .option("--psnr", "DB,DB,...", o.psnr,
+                "PSNRs to encode with tessera at. Default: 35,38,41,44")
         ->delimiter(',')
-        ->check(CLI::Range(1.0, 200.0))
-        ->option_text("DB,DB,...")
-        ->group(group);
-    c.add_option("--quality", o.quality, "Qualities to encode with tessera at, also besides --psnr")
+        ->check(CLI::Range(1.0, 200.0));
+    group
+        .option("--quality", "1..100,...", o.quality,
+                "Qualities to encode with tessera at, also besides --psnr")
         ->delimiter(',')
-        ->check(CLI::Range(1.0, 100.0))
-        ->option_text("1..100,...")
-        ->group(group);
-    c.add_option("--efforts", o.efforts,
-                 "Efforts to encode with tessera at. Default: 3, and one point each at 0 and 4")
+        ->check(CLI::Range(1.0, 100.0));
+    group
+        .option("--efforts", "0..4,...", o.efforts,
+                "Efforts to encode with tessera at. Default: 3, and one point each at 0 and 4")
         ->delimiter(',')
-        ->check(CLI::Range(0, most_effort))
-        ->option_text("0..4,...")
-        ->group(group);
-    c.add_option("--rivals", o.rivals,
+        ->check(CLI::Range(0, most_effort));
+    group.option("--rivals", "LIST", o.rivals,
                  "all (default), none, or a list of: x265, x265:8, x265:medium, aom, svtav1, avif, "
-                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw")
-        ->option_text("LIST")
-        ->group(group);
-    c.add_option("--anchor", o.anchor,
-                 "The codec that BD-rates refer to. Default: x265 if it ran, else tessera")
-        ->option_text("ID")
-        ->group(group);
-    c.add_option("--spp", o.samples, "Rays per texel of a scene. Default: 16")
-        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-        ->option_text("N")
-        ->group(group);
-    c.add_flag(
-         "--sphere", o.on_sphere,
-         "Assume that the texture lies on the sphere of the scenes, and also measure rendered "
-         "views")
-        ->group(group);
-    c.add_option("--cache", o.cache, "Folder with earlier measurements. Default: OUTPUT/cache")
-        ->option_text("FOLDER")
-        ->group(group);
-    c.add_flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams")
-        ->group(group);
-    c.add_option("--timeout", o.timeout,
-                 "Limit for one run of a rival's tool. Default: " + format_number(o.timeout, 0))
-        ->check(number_between(1, 1e6))
-        ->option_text("SECONDS")
-        ->group(group);
+                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw");
+    group.option("--anchor", "ID", o.anchor,
+                 "The codec that BD-rates refer to. Default: x265 if it ran, else tessera");
+    group.option("--spp", "N", o.samples, "Rays per texel of a scene. Default: 16",
+                 CLI::Range(1u, corpus::max_samples_per_texel));
+    group.flag(
+        "--sphere", o.on_sphere,
+        "Assume that the texture lies on the sphere of the scenes, and also measure rendered "
+        "views");
+    group.option("--cache", "FOLDER", o.cache,
+                 "Folder with earlier measurements. Default: OUTPUT/cache");
+    group.flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
+    group.option("--timeout", "SECONDS", o.timeout,
+                 "Limit for one run of a rival's tool. Default: " + format_number(o.timeout, 0),
+                 number_between(1, 1e6));
 }
 
 void declare(CLI::App& c, RdCommand& a) {
@@ -128,10 +115,9 @@ void declare(CLI::App& c, RdCommand& a) {
 void add_rd_command(CLI::App& app, Invocation& chosen) {
     add_verb<RdCommand>(
         app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
-        "Rivals run as their own command-line tools. tools/lab/scripts/install-rivals.sh installs\n"
+        "Rivals run as their own command-line tools. tools/lab/scripts/install-rivals.sh installs "
         "them from Debian; missing ones are listed. Measurements are kept, so after Ctrl-C the "
-        "same\n"
-        "command continues.\n\n"
+        "same command continues.\n\n"
         "Examples:\n"
         "  tessera rd scene.tess -o report --quick\n"
         "  tessera rd composed --size 128x64x32x32 -o report\n"

@@ -1,4 +1,4 @@
-// Bytes as a browser's DecompressionStream unpacks them.
+// gzip and base64, for bytes inside a page.
 #pragma once
 
 #include "format/status.h"
@@ -10,7 +10,8 @@
 
 namespace tessera {
 
-// As small as zlib makes it, with no time of day: the same bytes every time. Errors: runtime (out of memory).
+// A gzip stream at zlib's best compression, without a time stamp, so that equal bytes give equal
+// streams. Errors: runtime (out of memory).
 Result<std::vector<std::byte>> gzip(std::span<const std::byte> bytes);
 
 std::string base64(std::span<const std::byte> bytes);

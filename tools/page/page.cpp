@@ -15,7 +15,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Lines that are comments, and indents: a browser needs neither.
+// Removes comment lines and indentation, which browsers do not need.
 std::string without_comments(std::string_view text) {
     std::string out;
     while (!text.empty()) {
@@ -37,7 +37,7 @@ std::string css(const glm::dvec3& colour) {
     return text;
 }
 
-// A script that holds what `append_text` appends.
+// Appends a script element that contains what append_text() appends.
 template <class AppendText>
 Status append_script(const char* id, const PageSink& append, const AppendText& append_text) {
     TESSERA_TRY(append(std::string("<script type=\"text/plain\" id=\"") + id + "\">"));
@@ -46,7 +46,8 @@ Status append_script(const char* id, const PageSink& append, const AppendText& a
 }
 
 Status append_base64(ByteSource& file, const PageSink& append) {
-    constexpr std::uint64_t most = 3ull << 18; // whole groups of three: pieces join
+    constexpr std::uint64_t most =
+        3ull << 18; // a multiple of 3, so that the base64 of pieces can be joined
     std::vector<std::byte> piece;
     for (std::uint64_t at = 0; at < file.size(); at += piece.size()) {
         piece.resize(static_cast<std::size_t>(std::min(most, file.size() - at)));
@@ -57,12 +58,12 @@ Status append_base64(ByteSource& file, const PageSink& append) {
 }
 
 struct Kit {
-    std::string_view page; // page.html
-    std::vector<std::byte> packed;
-    std::span<const std::byte> wasm; // gzip as well
+    std::string_view page;           // page.html
+    std::vector<std::byte> packed;   // the other files, gzip
+    std::span<const std::byte> wasm; // gzip
 };
 
-// The viewer's files but the page itself: a line of JSON with their names and lengths, and the files.
+// The files of the viewer. `packed` is a line of JSON with names and lengths, then the files.
 Result<Kit> make_kit() {
     Kit kit;
     nlohmann::ordered_json lengths;
@@ -87,7 +88,7 @@ Result<Kit> make_kit() {
     return kit;
 }
 
-// The page, with what put(name) appends in the places of {{names}}.
+// Appends the page. put(name) appends what replaces {{name}}.
 template <class Put> Status fill(std::string_view page, const PageSink& append, const Put& put) {
     for (;;) {
         const std::size_t at = page.find("{{"), end = page.find("}}", at);

@@ -1,4 +1,5 @@
-// The page that shows a texture in a browser: viewer and decoder, and where it stands alone the texture, too.
+// The HTML page that shows a texture in a browser. It contains the viewer and the decoder, and on
+// request the texture.
 #pragma once
 
 #include "format/byte_source.h"
@@ -13,23 +14,24 @@
 
 namespace tessera {
 
-// What a page that stands alone holds besides the viewer.
+// What a page with its own texture contains besides the viewer.
 struct PageContents {
     std::string title;
-    glm::dvec3 background{0.1};       // around the picture, as displayed, 0..1
-    std::vector<std::byte> poster;    // a PNG that is shown while the page opens; may be empty
+    glm::dvec3 background{0.1};       // colour around the picture, as displayed, 0..1
+    std::vector<std::byte> poster;    // a PNG to show while the page opens; may be empty
     std::vector<std::byte> view_data; // make_view_data()
     ByteSource* file = nullptr;       // the .tess
 };
 
-// Takes the next piece of a page.
+// Receives the next piece of a page.
 using PageSink = std::function<Status(std::string_view piece)>;
 
-// HTML, from the first byte to the last; the file is read, and passed on, in pieces. Errors: unsupported, where
-// this program was built without the decoder for browsers, and says what to install, before anything is
-// passed on; runtime; those of the file and of `append`.
+// Passes the HTML to `append` in pieces, and reads the file in pieces. Errors: unsupported, if this
+// build has no decoder for browsers (the message says what to install), before any piece; runtime;
+// those of the file and of `append`.
 Status write_page(const PageContents& contents, const PageSink& append);
-// The same without contents, for a server: shows the file of its folder that ?f=NAME.tess names.
+// The page for a server. It shows the file NAME.tess beside it if its URL ends in ?f=NAME.tess.
+// Errors: as above.
 Result<std::string> make_server_page();
 
 } // namespace tessera

@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 using Column = std::vector<std::uint32_t>;
 
 constexpr double most_units = 65535;
-constexpr std::uint32_t most_charts = 65535; // of so many colours neighbours are told apart
+constexpr std::uint32_t most_charts = 65535; // numbers repeat after this; neighbours must differ
 
 void add_column(const Column& numbers, unsigned planes, Bytes& out) {
     Column coded;
@@ -50,7 +50,7 @@ void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3
     }
 }
 
-// As the octahedral map without mirror: z < 0 is folded over.
+// The octahedral map without mirror: the half with z < 0 is folded over.
 void add_directions(std::span<const glm::vec3> directions, Bytes& out) {
     Column across, up;
     for (const glm::dvec3 d : directions) {
@@ -84,7 +84,8 @@ void add_triangles(const SurfaceMesh& mesh, Bytes& out) {
     add_column(corners, 4, out);
 }
 
-// Width and height of the picture of charts: the atlas, and right of it its mips, each below the last.
+// Width and height of the picture of charts: the atlas, with its mips to the right, one below the
+// other.
 std::array<std::uint32_t, 2> chart_picture_size(const AtlasMips& mips) {
     std::uint32_t below = 0;
     for (unsigned mip = 1; mip <= mips.count(); ++mip)
@@ -112,7 +113,7 @@ void add_charts(const AtlasMips& mips, Bytes& out) {
     add_column(picture, 3, out);
 }
 
-// WebGL has textures of 8192 texels a side wherever it matters.
+// Practically all WebGL devices allow textures with sides of 8192 texels.
 bool fits_a_browser(const AtlasMips& mips) {
     if (mips.count() == 0)
         return false;
@@ -122,7 +123,8 @@ bool fits_a_browser(const AtlasMips& mips) {
 
 nlohmann::json add_mesh(const MeshSurface& surface, const TileGrid& tiles, Bytes& out) {
     const SurfaceMesh& mesh = surface.mesh;
-    const bool has_tangents = surface.map != AngularMap::octahedral_mirrored; // which needs none
+    const bool has_tangents =
+        surface.map != AngularMap::octahedral_mirrored; // it needs no tangents
     glm::dvec3 low(mesh.positions.front()), high(low);
     for (const glm::dvec3 p : mesh.positions) {
         low = glm::min(low, p);

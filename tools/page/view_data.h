@@ -1,5 +1,5 @@
-// What a page has to know about a file that the decoder in the browser does not tell: the colour around the
-// surface and, since Draco is not there, the mesh.
+// The data that the viewer needs besides what the decoder in the browser gives it: the colour
+// around the surface and the decoded mesh, since there is no Draco in the browser.
 #pragma once
 
 #include "format/container_reader.h"
@@ -10,16 +10,22 @@
 
 namespace tessera {
 
-// A gzip stream of a line of JSON and the mesh's columns:
+// A gzip stream of a line of JSON and the columns of the mesh:
 //   {"background": [r, g, b], "cameras": "x,y,distance,width",
 //    "mesh": {"vertices", "triangles", "tangents", "low", "high", "mips", "atlas": [U, V]}}
-// The background is in the numbers of the texels (8-bit samples as 0..1); "cameras" is the text of the key
-// Cameras, where the file has it; "mesh" is there where the texture lies on one. Its columns, in this order: x, y
-// and z of the places, 0..65535 from low to high (3 bytes a number); two octahedral coordinates of normals,
-// 0..65535 (3), and of tangents where "tangents" is true; u and v in units of 2^-24 (4); corners of the triangles
-// (4); where there are mips, the charts of the atlas and its mips (AtlasMips), numbered from 1 and laid out as
-// class Charts in tools/web/viewer/slot_layout.js says (3). A column holds the differences of its numbers, zigzag,
-// lowest bytes first, each byte's plane as a whole.
+// "background" is in the units of the texels, 8-bit samples as 0..1. "cameras" is the value of the
+// key Cameras, if the file has it. "mesh" is present if the texture lies on one.
+//
+// The columns, in this order, with the bytes per number:
+//   x, y and z of the positions, 0..65535 from "low" to "high" (3)
+//   two octahedral coordinates of the normals, 0..65535 (3)
+//   the same of the tangents, if "tangents" is true (3)
+//   u and v in units of 2^-24 (4)
+//   corners of the triangles (4)
+//   if "mips" is above 0: the charts of the atlas and its mips (AtlasMips), numbered from 1, in the
+//   layout of class Charts in tools/web/viewer/slot_layout.js (3)
+// A column stores the differences of consecutive numbers, zigzag coded. First comes the lowest byte
+// of all of them, then the next byte of all, and so on.
 // Errors: invalid_file, unsupported (the mesh), runtime.
 Result<std::vector<std::byte>> make_view_data(const ContainerReader& container);
 

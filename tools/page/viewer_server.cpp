@@ -28,8 +28,8 @@ Result<Bytes> view_data_of(const std::string& path) {
     return make_view_data(container);
 }
 
-// Caches the view data of the latest files. A large mesh takes much time and memory, so only one file is
-// processed at a time, once for all who request it. Thread-safe.
+// Caches the view data of the latest files. A large mesh takes much time and memory, so only one
+// file is processed at a time, once for all who request it. Thread-safe.
 class KeptViewData {
 public:
     Result<Bytes> of(const std::string& path) {

@@ -10,7 +10,8 @@ namespace tessera {
 // The options of such a server. A build without the decoder for browsers serves the files alone.
 FileServerOptions folder_with_viewer(const std::string& folder);
 
-// Waits for Ctrl-C, then ends the process with exit code 0: the server would wait for open connections.
+// Waits for Ctrl-C, then ends the process with exit code 0: the server would wait for open
+// connections.
 [[noreturn]] void serve_until_interrupted();
 
 } // namespace tessera

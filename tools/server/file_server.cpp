@@ -61,9 +61,9 @@ std::string type_of(const fs::path& file) {
     return found == types.end() ? "application/octet-stream" : found->second;
 }
 
-// Sends the parts, or the whole file if there are none. If the file shrinks meanwhile, the connection
-// breaks off. cpp-httplib 0.11 does not clip ranges to the file and states a wrong length for several
-// ranges. So this file implements them, and the library does not see them.
+// Sends the parts, or the whole file if there are none. If the file shrinks meanwhile, the
+// connection breaks off. cpp-httplib 0.11 does not clip ranges to the file and states a wrong
+// length for several ranges. So this file implements them, and the library does not see them.
 void send_file(std::shared_ptr<ByteSource> file, std::string type,
                const std::vector<FilePart>& parts, httplib::Response& response) {
     const std::uint64_t size = file->size();

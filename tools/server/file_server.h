@@ -35,22 +35,23 @@ struct FileServerOptions {
     std::function<void(const ServedRequest&)> log;
 };
 
-// Answers GET and HEAD of regular files below the folder, with up to 64 byte ranges a request, strong
-// ETags made of size and modification time, Last-Modified, If-Match, If-None-Match, If-Range and
-// If-Unmodified-Since. A folder's page lists its .tess files and subfolders. Pages of other hosts may
-// read all of this (CORS, including OPTIONS). Names that begin with a dot, and links that lead out of
-// the folder, are answered with 404. Files are streamed, whatever their size.
+// Answers GET and HEAD of regular files below the folder, with up to 64 byte ranges a request,
+// strong ETags made of size and modification time, Last-Modified, If-Match, If-None-Match, If-Range
+// and If-Unmodified-Since. A folder's page lists its .tess files and subfolders. Pages of other
+// hosts may read all of this (CORS, including OPTIONS). Names that begin with a dot, and links that
+// lead out of the folder, are answered with 404. Files are streamed, whatever their size.
 //
-// cpp-httplib serves each connection on one of 64 threads; further connections wait. A connection ends
-// after 1 s without a request, after 5 s in which a request does not go on or the client accepts no
-// byte, and after 1,000 requests. So slow clients can occupy all threads. Request bodies are refused.
+// cpp-httplib serves each connection on one of 64 threads; further connections wait. A connection
+// ends after 1 s without a request, after 5 s in which a request does not go on or the client
+// accepts no byte, and after 1,000 requests. So slow clients can occupy all threads. Request bodies
+// are refused.
 //
-// The server speaks plain HTTP without passwords, for your own machine or a trusted network. A public
-// site belongs behind a real web server.
+// The server speaks plain HTTP without passwords, for your own machine or a trusted network. A
+// public site belongs behind a real web server.
 class FileServer {
 public:
-    // Listens, and answers on threads of its own. Errors: io (no such folder, or it cannot listen at
-    // the address).
+    // Listens, and answers on threads of its own. Errors: io (no such folder, or it cannot listen
+    // at the address).
     static Result<std::unique_ptr<FileServer>> start(const FileServerOptions& options);
     // Ends answers that are being sent and waits until their connections have ended, a few seconds.
     ~FileServer();

@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-// The file or folder below `root` that a decoded path such as "/a/b.tess" names. Nothing if it does not
-// exist or is not served: "..", names that begin with a dot, links that lead out of `root`. `root` must
-// be canonical.
+// The file or folder below `root` that a decoded path such as "/a/b.tess" names. Nothing if it does
+// not exist or is not served: "..", names that begin with a dot, links that lead out of `root`.
+// `root` must be canonical.
 std::optional<std::filesystem::path> find_served(const std::filesystem::path& root,
                                                  const std::string& path);
 
@@ -31,8 +31,8 @@ bool lists_etag(const std::string& list, const std::string& etag);
 // Escapes text for a URL's path or query.
 std::string percent_encoded(const std::string& text);
 
-// A page that links to the .tess files and subfolders of `folder`, which was requested as `path`. With a
-// viewer, the names lead to the viewer and the lengths to the files.
+// A page that links to the .tess files and subfolders of `folder`, which was requested as `path`.
+// With a viewer, the names lead to the viewer and the lengths to the files.
 std::string list_folder(const std::filesystem::path& folder, const std::string& path,
                         bool has_viewer);
 

@@ -32,8 +32,8 @@ public:
     void add_multipart(const std::vector<FilePart>& parts, const std::string& boundary);
 
     std::uint64_t size() const { return size_; } // bytes
-    // Passes the next bytes, at most 256 KiB, to `write`. False if the file cannot be read or `write`
-    // returns false. Precondition: not at_end().
+    // Passes the next bytes, at most 256 KiB, to `write`. False if the file cannot be read or
+    // `write` returns false. Precondition: not at_end().
     bool send_some(const std::function<bool(const char*, std::size_t)>& write);
     bool at_end() const { return at_ == pieces_.size(); }
 

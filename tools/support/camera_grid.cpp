@@ -13,8 +13,8 @@ namespace {
 
 constexpr double usual_fov = 40;
 constexpr double usual_width = 2;
-constexpr double usual_span = 0.25; // of the grid's longer side, in distances
-// World units: what one can divide by, and as far as an eye may be.
+constexpr double usual_span = 0.25; // longer side of the grid, as a share of the distance
+// World units: large enough to divide by, and the limit for the position of an eye.
 constexpr double smallest_length = 1e-12, largest_length = 1e6;
 
 bool is_length(double x) {
@@ -39,9 +39,9 @@ Result<CameraGrid> camera_grid(const CameraFacts& facts, const Extent4& size) {
     const double steps = std::max({size[axis_s] - 1.0, size[axis_t] - 1.0, 1.0});
     const double half_fov = facts.fov.value_or(usual_fov) * std::numbers::pi / 360;
     if (!(half_fov > 0) || half_fov >= std::numbers::pi / 2)
-        return Status(ErrorCode::bad_argument, "--camera-fov: is not between 0 and 180 degrees");
+        return Status(ErrorCode::bad_argument, "--camera-fov: must be between 0 and 180 degrees");
     if (facts.focus && !is_length(*facts.focus))
-        return Status(ErrorCode::bad_argument, "--camera-focus: is not above 0 and at most 1e6");
+        return Status(ErrorCode::bad_argument, "--camera-focus: must be above 0 and at most 1e6");
     CameraGrid cameras;
     double spacing[2] = {0, 0};
     if (!facts.spacing.empty()) {
@@ -62,10 +62,10 @@ Result<CameraGrid> camera_grid(const CameraFacts& facts, const Extent4& size) {
     cameras.width = 2 * cameras.distance * std::tan(half_fov);
     for (const double length :
          {cameras.spacing_x, cameras.spacing_y, cameras.distance, cameras.width})
-        if (!is_length(length)) // cameras_in() would not take it back
+        if (!is_length(length)) // cameras_in() would refuse it
             return Status(ErrorCode::bad_argument,
-                          "--camera-spacing, --camera-fov and --camera-focus lead to " +
-                              to_string(cameras) + ", which are not all above 0 and at most 1e6");
+                          "--camera-spacing, --camera-fov and --camera-focus give " +
+                              to_string(cameras) + ", which must be above 0 and at most 1e6");
     return cameras;
 }
 

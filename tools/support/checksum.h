@@ -1,4 +1,4 @@
-// A checksum that tells whether bytes are those of the last time.
+// A checksum that detects whether bytes have changed.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// CRC-32 of `bytes` after those that gave `before`.
+// The CRC-32 of `bytes`, continuing from the CRC-32 `before` of the bytes ahead of them.
 inline std::uint32_t checksum(std::span<const std::byte> bytes, std::uint32_t before = 0) {
     return static_cast<std::uint32_t>(
         crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));

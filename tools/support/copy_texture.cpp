@@ -6,9 +6,9 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t usual_slab_bytes = 64ull << 20;
-constexpr std::uint64_t box_texels = 1 << 14; // of one piece of work
+constexpr std::uint64_t box_texels = 1 << 14; // most that one task copies
 
-// Halves the longest of `axes` until the box fits, but none below 1.
+// Halves the longest of `axes` until the box has at most `max_count` texels. No axis goes below 1.
 Extent4 shrink(Extent4 e, std::initializer_list<Axis> axes, std::uint64_t max_count) {
     while (texel_count(e) > max_count) {
         Axis longest = *axes.begin();
@@ -37,7 +37,8 @@ Extent4 slab_extent(const TextureDesc& desc, Locality locality, std::uint64_t by
     return shrink(desc.size, {axis_v, axis_u, axis_t, axis_s}, texels);
 }
 
-// Box number `index` of `whole` cut into boxes of `step`; false past the last. v varies slowest.
+// Box number `index` when `whole` is cut into boxes of `step`; v varies slowest. False past the
+// last one.
 bool box_at(const Box4& whole, const Extent4& step, std::uint64_t index, Box4& out) {
     for (Axis axis : {axis_s, axis_t, axis_u, axis_v}) {
         const std::uint32_t extent = whole.end[axis] - whole.begin[axis];
@@ -72,7 +73,7 @@ Status copy_texture(TexelSource& source, TexelSink& sink, unsigned threads,
         slab_extent(desc, sink.locality(), std::min(slab_bytes, usual_slab_bytes));
     if (const std::uint64_t needed = desc.box_bytes(Box4::whole(slab_step)); needed > slab_bytes)
         return {ErrorCode::over_budget, std::to_string(needed) +
-                                            " bytes of texels have to be held in memory, only " +
+                                            " bytes of texels must be held in memory, but only " +
                                             std::to_string(slab_bytes) + " are allowed"};
     const double total = static_cast<double>(texel_count(desc.size));
     std::mutex mutex;

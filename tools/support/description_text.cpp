@@ -105,7 +105,7 @@ std::string float_text(float value) {
 
 std::string description_field_values(std::string_view field) {
     if (field == "proxy")
-        return "none, sphere, sphere:cx,cy,cz,r or sphere-inside:cx,cy,cz,r";
+        return "none, sphere, sphere:cx,cy,cz,r, sphere-inside:cx,cy,cz,r";
     if (field == "surface-map")
         return joined(names_up_to<SurfaceMap>(2));
     if (field == "angular-map")
@@ -116,7 +116,7 @@ std::string description_field_values(std::string_view field) {
         return joined(names_up_to<Primaries>(1));
     if (field == "alpha")
         return joined(names_up_to<AlphaMode>(2));
-    return "near,far: least and greatest distance of the observer from the centre";
+    return "near,far: distances of the observer from the centre";
 }
 
 Status set_description_field(Description& d, std::string_view field, const std::string& text) {

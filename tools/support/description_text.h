@@ -17,8 +17,9 @@ inline constexpr const char* description_fields[] = {
 // What a field accepts, for help texts.
 std::string description_field_values(std::string_view field);
 
-// Sets one field. The values are those that description_to_text() writes. Errors: bad_argument, with the
-// values that are allowed. `proxy` does not accept "mesh", since a mesh is more than a word.
+// Sets one field. The values are those that description_to_text() writes. Errors: bad_argument,
+// with the values that are allowed. `proxy` does not accept "mesh", since a mesh is more than a
+// word.
 Status set_description_field(Description& description, std::string_view field,
                              const std::string& text);
 

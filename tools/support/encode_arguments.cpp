@@ -76,85 +76,61 @@ Status add_metadata(const std::vector<std::string>& entries, Metadata& metadata)
 } // namespace
 
 void add_rate_options(CLI::App& app, EncodeArguments& a) {
-    constexpr const char* group = "Rate (at most one) and effort";
-    app.add_option("--quality", a.quality,
-                   "100 is the finest; lowering it by 8 doubles the quantiser's step. Default: 75")
-        ->check(number_between(1, 100))
-        ->option_text("1..100")
-        ->group(group);
-    app.add_option("--target-psnr", a.target_psnr,
-                   "PSNR over all samples; the result is not below it. If no quantiser reaches it, "
-                   "the file is lossless if that is smaller, else the exit code is 6")
-        ->check(number_between(1, 120))
-        ->option_text("DB")
-        ->group(group);
-    app.add_option("--target-bpt", a.target_bpt,
-                   "Bits per texel, all channels together; never exceeded")
-        ->check(number_between(1e-6, 1000))
-        ->option_text("BITS")
-        ->group(group);
-    app.add_option("--target-bytes", a.target_bytes,
-                   "Size of the file, such as 20000, 20k or 3M; never exceeded")
-        ->transform(size_between(1, most_target_bytes))
-        ->option_text("SIZE")
-        ->group(group);
-    app.add_option("--max-error", a.max_error,
-                   "No sample differs by more: in steps of 8-bit samples, in ulps of half floats")
-        ->check(number_between(0, 65535))
-        ->option_text("N")
-        ->group(group);
-    app.add_flag("--lossless", a.lossless, "The same as --max-error 0")->group(group);
-    app.add_flag(
-           "--lossless-fallback", a.lossless_fallback,
-           "If no quantiser reaches --target-psnr, write a lossless file even if it is larger")
-        ->group(group);
-    app.add_option("--effort", a.effort,
-                   "0 is the fastest, " + std::to_string(most_effort) +
-                       " gives the smallest file. Default: " + std::to_string(usual_effort))
-        ->check(CLI::Range(0, most_effort))
-        ->option_text("0.." + std::to_string(most_effort))
-        ->group(group);
+    OptionGroup group(app, "Rate (at most one) and effort");
+    group.option("--quality", "1..100", a.quality,
+                 "100 is the finest; 8 less doubles the quantiser's step. Default: 75",
+                 number_between(1, 100));
+    group.option("--target-psnr", "DB", a.target_psnr,
+                 "Least PSNR over all samples. If no quantiser reaches it, the file is lossless if "
+                 "that is smaller; else the exit code is 6",
+                 number_between(1, 120));
+    group.option("--target-bpt", "BITS", a.target_bpt, "Most bits per texel, all channels together",
+                 number_between(1e-6, 1000));
+    group
+        .option("--target-bytes", "SIZE", a.target_bytes,
+                "Most bytes of the file, such as 20000, 20k or 3M")
+        ->transform(size_between(1, most_target_bytes));
+    group.option("--max-error", "N", a.max_error,
+                 "Largest error, in steps of 8-bit samples or in ulps of half floats",
+                 number_between(0, 65535));
+    group.flag("--lossless", a.lossless, "The same as --max-error 0");
+    group.flag("--lossless-fallback", a.lossless_fallback,
+               "Write a lossless file if no quantiser reaches --target-psnr");
+    group.option("--effort", "0.." + std::to_string(most_effort), a.effort,
+                 "0 is the fastest, " + std::to_string(most_effort) +
+                     " gives the smallest file. Default: " + std::to_string(usual_effort),
+                 CLI::Range(0, most_effort));
 }
 
 void add_run_options(CLI::App& app, EncodeArguments& a) {
-    app.add_flag("--resume", a.resume,
-                 "Continue an interrupted run from OUTPUT.journal; it needs the same options and "
-                 "gives the same bytes");
+    app.add_flag("--resume", a.resume, "Continue an interrupted run, which left OUTPUT.journal");
     add_memory_option(app, a.memory);
     app.add_flag("--json", a.json, "Print the result as JSON");
 }
 
 void add_layout_options(CLI::App& app, EncodeArguments& a) {
-    constexpr const char* group = "Layout of the file";
-    app.add_flag("--layers", a.layers,
-                 "Store coarse levels first (at most 3 % more bytes), so that any beginning of the "
-                 "file shows the whole texture (decode --allow-partial)")
-        ->group(group);
-    app.add_option("--tile", a.tile,
-                   "Largest tile: u and v up to 64, s and t up to 32, at most 393216 texels, or "
-                   "65536 with --max-error. Default: the encoder tries several shapes")
-        ->option_text("UxVxSxT")
-        ->group(group);
-    app.add_flag("--no-verify", a.no_verify,
-                 "Do not decode each tile again to compare it before it is written")
-        ->group(group);
-    app.add_flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them")
-        ->group(group);
+    OptionGroup group(app, layout_heading);
+    group.flag("--layers", a.layers,
+               "Store coarse levels first (at most 3 % larger), so that any beginning of the file "
+               "shows the whole texture (decode --allow-partial)");
+    group.option("--tile", "UxVxSxT", a.tile,
+                 "Largest tile: u, v up to 64, s, t up to 32, at most 393216 texels, or 65536 with "
+                 "--max-error. Default: the encoder tries several");
+    group.flag("--no-verify", a.no_verify, "Do not decode each tile again for a comparison");
+    group.flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
 }
 
 void add_description_options(CLI::App& app, EncodeArguments& a) {
-    constexpr const char* group = "Description of the texture";
+    OptionGroup group(app, description_heading);
     for (const char* field : description_fields)
         app.add_option_function<std::string>(
                std::string("--") + field,
                [&a, field](const std::string& text) { a.description[field] = text; },
                description_field_values(field))
             ->option_text(" ")
-            ->group(group);
-    app.add_option("--meta", a.metadata, "Text to store under a key; may be repeated")
-        ->allow_extra_args(false)
-        ->option_text("KEY=VALUE")
-        ->group(group);
+            ->group(description_heading);
+    group.option("--meta", "KEY=VALUE", a.metadata, "Text to store under a key; may be repeated")
+        ->allow_extra_args(false);
 }
 
 Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned threads,

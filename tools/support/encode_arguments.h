@@ -22,6 +22,10 @@ struct EncodeArguments {
     std::map<std::string, std::string> description; // field -> text
 };
 
+// Headings of the help.
+inline constexpr const char* layout_heading = "Layout of the file";
+inline constexpr const char* description_heading = "Description of the texture";
+
 void add_rate_options(CLI::App& app, EncodeArguments& arguments);        // and --effort
 void add_run_options(CLI::App& app, EncodeArguments& arguments);         // how a run goes
 void add_layout_options(CLI::App& app, EncodeArguments& arguments);      // how the file is made up
@@ -35,12 +39,12 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& arguments, unsi
 // Refuses options whose values the file of --reuse determines. Errors: bad_argument.
 Status check_reuse_options(const EncodeArguments& arguments);
 
-// Whether a .tess may be written to `output`, beside the JSON. Call it before reading anything. Errors:
-// bad_argument, io.
+// Whether a .tess may be written to `output`, beside the JSON. Call it before reading anything.
+// Errors: bad_argument, io.
 Status check_tess_output(const EncodeArguments& arguments, const std::string& output);
 
-// Whether `options` suit the texture. Call it before reading a texel. Errors: bad_argument, with the
-// option as the user typed it.
+// Whether `options` suit the texture. Call it before reading a texel. Errors: bad_argument, with
+// the option as the user typed it.
 Status check_for(const EncodeArguments& arguments, const EncodeOptions& options,
                  const TextureDesc& desc);
 

@@ -50,7 +50,7 @@ Status check_target(const std::string& path, const EncodeOptions& options, const
         return {};
     return {ErrorCode::target_missed, path + ": has " + format_number(r.psnr, 2) + " dB, not " +
                                           format_number(options.rate.value, 2) + ": " + r.note +
-                                          "; --lossless-fallback makes it lossless"};
+                                          "; --lossless-fallback writes a lossless file"};
 }
 
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
@@ -64,9 +64,10 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
                  static_cast<unsigned long long>(r.file_bytes), human_bytes(r.file_bytes).c_str(),
                  human_bytes(r.raw_bytes).c_str(), ratio, r.bits_per_texel);
     if (r.texels_that_matter)
-        std::fprintf(to, "  mask   %.2f %% of the texels matter; PSNR and error are theirs\n",
-                     100.0 * static_cast<double>(*r.texels_that_matter) /
-                         static_cast<double>(texel_count(desc.size)));
+        std::fprintf(
+            to, "  mask   %.2f %% of the texels are not masked; PSNR and error refer to them\n",
+            100.0 * static_cast<double>(*r.texels_that_matter) /
+                static_cast<double>(texel_count(desc.size)));
     const std::string psnr = r.psnr >= 999 ? "lossless" : format_number(r.psnr, 2) + " dB";
     std::fprintf(to, "  PSNR   %s%s, largest error %.0f\n", psnr.c_str(),
                  desc.type == SampleType::half16 && r.psnr < 999 ? " (over 16-bit codes)" : "",
@@ -74,7 +75,7 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
     std::fprintf(to, "  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
                  r.passes == 1 ? "" : "es");
     if (r.kept_tiles)
-        std::fprintf(to, "  kept   %llu of the reused file's tiles\n",
+        std::fprintf(to, "  kept   %llu tiles of the reused file\n",
                      static_cast<unsigned long long>(*r.kept_tiles));
     for (const CodedLevel& level : r.coarse_levels)
         std::fprintf(to, "  level  %s in %llu bytes (%.2f %%), steps x%u\n",
@@ -89,9 +90,10 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
         std::fprintf(to, "  note   %s\n", r.note.c_str());
     if (r.looks_transposed)
         std::fprintf(
-            to, "  note   what the views show moves along v from one s to the next, and along u "
-                "from one t to the next:\n         if these are rows and columns of cameras "
-                "that were swapped, they take far fewer bytes in order\n");
+            to,
+            "  note   objects move along v from one s to the next, and along u from one t to the "
+            "next:\n         rows and columns of cameras seem to be swapped; in the right order "
+            "the file is\n         far smaller (--order columns)\n");
 }
 
 Json report_json(const std::string& path, const TextureDesc& desc, const EncodeOptions& options,
@@ -119,8 +121,8 @@ Json report_json(const std::string& path, const TextureDesc& desc, const EncodeO
                  {"levels", Json::array()}};
     if (r.texels_that_matter)
         json["texels_that_matter"] = *r.texels_that_matter;
-    if (r.kept_tiles) { // at the rate of the reused file
-        json.erase("rate");
+    if (r.kept_tiles) {
+        json.erase("rate"); // that of the reused file applies
         json["kept_tiles"] = *r.kept_tiles;
     }
     for (const CodedLevel& level : r.coarse_levels)

@@ -1,4 +1,4 @@
-// What an encode achieved, for people and for programs.
+// The result of an encode, for people and for programs.
 #pragma once
 
 #include "codec/encoder.h"
@@ -9,20 +9,19 @@
 
 namespace tessera {
 
-// Encodes into the file `path`, whose folders are made; "-": to standard output, without a journal.
-// Errors: those of encode_file, with how to resume; io.
+// Encodes into the file `path` and creates its folders. "-" is standard output, without a journal.
+// Errors: those of encode_file, with a hint to --resume; io.
 Result<EncodeReport> encode_to(TexelSource& source, const std::string& path,
                                const EncodeOptions& options);
 
-// target_missed, where the file that was written is not as good as was asked.
+// Errors: target_missed, if the written file does not reach its target.
 Status check_target(const std::string& path, const EncodeOptions& options,
                     const EncodeReport& report);
 
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
                   const EncodeReport& report);
 
-// "psnr" is null where the file is lossless; "target_met": whether the rate that was asked for was
-// reached.
+// "psnr" is null if the file is lossless. "target_met" says whether the file reaches its target.
 Json report_json(const std::string& path, const TextureDesc& desc, const EncodeOptions& options,
                  const EncodeReport& report);
 

@@ -31,21 +31,21 @@ std::string fill_text(const Decoder& decoder, const std::string& indent) {
     std::string text;
     if (container.is_partial())
         text += indent + "part   " + percent(received_bytes(container), container.file_bytes()) +
-                " of the file's bytes are here\n";
+                " of the bytes of the file are present\n";
     if (report.missing_tiles > 0)
         text += indent + "filled " + std::to_string(report.missing_tiles) + " of " +
                 std::to_string(tiles) + " tiles (" + percent(report.missing_tiles, tiles) +
-                ") have not been received and are " + instead + "\n";
+                ") are missing and are " + instead + "\n";
     if (report.damaged_tiles == 0)
         return text;
     text += indent + "filled " + std::to_string(report.damaged_tiles) + " of " +
             std::to_string(tiles) + " tiles are damaged and " + instead + "\n";
     for (std::size_t i = 0; i < std::min(most_causes_named, report.damaged.size()); ++i)
-        text += indent + "       tile " + std::to_string(report.damaged[i]) + " is texels " +
+        text += indent + "       tile " + std::to_string(report.damaged[i]) + " has the texels " +
                 to_string(container.grid().box(report.damaged[i])) +
-                (container.alignment().any() ? " of the grid of aligned views" : "") + "\n";
+                (container.alignment().any() ? " in the grid of aligned views" : "") + "\n";
     if (report.damaged_tiles > most_causes_named)
-        text += indent + "       and so on; tessera validate lists them all\n";
+        text += indent + "       and more; tessera validate lists them all\n";
     return text;
 }
 
@@ -53,7 +53,7 @@ Status with_partial_hint(const Status& status, ByteSource& file, const DecodeOpt
     if (status.code() != ErrorCode::invalid_file || options.allow_partial ||
         ContainerReader::open(file).ok() || !ContainerReader::open(file, OpenOptions{true}).ok())
         return status;
-    return {status.code(), status.message() + "; --allow-partial reads the part that is there"};
+    return {status.code(), status.message() + "; --allow-partial reads the part that is present"};
 }
 
 Json fill_json(const Decoder& decoder) {

@@ -1,4 +1,4 @@
-// What was shown from coarse levels because the file is a part or damaged, for people and programs.
+// Reports which tiles coarse levels replaced because a file is partial or damaged.
 #pragma once
 
 #include "codec/decoder.h"
@@ -8,14 +8,15 @@
 
 namespace tessera {
 
-// Lines that begin with `indent`, each with its end; empty where every tile that was read is there.
-// At most eight damaged tiles are named with their texels.
+// Lines that begin with `indent` and end with a line break. Empty if no tile that was read is
+// missing or damaged. Lists at most eight damaged tiles with their texels.
 std::string fill_text(const Decoder& decoder, const std::string& indent);
 
-// An error of opening a file of which only the beginning is there, with the option that takes that.
+// `status` of opening a file; if only its beginning is there, with a hint to --allow-partial.
 Status with_partial_hint(const Status& status, ByteSource& file, const DecodeOptions& options);
 
-// {"received_bytes", "file_bytes", "missing_tiles", "damaged_tiles", "filled_texels", "damaged": [...]}
+// {"received_bytes", "file_bytes", "missing_tiles", "damaged_tiles", "filled_texels", "damaged":
+// [...]}
 Json fill_json(const Decoder& decoder);
 
 } // namespace tessera

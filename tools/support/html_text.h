@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-// As text or as a quoted attribute; control characters become blanks.
+// Escapes `text` for use as text or in a quoted attribute. Control characters become spaces.
 std::string html_text(std::string_view text);
 
 } // namespace tessera

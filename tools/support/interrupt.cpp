@@ -15,18 +15,18 @@
 namespace tessera {
 namespace {
 
-// Any thread may run the handler, and all read what it leaves.
+// Any thread may run the signal handler, and all threads read these.
 std::atomic<int> received{0};
 std::atomic<std::time_t> received_at{0};
 static_assert(std::atomic<int>::is_always_lock_free &&
               std::atomic<std::time_t>::is_always_lock_free);
 
-// How long a command may take to end by itself. Calls that cannot be interrupted (a library that
-// decodes a large picture, a file system that does not answer) take longer.
+// Time for a command to end by itself. Calls that cannot be interrupted (a library that decodes a
+// large picture, a file system that does not respond) take longer.
 constexpr std::chrono::milliseconds longest_end{700};
 sem_t first_signal;
 
-// Ends the process when its own way out takes too long: what it leaves behind is the same.
+// Ends the process if its regular end takes too long. The files that remain are the same.
 void watch_for_signal() {
     while (::sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
@@ -37,18 +37,18 @@ void watch_for_signal() {
                  "; the same command with --resume continues";
     words += "\n";
     (void)!::write(STDERR_FILENO, words.data(), words.size());
-    std::signal(received, SIG_DFL); // so that a shell sees why we ended
+    std::signal(received, SIG_DFL); // so that a shell sees the signal as the reason
     ::kill(::getpid(), received);
     for (;;)
         ::pause();
 }
 
-// A second signal means impatience, but not within the same moment: timeout(1) and shells may
-// deliver one Ctrl-C twice.
+// A second signal ends the process, but not within a second: timeout(1) and shells may deliver one
+// Ctrl-C twice.
 void remember(int signal) {
     const std::time_t now = std::time(nullptr);
     if (received == 0)
-        received_at = now; // before others can see the signal
+        received_at = now; // before other threads can see the signal
     int none = 0;
     if (received.compare_exchange_strong(none, signal))
         ::sem_post(&first_signal);
@@ -104,17 +104,17 @@ void install_signal_handlers() {
     sigemptyset(&ours);
     sigaddset(&ours, SIGINT);
     sigaddset(&ours, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ours, &before); // the watcher gets none but the last
+    pthread_sigmask(SIG_BLOCK, &ours, &before); // the watcher does not handle them
     ::sem_init(&first_signal, 0, 0);
     try {
         std::thread(watch_for_signal).detach();
-    } catch (const std::exception&) { // then commands end as soon as they notice
+    } catch (const std::exception&) { // without the watcher, commands end when they check
     }
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
     struct sigaction action = {};
     action.sa_handler = remember;
     sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART; // reads and writes go on; the next box stops
+    action.sa_flags = SA_RESTART; // system calls continue; the next box checks
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     action.sa_handler = SIG_IGN;

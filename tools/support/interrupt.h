@@ -1,5 +1,4 @@
-// Ctrl-C and kill, turned into an ordinary error so that every temporary file is removed on the way
-// out.
+// Turns Ctrl-C and kill into an ordinary error, so that temporary files are removed on the way out.
 #pragma once
 
 #include "format/texture.h"
@@ -8,18 +7,18 @@
 
 namespace tessera {
 
-// SIGINT and SIGTERM are remembered; what has not ended 0.7 s after the first is ended, without its
-// unfinished outputs, and a later second one ends the program at once. Called once. SIGXFSZ and SIGPIPE are
-// ignored: the write fails and says so.
+// Records SIGINT and SIGTERM. A process that has not ended 0.7 s after the first signal is ended,
+// and its unfinished outputs are removed; a second signal later ends it at once. Ignores SIGXFSZ
+// and SIGPIPE, so that the write returns the error. Call it once.
 void install_signal_handlers();
 
-// The signal that came, or 0.
+// The number of the received signal, or 0.
 int interrupted_by();
 
-// Errors: runtime, "interrupted", once one came.
+// Errors: runtime, "interrupted", after a signal.
 Status check_interrupt();
 
-// `inner`, but read() and write() fail with "interrupted" once a signal came.
+// Like `inner`, but read() and write() fail with "interrupted" after a signal.
 std::unique_ptr<TexelSource> interruptible(std::unique_ptr<TexelSource> inner);
 std::unique_ptr<TexelSink> interruptible(std::unique_ptr<TexelSink> inner);
 

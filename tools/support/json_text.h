@@ -1,4 +1,4 @@
-// JSON on standard output. Bytes that are not UTF-8 (file names may hold any) are replaced.
+// Prints JSON to standard output. Bytes that are not UTF-8, as in some file names, are replaced.
 #pragma once
 
 #include <cstdio>

@@ -8,8 +8,8 @@
 namespace tessera {
 namespace {
 
-// Generous upper bounds, from measurements: the program with its libraries, tables and the index of the
-// largest texture; and one thread of the encoder.
+// Generous upper bounds, from measurements: the program with its libraries, tables and the index of
+// the largest texture; and one thread of the encoder.
 constexpr std::uint64_t fixed_bytes = 64ull << 20;
 constexpr std::uint64_t thread_bytes = 16ull << 20;
 // The share of the rest that slabs get. Packing a picture holds parts of it a second time.

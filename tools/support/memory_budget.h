@@ -15,13 +15,13 @@ inline constexpr const char* usual_memory = "1GiB";
 
 void add_memory_option(CLI::App& app, std::string& text);
 
-// Bytes of texels that a slab may hold, so that a process with `threads` threads (0: all cores) stays
-// within the budget `text`. Errors: bad_argument, also if the budget is too small for the program and
-// its threads.
+// Bytes of texels that a slab may hold, so that a process with `threads` threads (0: all cores)
+// stays within the budget `text`. Errors: bad_argument, also if the budget is too small for the
+// program and its threads.
 Result<std::uint64_t> slab_budget(const std::string& text, unsigned threads);
 
-// `options` with a limit for the heads of files, so that `files` files can be open at once beside slabs of
-// `slab_bytes`.
+// `options` with a limit for the heads of files, so that `files` files can be open at once beside
+// slabs of `slab_bytes`.
 DecodeOptions within_budget(DecodeOptions options, std::uint64_t slab_bytes, unsigned files = 1);
 
 // `status`; if a slab was too large, with a hint to --memory.

@@ -1,6 +1,8 @@
 // How long a command waits for servers. A process runs one command, so the limits are global.
 #pragma once
 
+#include "tools/support/option_checks.h"
+
 #include <CLI/CLI.hpp>
 
 namespace tessera {
@@ -17,18 +19,13 @@ inline NetworkLimits& network_limits() {
 }
 
 inline void add_network_options(CLI::App& app) {
-    NetworkLimits& limits = network_limits();
-    app.add_option("--min-rate", limits.lowest_rate,
-                   "Bytes a second; if a server is slower for 20 s, the request is repeated, up to "
-                   "four times. Default: 100")
-        ->check(CLI::Range(1u, 1u << 30))
-        ->option_text("N")
-        ->group("Network");
-    app.add_option("--max-time", limits.total_seconds,
-                   "Seconds that the requests of the command may take together. Default: no limit")
-        ->check(CLI::Range(0.0, 1e9))
-        ->option_text("SECONDS")
-        ->group("Network");
+    OptionGroup group(app, "Network");
+    group.option("--min-rate", "N", network_limits().lowest_rate,
+                 "Bytes a second; slower servers are retried after 20 s. Default: 100",
+                 CLI::Range(1u, 1u << 30));
+    group.option("--max-time", "SECONDS", network_limits().total_seconds,
+                 "Limit for the requests of the command together. Default: none",
+                 CLI::Range(0.0, 1e9));
 }
 
 } // namespace tessera

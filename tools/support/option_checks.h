@@ -1,4 +1,5 @@
-// Checks of option values, done while the command line is parsed, with messages in plain words.
+// How options are declared: headings of the help, and checks of values with messages in plain
+// words.
 #pragma once
 
 #include "format/status.h"
@@ -10,9 +11,33 @@
 
 namespace tessera {
 
-// Bytes of "20000", "20k", "3M", "1.5GiB". K, M, G and T, in either case, are powers of 1024. Errors:
-// bad_argument.
+// Bytes of "20000", "20k", "3M", "1.5GiB". K, M, G and T, in either case, are powers of 1024.
+// Errors: bad_argument.
 Result<std::uint64_t> parse_size(const std::string& text);
+
+// Declares options under one heading of the help.
+class OptionGroup {
+public:
+    OptionGroup(CLI::App& app, const char* heading) : app_(app), heading_(heading) {}
+    // `value` stands for the value in the help: "--size UxVxSxT".
+    template <class T>
+    CLI::Option* option(const char* name, const std::string& value, T& target,
+                        const std::string& help) {
+        return app_.add_option(name, target, help)->option_text(value)->group(heading_);
+    }
+    template <class T>
+    CLI::Option* option(const char* name, const std::string& value, T& target,
+                        const std::string& help, const CLI::Validator& check) {
+        return option(name, value, target, help)->check(check);
+    }
+    CLI::Option* flag(const char* name, bool& target, const std::string& help) {
+        return app_.add_flag(name, target, help)->group(heading_);
+    }
+
+private:
+    CLI::App& app_;
+    const char* heading_;
+};
 
 // A number from `low` to `high`.
 CLI::Validator number_between(double low, double high);

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a folder's name, with or without a slash behind it, what it stands in.
+// The folder that contains `path`, which may end in a slash.
 fs::path parent_of(const std::string& path) {
     const fs::path whole(path);
     return whole.has_filename() ? whole.parent_path() : whole.parent_path().parent_path();
@@ -20,7 +20,7 @@ fs::path parent_of(const std::string& path) {
 
 Status check_parent_folders(const std::string& path) {
     std::error_code ignored;
-    // The nearest thing on the way that is there must be a folder.
+    // The nearest existing ancestor must be a folder.
     for (fs::path folder = parent_of(path); !folder.empty(); folder = folder.parent_path()) {
         if (fs::is_directory(folder, ignored))
             return {};
@@ -40,7 +40,7 @@ Status check_output_path(const std::string& path) {
     const fs::file_status status = fs::status(path, ignored);
     if (!fs::exists(status) || fs::is_regular_file(status))
         return {};
-    return {ErrorCode::io, path + ": exists and is not a plain file"};
+    return {ErrorCode::io, path + ": exists and is not a regular file"};
 }
 
 Status make_parent_folders(const std::string& path) {
@@ -50,7 +50,7 @@ Status make_parent_folders(const std::string& path) {
     std::error_code error;
     fs::create_directories(folder, error);
     return error ? Status(ErrorCode::io,
-                          path + ": cannot make " + folder.string() + ": " + error.message())
+                          path + ": cannot create " + folder.string() + ": " + error.message())
                  : Status();
 }
 

@@ -1,4 +1,4 @@
-// Where outputs go: whether a file may be written there, and the folders on the way to it.
+// Checks whether an output can be written, and creates its folders.
 #pragma once
 
 #include "format/status.h"
@@ -9,18 +9,18 @@
 
 namespace tessera {
 
-// Whether a file may be written there: a plain file or nothing, in a folder that exists or can be made.
-// Renaming over a device or a folder would destroy it or fail after all the work. Writes nothing.
-// Errors: io; bad_argument (a URL).
+// Whether a file can be written to `path`: the path does not exist or is a regular file, and its
+// folder exists or can be created. A device or a folder is refused, because the final rename would
+// destroy it or fail. Writes nothing. Errors: io; bad_argument (a URL).
 Status check_output_path(const std::string& path);
 
-// The part of it that is about the folders that lead there.
+// The part of that check that concerns the folders on the path.
 Status check_parent_folders(const std::string& path);
 
-// Makes those that are missing. Errors: io.
+// Creates the missing folders on the path. Errors: io.
 Status make_parent_folders(const std::string& path);
 
-// A whole file, renamed into place when it is complete. Errors: io.
+// Writes a file and renames it into place when it is complete. Errors: io.
 Status write_bytes(const std::string& path, std::span<const std::byte> bytes);
 
 } // namespace tessera

@@ -62,7 +62,7 @@ Result<Extent4> parse_extent(std::string_view text) {
         std::uint64_t value = 0;
         if (!parse_number(parts[axis], value))
             return malformed;
-        // Saturate: check_desc refuses it with the right words.
+        // Saturates; check_desc() refuses it with a better message.
         desc.size[axis] = static_cast<std::uint32_t>(std::min<std::uint64_t>(value, UINT32_MAX));
     }
     TESSERA_TRY(check_desc(desc));
@@ -91,7 +91,7 @@ Result<Box4> parse_box(std::string_view text, const Extent4& whole) {
         if (box.begin[axis] >= box.end[axis] || box.end[axis] > whole[axis])
             return Status(ErrorCode::bad_argument,
                           quoted + ": the range of " + name +
-                              " is empty or leaves 0:" + std::to_string(whole[axis]));
+                              " is empty or not inside 0:" + std::to_string(whole[axis]));
     }
     return box;
 }
@@ -101,8 +101,8 @@ Result<SampleType> parse_sample_type(std::string_view text) {
         return SampleType::unorm8;
     if (text == "16f" || text == "half" || text == "half16")
         return SampleType::half16;
-    return Status(ErrorCode::bad_argument,
-                  "'" + std::string(text.substr(0, 100)) + "' is not a sample type (unorm8, half)");
+    return Status(ErrorCode::bad_argument, "'" + std::string(text.substr(0, 100)) +
+                                               "' is not a sample type (unorm8, half16)");
 }
 
 const char* name_of(SampleType type) {
@@ -134,10 +134,10 @@ const char* channel_name(unsigned channels, unsigned c) {
     return c == 0 ? "Y" : "A";
 }
 
-// C0 and DEL; and C1, U+0080 to U+009F, which UTF-8 spells C2 80 to C2 9F, and whose bytes alone are
-// controls to a terminal that knows no UTF-8.
+// Replaces C0 and DEL; also C1 (U+0080 to U+009F), which is C2 80 to C2 9F in UTF-8. A terminal
+// without UTF-8 treats the single bytes 80 to 9F as controls, too.
 std::string printable(std::string text) {
-    std::size_t inside = 0; // bytes left of a UTF-8 sequence
+    std::size_t inside = 0; // bytes that remain of a UTF-8 sequence
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
         const bool continues = c >= 0x80 && c < 0xC0;

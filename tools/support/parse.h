@@ -1,4 +1,4 @@
-// Text of the command line and of image headers -> numbers, strictly.
+// Strict conversion of text from the command line and from file headers to numbers.
 #pragma once
 
 #include "format/status.h"
@@ -11,28 +11,29 @@
 
 namespace tessera {
 
-// "512x256x32x32". Errors: bad_argument, with the offending text.
+// Parses "512x256x32x32". Errors: bad_argument, with the text.
 Result<Extent4> parse_extent(std::string_view text);
-// The value of `option`, or `usual` where it was not given. Errors: those of parse_extent, with the option.
+// `text` of `option`, parsed; `usual` if it is empty. Errors: those of parse_extent, with the
+// option.
 Result<Extent4> parse_extent_or(const std::string& text, const char* option, const Extent4& usual);
 
-// "u0:u1,v0:v1,s0:s1,t0:t1", half-open; a missing number is the end of the axis (":" is all of it).
-// Errors: bad_argument, also for an empty box and for one that leaves `whole`.
+// Parses "u0:u1,v0:v1,s0:s1,t0:t1", half-open ranges. A missing number is the end of the axis, so
+// ":" is a whole axis. Errors: bad_argument, also if the box is empty or not inside `whole`.
 Result<Box4> parse_box(std::string_view text, const Extent4& whole);
 
-// The whole text as a number, nothing before or after it. False where it is not one.
+// Parses the whole text, without blanks around it. False if it is not a number.
 bool parse_number(std::string_view text, std::uint64_t& out);
 bool parse_number(std::string_view text, double& out);
 
-// "10,0,-2.5". Errors: bad_argument, with the offending text.
+// Parses "10,0,-2.5". Errors: bad_argument, with the text.
 Status parse_point(std::string_view text, glm::dvec3& out);
 
-// "8" or "unorm8"; "16f", "half" or "half16".
+// Parses "8" or "unorm8"; "16f", "half" or "half16".
 Result<SampleType> parse_sample_type(std::string_view text);
 const char* name_of(SampleType type);
 const char* channel_name(unsigned channels, unsigned c); // "R", "G", "B", "A" or "Y", "A"
 
-// Text from outside, fit for a terminal: control characters become spaces.
+// Makes text from outside safe for a terminal: control characters become spaces.
 std::string printable(std::string text);
 
 std::string human_bytes(std::uint64_t bytes); // "402.7 MB", powers of 1000

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double first_after = 0.3, again_after = 0.1; // seconds: short work stays silent
+constexpr double first_after = 0.3, again_after = 0.1; // seconds; short work shows nothing
 constexpr int bar_width = 30;
 
 double seconds(Clock::duration d) {
@@ -33,14 +33,14 @@ std::string time_left(double elapsed, double fraction) {
     return text;
 }
 
-std::atomic<int> shown{0}; // objects that may draw
+std::atomic<int> shown{0}; // visible Progress objects
 
 } // namespace
 
 void show_waiting(std::optional<std::uint64_t> bytes) {
     static Clock::time_point start = Clock::time_point::max(), last;
     static bool drawn = false;
-    static std::mutex mutex; // each server that a command reads from has a thread that comes here
+    static std::mutex mutex; // each connection to a server calls this from its own thread
     const std::lock_guard lock(mutex);
     const auto now = Clock::now();
     if (!bytes) {
@@ -55,7 +55,7 @@ void show_waiting(std::optional<std::uint64_t> bytes) {
         return;
     last = now;
     drawn = true;
-    std::fprintf(stderr, "\rtessera: waiting for the server, %.0f s, %s have come\x1b[K",
+    std::fprintf(stderr, "\rtessera: waiting for the server, %.0f s, %s received\x1b[K",
                  seconds(now - start), human_bytes(*bytes).c_str());
     std::fflush(stderr);
 }

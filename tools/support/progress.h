@@ -1,4 +1,4 @@
-// A line on the terminal that says how far long work has come. Silent in a pipe and with --quiet.
+// A progress line on the terminal. There is none in a pipe and with --quiet.
 #pragma once
 
 #include "codec/encoder.h" // ProgressFunction
@@ -10,19 +10,20 @@
 
 namespace tessera {
 
-// A line on the terminal of how much has come from a network so far, in the second and later seconds of
-// waiting and while no Progress is there; nothing: it is cleared. One caller at a time.
+// Shows how many bytes have arrived from the network, from the second second of waiting on, if no
+// Progress object shows a line. Without `bytes`, clears the line. Thread-safe.
 void show_waiting(std::optional<std::uint64_t> bytes);
 
 class Progress {
 public:
-    // `title`, usually the verb, begins the line.
+    // The line begins with `title`, usually the verb.
     Progress(std::string title, bool quiet);
     ~Progress(); // clears the line
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // For the library; empty when nothing is shown. Valid as long as this object.
+    // The callback for the library. Empty if nothing is shown. Valid during the lifetime of this
+    // object.
     ProgressFunction function();
 
 private:

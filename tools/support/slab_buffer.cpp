@@ -17,15 +17,15 @@ std::uint64_t texel_index(const Box4& box, std::uint32_t u, std::uint32_t v, std
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
-// Uninitialised; large slabs in large pages, where the system has them: 500 times fewer faults. Null
-// where memory is short.
+// Uninitialised memory, null if memory is short. Large slabs use large pages if the system has
+// them, for 500 times fewer page faults.
 std::byte* allocate(std::size_t size) {
     if (size < 2 * large_page)
         return static_cast<std::byte*>(std::malloc(size));
     const std::size_t whole_pages = (size + large_page - 1) / large_page * large_page;
     void* memory = size <= whole_pages ? std::aligned_alloc(large_page, whole_pages) : nullptr;
     if (memory != nullptr)
-        (void)madvise(memory, whole_pages, MADV_HUGEPAGE); // which may be unknown
+        (void)madvise(memory, whole_pages, MADV_HUGEPAGE); // best effort
     return static_cast<std::byte*>(memory);
 }
 
@@ -34,13 +34,13 @@ std::byte* allocate(std::size_t size) {
 Status SlabBuffer::reset(const TextureDesc& desc, const Box4& box) {
     if (!is_inside(box, desc.size))
         return {ErrorCode::bad_argument,
-                "slab " + to_string(box) + " leaves the texture of " + to_string(desc.size)};
+                "slab " + to_string(box) + " is not inside the texture of " + to_string(desc.size)};
     desc_ = desc;
     box_ = box;
     size_ = desc.box_bytes(box);
     if (size_ <= room_)
         return {};
-    memory_.reset(); // before there is another
+    memory_.reset(); // frees it before the next allocation
     memory_.reset(allocate(size_));
     room_ = size_;
     if (memory_ == nullptr) {

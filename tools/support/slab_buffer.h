@@ -1,5 +1,5 @@
-// The texels of one slab in memory: what picture files, which are read and written in long rows,
-// put between themselves and a codec that asks for small 4D boxes.
+// The texels of one slab in memory. It connects picture files, which are read and written in long
+// rows, with the codec, which reads and writes small 4D boxes.
 #pragma once
 
 #include "format/status.h"
@@ -15,25 +15,25 @@ namespace tessera {
 // Dense texels of one box. copy_in and copy_out are thread-safe for disjoint boxes.
 class SlabBuffer {
 public:
-    // Errors: bad_argument where `box` leaves the texture, runtime where memory is short.
+    // Errors: bad_argument if `box` is not inside the texture, runtime if memory is short.
     Status reset(const TextureDesc& desc, const Box4& box);
     void clear();
 
-    // Errors: runtime, where `box` lies outside the slab or the sizes do not fit: the caller broke
-    // the protocol of TexelSource or TexelSink.
+    // Errors: runtime, if `box` is not inside the slab or the sizes do not match, because the
+    // caller broke the protocol of TexelSource or TexelSink.
     Status copy_in(const Box4& box, std::span<const std::byte> texels);
     Status copy_out(const Box4& box, std::span<std::byte> out) const;
 
     const Box4& box() const { return box_; }
     std::span<std::byte> bytes() { return {memory_.get(), size_}; }
-    // First byte of a texel of the slab. No check.
+    // First byte of a texel. Precondition: the texel is inside the slab.
     std::byte* texel(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t);
 
 private:
     Status check(const Box4& box, std::size_t bytes) const;
     TextureDesc desc_;
     Box4 box_;
-    // Not filled before it is used: that would touch all of it once more, on one thread.
+    // Not a vector, which would first write zeros to all of it, on one thread.
     struct Free {
         void operator()(std::byte* memory) const { std::free(memory); }
     };
@@ -41,7 +41,8 @@ private:
     std::size_t size_ = 0, room_ = 0;
 };
 
-// Whether a slab spans the whole texture along two axes; the shape that a Locality asks for.
+// Whether a slab spans the whole texture along two axes, which is the shape that a Locality
+// requires.
 inline bool spans(const Box4& box, const Extent4& size, Axis a, Axis b) {
     return box.begin[a] == 0 && box.end[a] == size[a] && box.begin[b] == 0 && box.end[b] == size[b];
 }

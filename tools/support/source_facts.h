@@ -1,4 +1,4 @@
-// What tells a texture's file from another one, or from itself after a change, without reading it.
+// Identifies the state of a file or folder without reading it.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace tessera {
 
-// For EncodeOptions::source_facts: length and time of last change of the file at `path`; for a
-// folder of views their number and a checksum of their names, lengths and times. The path itself is
-// not among them. What cannot be read is left out: opening it will say why. `what`: "input", or what
-// else the file is, for the facts' names.
+// For EncodeOptions::source_facts: length and modification time of the file at `path`; for a
+// folder, the number of its files and a checksum of their names, lengths and times. The path is not
+// included. Files that cannot be read are left out, since opening them reports why. `what` is part
+// of the facts' names, such as "input".
 std::vector<std::pair<std::string, std::string>> source_facts(const std::string& path,
                                                               const std::string& what);
 

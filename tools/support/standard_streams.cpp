@@ -21,7 +21,7 @@ Status input_error(const std::string& text, ErrorCode code = ErrorCode::io) {
     return {code, "standard input: " + text};
 }
 
-// A source under the name that messages shall use.
+// A source with the name "standard input" for messages.
 class StandardInput : public ByteSource {
 public:
     explicit StandardInput(std::unique_ptr<ByteSource> inner) : inner_(std::move(inner)) {}
@@ -35,7 +35,7 @@ private:
     std::unique_ptr<ByteSource> inner_;
 };
 
-// Waits for input in a way that a signal ends, which read() would not.
+// Waits for input. Unlike read(), a signal ends this.
 Status wait_for_input() {
     pollfd wanted{STDIN_FILENO, POLLIN, 0};
     while (::poll(&wanted, 1, -1) < 0)
@@ -58,8 +58,8 @@ Status read_pipe(std::vector<std::byte>& bytes) {
         if (got == 0)
             return {};
         if (bytes.size() > most_input_bytes)
-            return input_error("a pipe may bring at most 1 GiB, which is held in memory; redirect "
-                               "a file (< FILE) or name it",
+            return input_error("a pipe is held in memory, so it has at most 1 GiB; redirect a file "
+                               "(< FILE) or give its name",
                                ErrorCode::unsupported);
     }
 }
@@ -68,7 +68,7 @@ Status read_pipe(std::vector<std::byte>& bytes) {
 
 Result<std::unique_ptr<ByteSource>> open_standard_input() {
     if (::isatty(STDIN_FILENO) != 0)
-        return input_error("is a terminal; '-' wants a pipe or a file (< FILE)",
+        return input_error("is a terminal; '-' needs a pipe or a file (< FILE)",
                            ErrorCode::bad_argument);
     struct stat info = {};
     if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) {
@@ -85,7 +85,7 @@ Result<std::unique_ptr<ByteSource>> open_standard_input() {
 
 Status check_json_output(bool json, const std::string& output) {
     if (json && output == standard_stream)
-        return {ErrorCode::bad_argument, "--json and -o -: both would go to standard output"};
+        return {ErrorCode::bad_argument, "--json and -o -: both write to standard output"};
     return {};
 }
 
@@ -96,7 +96,7 @@ std::FILE* summary_stream(const std::string& output) {
 Status check_standard_output() {
     if (::isatty(STDOUT_FILENO) != 0)
         return {ErrorCode::bad_argument,
-                "standard output is a terminal; '-' wants a pipe or a file (> FILE)"};
+                "standard output is a terminal; '-' needs a pipe or a file (> FILE)"};
     return {};
 }
 

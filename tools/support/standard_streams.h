@@ -1,4 +1,4 @@
-// "-": standard input and output in place of a file, for kinds that are one file.
+// "-" as a file name: standard input or output.
 #pragma once
 
 #include "format/byte_source.h"
@@ -14,18 +14,18 @@ namespace tessera {
 
 inline constexpr const char* standard_stream = "-"; // as a file's name
 
-// What stands on standard input. A file that was redirected is read in place; of a pipe everything is
-// read first, at most 1 GiB, and kept: later calls see the same bytes. Errors: io; bad_argument (a
-// terminal); unsupported (a pipe with more); runtime (interrupted).
+// Opens standard input. A redirected file is read in place. A pipe is first read to its end, at
+// most 1 GiB, and later calls return the same bytes. Errors: io; bad_argument (a terminal);
+// unsupported (a longer pipe); runtime (interrupted).
 Result<std::unique_ptr<ByteSource>> open_standard_input();
 
-// --json beside `output`: both cannot have standard output. Errors: bad_argument.
+// Whether --json and `output` would both use standard output. Errors: bad_argument.
 Status check_json_output(bool json, const std::string& output);
 
-// Where lines for people go beside `output`: standard error if that is standard output.
+// The stream for summaries: standard error if `output` is standard output, else standard output.
 std::FILE* summary_stream(const std::string& output);
 
-// Whether texels or a file may go there. Errors: bad_argument (a terminal).
+// Whether standard output accepts binary data. Errors: bad_argument (a terminal).
 Status check_standard_output();
 Status write_standard_output(std::span<const std::byte> bytes);
 Status flush_standard_output();

@@ -6,9 +6,9 @@
 
 namespace tessera {
 
-// "; did you mean --quality?", with up to three words; "" if no known word is like `word`. A word is like
-// it if at most a third of the letters differ, or if it contains it ("--psnr": "--target-psnr"). Case does
-// not matter; swapping two neighbours is one difference.
+// "; did you mean --quality?", with up to three words; "" if no known word is like `word`. A word
+// is like it if at most a third of the letters differ, or if it contains it ("--psnr":
+// "--target-psnr"). Case does not matter; swapping two neighbours is one difference.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& known);
 
 } // namespace tessera

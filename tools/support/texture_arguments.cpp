@@ -1,25 +1,22 @@
 #include "tools/support/texture_arguments.h"
 
+#include "tools/support/option_checks.h"
+
 #include <tuple>
 
 namespace tessera {
-namespace {
-
-constexpr const char* input_group = "Inputs that do not describe themselves";
-constexpr const char* views_group = "Folders of views, quilts and mosaics";
-
-} // namespace
 
 void add_fill_options(CLI::App& app, DecodeOptions& decode) {
     app.add_flag("--allow-partial", decode.allow_partial,
-                 "Accept the beginning of a .tess, such as a broken download; coarser levels "
-                 "replace what is missing (encode --layers stores them first)");
+                 "Accept the beginning of a .tess, as from a broken download; coarser levels "
+                 "(encode --layers) replace what is missing");
     app.add_flag("--allow-damaged", decode.allow_damaged,
-                 "Replace damaged tiles of a .tess by coarser levels or by the background");
+                 "Replace damaged tiles by coarser levels or the background");
 }
 
 void add_threads_options(CLI::App& app, TextureArguments& a) {
-    app.add_option("--threads", a.threads, "Threads; 0 uses all cores. The result is the same")
+    app.add_option("--threads", a.threads,
+                   "Threads; 0 uses all cores. The result does not depend on it")
         ->check(CLI::Range(0u, 1024u))
         ->option_text("N");
     app.add_flag("--quiet,-q", a.quiet, "Print errors only: no progress, no summary")
@@ -27,44 +24,27 @@ void add_threads_options(CLI::App& app, TextureArguments& a) {
 }
 
 void add_view_options(CLI::App& app, TextureArguments& a) {
-    app.add_option("--views-pattern", a.pattern,
-                   "Names of a folder's views: {t} is the row, {s} the column, {n} a running "
-                   "number ({n:3} with three digits), * anything: 'cam_{t:2}_{s:2}_*.png'")
-        ->option_text("TEXT")
-        ->group(views_group);
-    app.add_option("--order", a.order,
-                   "How running numbers and quilts traverse the cameras: rows or columns, "
-                   "serpentine, bottom-up, right-left, joined by commas. Default: row by row from "
-                   "the top left, quilts from the bottom left")
-        ->option_text("WORDS")
-        ->group(views_group);
-    app.add_option("--quilt", a.quilt,
-                   "The picture holds the views side by side, in C columns and R rows")
-        ->option_text("CxR")
-        ->group(views_group);
+    OptionGroup views(app, views_heading);
+    views.option("--views-pattern", "TEXT", a.pattern,
+                 "Names in the folder: {t} row, {s} column, {n} running number, {n:3} with three "
+                 "digits, * anything. Example: 'cam_{t:2}_{s:2}_*.png'");
+    views.option("--order", "WORDS", a.order,
+                 "How views are numbered: rows or columns, serpentine, bottom-up, right-left, "
+                 "joined by commas. Default: rows from the top, in quilts from the bottom");
+    views.option("--quilt", "CxR", a.quilt, "The picture holds the views in C columns and R rows");
 }
 
 void add_texture_options(CLI::App& app, TextureArguments& a) {
-    app.add_option("--size", a.size,
-                   "Size of a raw input, or of a mosaic that does not state its own")
-        ->option_text("UxVxSxT")
-        ->group(input_group);
-    app.add_option("--type", a.type, "Sample type of the input: unorm8 or half16")
-        ->option_text("TYPE")
-        ->group(input_group);
-    app.add_option("--channels", a.channels, "Channels of a .raw input")
-        ->check(CLI::Range(1u, 4u))
-        ->option_text("1..4")
-        ->group(input_group);
+    OptionGroup input(app, "Inputs that do not describe themselves"), views(app, views_heading);
+    input.option("--size", "UxVxSxT", a.size,
+                 "Size of a raw input, or of a mosaic that does not state it");
+    input.option("--type", "TYPE", a.type, "Sample type of the input: unorm8 or half16");
+    input.option("--channels", "1..4", a.channels, "Channels of a .raw input", CLI::Range(1u, 4u));
     add_view_options(app, a);
-    app.add_option("--grid", a.grid,
-                   "Columns and rows of cameras, for running numbers and for a quilt's views")
-        ->option_text("CxR")
-        ->group(views_group);
-    app.add_option("--mosaic", a.mosaic,
-                   "The picture holds angular images of SxT pixels, as a lenslet camera takes it")
-        ->option_text("SxT")
-        ->group(views_group);
+    views.option("--grid", "CxR", a.grid,
+                 "Columns and rows of cameras, for running numbers and quilts");
+    views.option("--mosaic", "SxT", a.mosaic,
+                 "The picture holds angular images, as of a lenslet camera");
     add_threads_options(app, a);
 }
 

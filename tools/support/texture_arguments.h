@@ -10,6 +10,8 @@
 
 namespace tessera {
 
+inline constexpr const char* views_heading = "Folders of views, quilts and mosaics"; // of the help
+
 struct TextureArguments {
     std::string size, type;
     std::string pattern, grid, quilt, mosaic, order; // of views

@@ -1,4 +1,4 @@
-// What the command line says about an input that may not say it itself.
+// What the command line states about an input, for files that do not describe themselves.
 #pragma once
 
 #include "codec/decoder.h" // DecodeOptions
@@ -11,9 +11,9 @@
 
 namespace tessera {
 
-// How pictures of views lie and are named, where they do not say it themselves.
+// Names and layout of pictures with views.
 struct ViewHints {
-    std::string pattern;            // of names, see view_pattern.h; empty: recognised
+    std::string pattern;            // of file names, see view_pattern.h; empty: detected
     std::optional<ViewGrid> grid;   // of the cameras
     std::optional<ViewGrid> quilt;  // views in columns x rows of one picture
     std::optional<ViewGrid> mosaic; // angular images of s x t pixels, side by side in one picture
@@ -21,8 +21,8 @@ struct ViewHints {
 };
 
 struct TextureHints {
-    std::optional<Extent4> size;          // needed by raw files and by foreign EXR mosaics
-    std::optional<SampleType> type;       // overrides what the file or its name says
+    std::optional<Extent4> size;          // raw files and EXR mosaics of other programs need it
+    std::optional<SampleType> type;       // overrides the file and its name
     std::optional<std::uint8_t> channels; // raw files only
     unsigned threads = 0;                 // 0: all cores
     DecodeOptions decode;                 // of a .tess

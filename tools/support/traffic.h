@@ -1,4 +1,4 @@
-// How much a file's bytes have cost so far: reads of a file on disk, requests over a network.
+// Counts the reads of a file, or the requests to a server, and their bytes.
 #pragma once
 
 #include "format/byte_source.h"
@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct Traffic {
-    std::uint64_t requests = 0; // of a network, retries included; else reads
+    std::uint64_t requests = 0; // to a server, retries included; else reads
     std::uint64_t bytes = 0;
     Traffic operator-(const Traffic& before) const {
         return {requests - before.requests, bytes - before.bytes};
@@ -20,7 +20,7 @@ struct Traffic {
     bool operator==(const Traffic&) const = default;
 };
 
-// Counts what passes through it. Thread-safe.
+// Counts the reads of another source. Thread-safe.
 class MeteredSource final : public ByteSource {
 public:
     // `inner` must outlive it.

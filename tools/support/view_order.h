@@ -1,5 +1,5 @@
-// In which order the views of a grid of cameras are numbered: how folders and quilts that others
-// made become texels (s, t), and back.
+// The order in which the views of a grid of cameras are numbered. It maps the views of folders and
+// quilts to (s, t) and back.
 #pragma once
 
 #include "format/status.h"
@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// Cameras of a grid, `s` of them side by side and `t` one below the other.
+// A grid of cameras with `s` columns and `t` rows.
 struct ViewGrid {
     std::uint32_t s = 1, t = 1;
     std::uint64_t count() const { return std::uint64_t{s} * t; }
@@ -21,7 +21,7 @@ struct ViewPlace {
     auto operator<=>(const ViewPlace&) const = default;
 };
 
-// Usual is line by line from the top left: the first line holds the cameras at t = 0.
+// By default line by line from the top left, where a line is a row; the first line has t = 0.
 struct ViewOrder {
     bool columns = false;    // a line is a column, and the first of two numbers counts columns
     bool serpentine = false; // every other line runs backwards
@@ -32,22 +32,22 @@ struct ViewOrder {
 
 // Words joined by commas: rows, columns, serpentine, bottom-up, right-left. Errors: bad_argument.
 Result<ViewOrder> parse_view_order(const std::string& text);
-// The same words; "" for the usual order.
+// The same words; "" for the default order.
 std::string to_string(const ViewOrder& order);
 
-// The place of view `step` of line `line`, and what it was. Preconditions: inside the grid.
+// The camera of view `step` in line `line`, and the inverse. Preconditions: inside the grid.
 ViewPlace place_in(const ViewGrid& grid, const ViewOrder& order, std::uint32_t line,
                    std::uint32_t step);
 struct ViewStep {
     std::uint32_t line = 0, step = 0;
 };
 ViewStep step_of(const ViewGrid& grid, const ViewOrder& order, const ViewPlace& place);
-// How many views a line holds.
+// Views per line.
 inline std::uint32_t line_length(const ViewGrid& grid, const ViewOrder& order) {
     return order.columns ? grid.t : grid.s;
 }
 
-// "17x5": 17 side by side, 5 one below the other; each 1..2^20, at most 2^20 together. Errors: bad_argument.
+// Parses "17x5", 17 columns and 5 rows; at most 2^20 cameras. Errors: bad_argument.
 Result<ViewGrid> parse_view_grid(const std::string& text);
 std::string to_string(const ViewGrid& grid);
 

@@ -1,4 +1,4 @@
-#include "tools/verbs/bake_models.h"
+#include "tools/verbs/bake_sources.h"
 
 #include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
@@ -32,33 +32,56 @@ Status check_model(const BakeCommand& a) {
     return {};
 }
 
+struct ModelFigures {
+    std::size_t triangles = 0, charts = 0;
+    double density = 0; // texels per world unit
+    corpus::NoiseEstimate noise;
+};
+
+void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigures& f,
+               Baking& baking) {
+    const char* const map = name_of(baking.description.angular_map);
+    const double exposure = file.display.exposure;
+    baking.facts = {{"model", a.scene},
+                    {"samples per texel", std::to_string(a.samples)},
+                    {"seed", std::to_string(a.seed.value_or(usual_bake_seed))},
+                    {"texels per unit", format_number(f.density, 3)}};
+    for (auto& fact : facts_of(a.model, file))
+        baking.facts.push_back(std::move(fact));
+    baking.input_facts = source_facts(a.scene, "model");
+    for (auto& fact : source_facts(a.model.environment, "surroundings"))
+        baking.input_facts.push_back(std::move(fact));
+    baking.json = {{"model", a.scene},
+                   {"samples_per_texel", a.samples},
+                   {"texels_per_unit", f.density},
+                   {"angular_map", map},
+                   {"triangles", f.triangles},
+                   {"charts", f.charts},
+                   {"mesh_bytes", baking.mesh.size()},
+                   {"exposure", exposure},
+                   {"noise_db", f.noise.decibels}};
+    baking.remark = std::to_string(f.triangles) + " triangles in " +
+                    human_bytes(baking.mesh.size()) + ", " + std::to_string(f.charts) +
+                    " charts, " + format_number(f.density, 3) + " texels per unit, " + map +
+                    "; exposure " + format_number(exposure, 4) + "; sampling noise " +
+                    format_number(f.noise.decibels, 1) +
+                    " dB, --spp for 50 dB: " + format_number(f.noise.samples_for(50.0), 0);
+}
+
 } // namespace
 
 void add_model_options(CLI::App& app, ModelArguments& a) {
-    constexpr const char* group = "Models";
-    app.add_option(
-           "--env", a.environment,
-           "Environment light: an .exr or .hdr in longitude and latitude. Default: a studio")
-        ->option_text("FILE")
-        ->group(group);
-    app.add_option("--light", a.light, "A sun besides the environment; the direction towards it")
-        ->option_text("X,Y,Z")
-        ->group(group);
-    app.add_option(
-           "--exposure", a.exposure,
-           "Factor from light to displayed values. Default: white in the mean light becomes "
-           "0.6")
-        ->check(number_between(1e-6, 1e6))
-        ->option_text("N")
-        ->group(group);
-    app.add_option("--roughness", a.roughness, "Roughness of all materials, instead of their own")
-        ->check(number_between(0, 1))
-        ->option_text("0..1")
-        ->group(group);
-    app.add_option("--metal", a.metal, "Metalness of all materials, instead of their own")
-        ->check(number_between(0, 1))
-        ->option_text("0..1")
-        ->group(group);
+    OptionGroup group(app, "Models");
+    group.option("--env", "FILE", a.environment,
+                 "Environment light, .exr or .hdr by longitude and latitude. Default: a studio");
+    group.option("--light", "X,Y,Z", a.light, "Direction towards a sun besides the environment");
+    group.option("--exposure", "N", a.exposure,
+                 "Factor from light to display. Default: mean white becomes 0.6",
+                 number_between(1e-6, 1e6));
+    group.option("--roughness", "0..1", a.roughness, "Of all materials, instead of their own",
+                 number_between(0, 1));
+    group.option("--metal", "0..1", a.metal, "Of all materials, instead of their own",
+                 number_between(0, 1));
 }
 
 Status check_no_model_options(const ModelArguments& a) {
@@ -91,52 +114,30 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
                        corpus::make_model_atlas(model, options).with_context(a.scene));
     Baking baking;
     baking.mesh = atlas.stream;
-    const std::size_t triangles = atlas.mesh.triangles.size(), charts = atlas.charts.size();
-    const double density = atlas.density;
+    ModelFigures figures{.triangles = atlas.mesh.triangles.size(),
+                         .charts = atlas.charts.size(),
+                         .density = atlas.density};
     corpus::LitModelOptions paths;
     paths.samples = a.samples;
     paths.diffuse_samples = std::min(65536u, a.samples * diffuse_share);
-    paths.seed = a.seed.value_or(1);
+    paths.seed = a.seed.value_or(usual_bake_seed);
     paths.threads = a.texture.threads != 0 ? a.texture.threads
                                            : std::max(1u, std::thread::hardware_concurrency());
     TESSERA_TRY_ASSIGN(const auto lit, corpus::LitModel::make(std::move(atlas), file.light, paths));
-    const corpus::Display& display = file.display;
     const AngularMap chosen =
-        wished_map ? *wished_map : corpus::choose_angular_map(*lit, display, directions);
-    TESSERA_TRY_ASSIGN(baking.texels, corpus::make_model_source(lit, chosen, directions, display));
+        wished_map ? *wished_map : corpus::choose_angular_map(*lit, file.display, directions);
+    TESSERA_TRY_ASSIGN(baking.texels,
+                       corpus::make_model_source(lit, chosen, directions, file.display));
     baking.mask = corpus::make_model_mask(lit, chosen, directions);
-    const corpus::NoiseEstimate noise =
-        corpus::estimate_noise(*lit, chosen, directions, display, a.samples, noise_trials);
+    figures.noise =
+        corpus::estimate_noise(*lit, chosen, directions, file.display, a.samples, noise_trials);
     baking.description.proxy = Proxy::mesh;
     baking.description.surface_map = SurfaceMap::mesh_uv;
     baking.description.angular_map = chosen;
     baking.description.transfer = Transfer::srgb;
     baking.description.primaries = Primaries::bt709;
     baking.tile = tile;
-    baking.facts = {{"model", a.scene},
-                    {"samples per texel", std::to_string(a.samples)},
-                    {"seed", std::to_string(paths.seed)},
-                    {"texels per unit", format_number(density, 3)}};
-    baking.input_facts = source_facts(a.scene, "model");
-    for (auto& fact : source_facts(a.model.environment, "surroundings"))
-        baking.input_facts.push_back(std::move(fact));
-    for (auto& fact : facts_of(a.model, file))
-        baking.facts.push_back(std::move(fact));
-    baking.json = {{"model", a.scene},
-                   {"samples_per_texel", a.samples},
-                   {"texels_per_unit", density},
-                   {"angular_map", name_of(chosen)},
-                   {"triangles", triangles},
-                   {"charts", charts},
-                   {"mesh_bytes", baking.mesh.size()},
-                   {"exposure", display.exposure},
-                   {"noise_db", noise.decibels}};
-    baking.remark = std::to_string(triangles) + " triangles in " + human_bytes(baking.mesh.size()) +
-                    ", " + std::to_string(charts) + " charts, " + format_number(density, 3) +
-                    " texels per unit, " + name_of(chosen) + "; exposure " +
-                    format_number(display.exposure, 4) + "; sampling noise " +
-                    format_number(noise.decibels, 1) +
-                    " dB, --spp for 50 dB: " + format_number(noise.samples_for(50.0), 0);
+    add_facts(a, file, figures, baking);
     return baking;
 }
 

@@ -9,12 +9,9 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/bake_models.h"
 
 namespace tessera {
 namespace {
-
-constexpr std::uint64_t usual_seed = 1;
 
 Description colours_of(SampleType type) {
     Description d;
@@ -23,7 +20,8 @@ Description colours_of(SampleType type) {
     return d;
 }
 
-// Removes a field from the description on the command line and returns its value, "" if it is not there.
+// Removes a field from the description on the command line and returns its value, "" if it is not
+// there.
 std::string take(BakeCommand& a, const char* field) {
     auto& fields = a.encode.description;
     const auto entry = fields.find(field);
@@ -44,7 +42,7 @@ Result<Baking> sphere_baking(const BakeCommand& a) {
     TESSERA_TRY_ASSIGN(const auto scene, corpus::find_scene(a.scene));
     TESSERA_TRY_ASSIGN(const auto size,
                        parse_extent_or(a.texture.size, "--size", scene.default_size));
-    const std::uint64_t seed = a.seed.value_or(usual_seed);
+    const std::uint64_t seed = a.seed.value_or(usual_bake_seed);
     Description said;
     if (const auto proxy = a.encode.description.find("proxy");
         proxy != a.encode.description.end() && proxy->second.starts_with("sphere-inside"))

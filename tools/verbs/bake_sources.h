@@ -1,4 +1,4 @@
-// What `tessera bake` was asked for, and the texels that this makes.
+// The arguments of `tessera bake`, and the texels that they give.
 #pragma once
 
 #include "codec/encoder.h"
@@ -8,6 +8,7 @@
 #include "tools/support/json_text.h"
 #include "tools/support/texture_arguments.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,40 +17,49 @@
 
 namespace tessera {
 
+inline constexpr std::uint64_t usual_bake_seed = 1;
+
 struct BakeCommand {
     std::string scene, output; // a built-in scene's name, or a model's file
-    TextureArguments texture;  // threads and quiet; size is the size to bake
+    TextureArguments texture;  // threads, quiet, and the size to bake
     unsigned samples = 16;
     std::optional<std::uint64_t> seed;
     bool list = false;
     std::optional<double> density;
     std::string directions; // SxT
     ModelArguments model;
-    EncodeArguments encode; // its description has the proxy
+    EncodeArguments encode; // its description contains the proxy
 };
 
 struct Baking {
     std::unique_ptr<TexelSource> texels;
-    std::unique_ptr<TexelSource> mask; // none: all texels matter
+    std::unique_ptr<TexelSource> mask; // none: no texel is masked
     Description description;
     std::vector<std::byte> mesh; // of Proxy::mesh
     Extent4 tile = tile_by_trial;
-    // What makes the texels, as names and values: facts of the journal and, with a capital, metadata.
+    // Everything that the texels depend on, as names and values. They are facts of the journal and,
+    // capitalised, metadata.
     std::vector<std::pair<std::string, std::string>> facts;
-    // Of files that are read for it: facts of the journal alone.
-    std::vector<std::pair<std::string, std::string>> input_facts{};
-    Json json;          // the same and more, for --json
-    std::string remark; // for people, a line; may be empty
+    // The same for the files that are read; facts of the journal only.
+    std::vector<std::pair<std::string, std::string>> input_facts;
+    Json json;          // the facts and more, for --json
+    std::string remark; // one line for people; may be empty
 };
 
 bool is_compressed(const BakeCommand& a);
 
-// --density, --directions and --tile. Errors: bad_argument.
+// The wishes of --density, --directions and --tile. Errors: bad_argument.
 Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);
 
-// On the paper's sphere or, with --proxy mesh and for models, on the surfaces of the things themselves. Takes out of `a` the
-// words of the description that are said in another way. Errors: bad_argument, where options do not go
-// together; those of the bakers.
+// A texture on a sphere or, with --proxy mesh and for models, on the surfaces themselves. Removes
+// the words from the description in `a` that it has applied. Errors: bad_argument, if options do
+// not go together; those of the bakers.
 Result<Baking> make_baking(BakeCommand& a);
+
+// Of models only, in bake_models.cpp. `map` is the value of --angular-map, or empty. Errors of
+// model_baking(): those of corpus/model, corpus/trace and corpus/model_surface; bad_argument.
+void add_model_options(CLI::App& app, ModelArguments& arguments);
+Status check_no_model_options(const ModelArguments& arguments); // errors: bad_argument
+Result<Baking> model_baking(const BakeCommand& a, const std::string& map);
 
 } // namespace tessera

@@ -22,6 +22,9 @@ struct Verb {
     void (*add)(CLI::App& app, Invocation& chosen);
 };
 
+// Runs the verb that the command line names. Prints errors to standard error. Returns the exit code.
+int run_tool(int argc, char** argv);
+
 // All verbs except `help` and `version`, in the order of `tessera help`.
 std::span<const Verb> all_verbs();
 
@@ -41,14 +44,14 @@ void add_view_command(CLI::App& app, Invocation& chosen);
 
 // The last lines of every help text.
 inline constexpr const char* exit_codes_help =
-    "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime,\n"
+    "Exit codes: 0 success, 1 usage, 2 input/output, 3 invalid file, 4 runtime, "
     "5 not supported, 6 target missed, 7 difference found.";
 
 // Declares a verb. declare(command, arguments) adds its options, which fill `arguments`;
 // run(arguments) does its work.
-template <class Arguments, class Declare>
+template <class Arguments>
 void add_verb(CLI::App& app, Invocation& chosen, const char* verb, const char* summary,
-              const char* examples, const Declare& declare,
+              const char* examples, void (*declare)(CLI::App& command, Arguments& arguments),
               Status (*run)(const Arguments& arguments)) {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand(verb, summary);

@@ -10,7 +10,7 @@
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
-#include "tools/verbs/bake_models.h"
+#include "tools/verbs/bake_sources.h"
 #include "tools/verbs/command.h"
 
 #include <cctype>
@@ -134,25 +134,24 @@ Status run(const BakeCommand& a) {
 // Options of encode that work here, too. The help of encode explains them.
 void hide_from_help(CLI::App& c) {
     for (CLI::Option* option : c.get_options())
-        if (option->get_group() == "Layout of the file" ||
-            option->get_group() == "Description of the texture")
+        if (option->get_group() == layout_heading || option->get_group() == description_heading)
             option->group("");
 }
 
+constexpr const char* mesh_heading = "On a mesh (--proxy mesh, and models)";
+
 void declare(CLI::App& c, BakeCommand& a) {
+    add_rate_options(c, a.encode); // the first heading
     c.add_option("scene", a.scene, "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
-    add_rate_options(c, a.encode);
-    c.add_option(
-        "-o,--output", a.output,
-        "What to write: .tess, .exr, raw samples (.rgb), folder/; - is a .tess on standard "
-        "output");
+    c.add_option("-o,--output", a.output,
+                 ".tess (- is one on standard output), .exr, raw samples (.rgb), folder/");
     c.add_flag("--list", a.list, "List the built-in scenes and stop");
     add_run_options(c, a.encode);
     add_threads_options(c, a.texture);
-    c.add_option("--spp", a.samples, "Rays per texel, spread over all four dimensions. Default: 16")
+    c.add_option("--spp", a.samples, "Rays per texel, over all four dimensions. Default: 16")
         ->check(CLI::Range(1u, corpus::max_samples_per_texel))
         ->option_text("N");
-    constexpr const char *sphere = "On a sphere", *mesh = "On a mesh (--proxy mesh, and models)";
+    OptionGroup sphere(c, "On a sphere"), mesh(c, mesh_heading);
     add_layout_options(c, a.encode);
     add_description_options(c, a.encode);
     hide_from_help(c);
@@ -161,28 +160,19 @@ void declare(CLI::App& c, BakeCommand& a) {
                       "the scene's own surfaces; sphere-inside:cx,cy,cz,r: a sphere in the scene "
                       "around the observer")
         ->group("Options");
-    c.add_option("--size", a.texture.size, "Size of the texture. Default: see --list")
-        ->option_text("UxVxSxT")
-        ->group(sphere);
-    c.add_option("--seed", a.seed, "Seed of the sample pattern. Default: 1")
-        ->option_text("N")
-        ->group(sphere);
-    c.add_option(
-         "--density", a.density,
-         "Texels per world unit; mirrors and distant objects have fewer. Default: 32, or 64 "
-         "for patterned objects")
-        ->check(number_between(0.01, 10000))
-        ->option_text("N")
-        ->group(mesh);
-    c.add_option("--directions", a.directions,
-                 "Size of the angular image of each point. Default: 24x24, or 16x16 if only some "
-                 "objects are glossy, 1x1 if none is")
-        ->option_text("SxT")
-        ->group(mesh);
+    sphere.option("--size", "UxVxSxT", a.texture.size, "Size of the texture. Default: see --list");
+    sphere.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: 1");
+    mesh.option("--density", "N", a.density,
+                "Texels per world unit, fewer on mirrors and at a distance. Default: 32, or 64 for "
+                "patterned objects",
+                number_between(0.01, 10000));
+    mesh.option("--directions", "SxT", a.directions,
+                "Size of each angular image. Default: 24x24, or 16x16 if only some objects are "
+                "glossy, 1x1 if none is");
     c.get_option("--angular-map")
         ->description("octahedral-hemisphere, octahedral-mirrored, or auto: the cheaper of both "
                       "(default)")
-        ->group(mesh);
+        ->group(mesh_heading);
     add_model_options(c, a.model);
 }
 
@@ -191,13 +181,13 @@ void declare(CLI::App& c, BakeCommand& a) {
 void add_bake_command(CLI::App& app, Invocation& chosen) {
     add_verb<BakeCommand>(
         app, chosen, "bake", "Ray trace a built-in scene or a model into a texture",
-        "A .tess is compressed while it is baked, so the texture may be larger than the memory.\n"
-        "For a .tess, the options of encode for the layout of the file and for the description\n"
-        "work here, too. Other outputs are not compressed: .exr and folder/ accept the\n"
+        "A .tess is compressed while it is baked, so the texture may be larger than the memory. "
+        "For a .tess, the options of encode for the layout of the file and for the description "
+        "work here, too. Other outputs are not compressed: .exr and folder/ accept the "
         "description, raw files only --size, --spp, --seed, --threads, --memory and --json.\n\n"
-        "A texture on a sphere blurs what lies behind the surface of the sphere, whatever its\n"
-        "size. --proxy mesh puts the texture on the surfaces themselves: the scene becomes a mesh\n"
-        "whose charts share an atlas, and the file holds both. Texels that no surface uses cost\n"
+        "A texture on a sphere blurs what lies behind the surface of the sphere, whatever its "
+        "size. --proxy mesh puts the texture on the surfaces themselves: the scene becomes a mesh "
+        "whose charts share an atlas, and the file holds both. Texels that no surface uses cost "
         "almost nothing. Fine patterns need --density, sharp reflections need --directions.\n\n"
         "Examples:\n"
         "  tessera bake composed -o composed.tess --size 512x256x32x32 --spp 16\n"

@@ -1,3 +1,4 @@
+#include "codec/decoder.h"
 #include "codec/metrics.h"
 #include "corpus/bake.h"
 #include "tools/http/open_bytes.h"
@@ -7,13 +8,13 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
-#include "tools/verbs/prefix_curve.h"
 
 #include <algorithm>
 #include <chrono>
@@ -39,10 +40,10 @@ struct CompareCommand {
 
 struct Inputs {
     std::unique_ptr<TexelSource> a, b;
-    std::vector<const Decoder*> decoders{}; // of those that are .tess files
+    std::vector<const Decoder*> decoders{}; // of the inputs that are .tess files
 };
 
-// Those of the texture that is read, within the budget.
+// The hints for the inputs, within the memory budget.
 Result<TextureHints> hints_within_budget(const CompareCommand& a) {
     TESSERA_TRY_ASSIGN(TextureHints hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
@@ -50,7 +51,7 @@ Result<TextureHints> hints_within_budget(const CompareCommand& a) {
     return hints;
 }
 
-// The scene, baked box by box as it is read, beside the only file.
+// The scene, which is baked while it is read, and the only file.
 Result<Inputs> open_baked(const CompareCommand& arguments) {
     TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments));
     TESSERA_TRY(check_scene(arguments.scene).with_context("--bake"));
@@ -82,7 +83,7 @@ Result<Inputs> open_both(const CompareCommand& arguments) {
                   decoders};
 }
 
-// Thresholds that were missed, each with its figure.
+// The missed thresholds, each with the measured value.
 std::vector<std::string> missed_thresholds(const CompareCommand& a, const Comparison& c) {
     std::vector<std::string> missed;
     if (a.min_psnr && c.errors.psnr() < *a.min_psnr)
@@ -97,7 +98,7 @@ std::vector<std::string> missed_thresholds(const CompareCommand& a, const Compar
     return missed;
 }
 
-// null where the textures are the same: JSON has no infinity.
+// null if the textures are identical, since JSON has no infinity.
 Json decibels_or_null(double db) {
     return std::isfinite(db) ? Json(db) : Json(nullptr);
 }
@@ -183,7 +184,7 @@ void print_text(const CompareCommand& a, const TextureDesc& desc, const Comparis
                     static_cast<unsigned long long>(c.tiles),
                     static_cast<unsigned long long>(e.texels()));
     if (!a.mask.path.empty())
-        std::printf("  mask        %llu texels matter, and only they count; no SSIM\n",
+        std::printf("  mask        %llu texels are not masked, and only they count; no SSIM\n",
                     static_cast<unsigned long long>(e.texels()));
     const SamplePlace& p = e.max_error_place();
     std::printf("  max error   %u %s", e.max_error(), hdr ? "ulps" : "steps");
@@ -197,7 +198,7 @@ void print_text(const CompareCommand& a, const TextureDesc& desc, const Comparis
     std::printf("  time        %.2f s\n", seconds);
 }
 
-// Of a slab both sources and, for SSIM, two planes of floats may be held. Opens `mask`, which has to
+// A slab may be in memory twice and, for SSIM, as two planes of floats. Opens `mask`, which must
 // outlive the options. Errors: bad_argument (--memory), those of open_mask.
 Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDesc& desc,
                                        Progress& progress, std::unique_ptr<TexelSource>& mask) {
@@ -216,7 +217,61 @@ Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDes
     return options;
 }
 
-// The reference of --beginnings. A raw one takes its size from the file that is measured.
+struct PrefixPoint {
+    std::uint64_t bytes = 0;                    // received
+    double psnr = 0;                            // dB over all samples against the reference
+    std::uint64_t missing_tiles = 0, tiles = 0; // of level 0
+};
+
+// The first `size` bytes of another source.
+class Beginning : public ByteSource {
+public:
+    Beginning(ByteSource& whole, std::uint64_t size) : whole_(whole), size_(size) {}
+    std::uint64_t size() const override { return size_; }
+    std::string name() const override { return whole_.name(); }
+    Status read(std::uint64_t offset, std::span<std::byte> out) override {
+        TESSERA_TRY(check_range(*this, offset, out.size()));
+        return whole_.read(offset, out);
+    }
+
+private:
+    ByteSource& whole_;
+    std::uint64_t size_;
+};
+
+Result<std::vector<std::uint64_t>> lengths_of(ByteSource& file, unsigned count) {
+    TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(file));
+    std::vector<std::uint64_t> lengths = {reader.sections().back().offset};
+    // Level i ends where the first tile of the finer one begins.
+    for (std::size_t i = reader.levels().size(); i-- > 1;) {
+        TESSERA_TRY_ASSIGN(const auto place, reader.locate(reader.levels()[i - 1].first_tile));
+        lengths.push_back(place.offset);
+    }
+    const std::uint64_t from = lengths.back(), to = reader.file_bytes();
+    const std::size_t steps = std::max<std::size_t>(count, lengths.size() + 1) - lengths.size();
+    for (std::size_t i = 1; i <= steps; ++i)
+        lengths.push_back(from + (to - from) * i / steps);
+    return lengths;
+}
+
+// Measures `count` (at least 2) beginnings of `file`: the index alone, then one more coarse level
+// each, then at even distances to the whole file. Reads `reference` once for each.
+Result<std::vector<PrefixPoint>> prefix_curve(TexelSource& reference, ByteSource& file,
+                                              unsigned count, const CompareOptions& options) {
+    TESSERA_TRY_ASSIGN(const auto lengths, lengths_of(file, count));
+    std::vector<PrefixPoint> points;
+    for (const std::uint64_t length : lengths) {
+        Beginning beginning(file, length);
+        TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(beginning, {true, false}));
+        const auto texels = decoded_source(decoder);
+        TESSERA_TRY_ASSIGN(const auto compared, compare_textures(reference, *texels, options));
+        points.push_back({length, compared.errors.psnr(), decoder.fill_report().missing_tiles,
+                          decoder.container().grid().tiles()});
+    }
+    return points;
+}
+
+// The reference of --beginnings. A raw one has the size of the measured file.
 Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured) {
     TESSERA_TRY_ASSIGN(auto hints, hints_within_budget(a));
     const auto reader =
@@ -239,7 +294,7 @@ void print_points(const std::vector<PrefixPoint>& points) {
                     static_cast<unsigned long long>(p.tiles));
 }
 
-// How the second texture looks as its file arrives.
+// Measures the second texture at beginnings of its file.
 Status run_beginnings(const CompareCommand& a) {
     if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
         return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
@@ -273,7 +328,7 @@ Status run(const CompareCommand& a) {
         return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
-        return {ErrorCode::bad_argument, "two textures, or one and --bake SCENE, are needed"};
+        return {ErrorCode::bad_argument, "needs two textures, or one and --bake SCENE"};
     TESSERA_TRY_ASSIGN(const auto inputs, a.scene.empty() ? open_both(a) : open_baked(a));
     Result<Comparison> comparison = Status();
     {
@@ -287,8 +342,8 @@ Status run(const CompareCommand& a) {
     }
     TESSERA_TRY(comparison);
     if (a.min_ssim && !comparison->has_ssim)
-        return {ErrorCode::unsupported,
-                a.sample ? "a sample has no SSIM" : "the views are too large for SSIM"};
+        return {ErrorCode::unsupported, a.sample ? "--min-ssim: there is no SSIM with --sample"
+                                                 : "--min-ssim: the views are too large for SSIM"};
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs.a->desc();
     const auto missed = missed_thresholds(a, *comparison);
@@ -312,19 +367,11 @@ Status run(const CompareCommand& a) {
 }
 
 void declare_scene(CLI::App& c, CompareCommand& a) {
-    constexpr const char* group = "Comparing with a built-in scene";
-    c.add_option(
-         "--bake", a.scene,
-         "Compare with this scene, baked while it is read, instead of with a reference file")
-        ->option_text("SCENE")
-        ->group(group);
-    c.add_option("--spp", a.samples, "Rays per texel. Default: as the file says")
-        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-        ->option_text("N")
-        ->group(group);
-    c.add_option("--seed", a.seed, "Seed of the sample pattern. Default: as the file says")
-        ->option_text("N")
-        ->group(group);
+    OptionGroup group(c, "Comparing with a built-in scene");
+    group.option("--bake", "SCENE", a.scene, "Bake this scene as the reference, while it is read");
+    group.option("--spp", "N", a.samples, "Rays per texel. Default: as the file says",
+                 CLI::Range(1u, corpus::max_samples_per_texel));
+    group.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: as the file says");
 }
 
 void declare(CLI::App& c, CompareCommand& a) {
@@ -334,35 +381,30 @@ void declare(CLI::App& c, CompareCommand& a) {
     c.add_option("--min-psnr", a.min_psnr, "Exit with 7 if the PSNR over all samples is lower")
         ->option_text("DB");
     c.add_option("--max-error", a.max_error,
-                 "Exit with 7 if a sample differs by more: in steps of 8-bit samples, in ulps of "
-                 "half floats")
+                 "Exit with 7 if a sample differs by more: in 8-bit steps or ulps of half")
         ->option_text("N");
     auto* ssim = c.add_option("--min-ssim", a.min_ssim, "Exit with 7 if the mean SSIM is lower")
                      ->option_text("0..1");
-    c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim);
+    c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim)->option_text(" ");
     add_memory_option(c, a.memory);
     c.add_flag("--json", a.json, "Print JSON");
     add_fill_options(c, a.texture.decode);
-    constexpr const char* parts = "Comparing parts";
-    auto* sample = c.add_option("--sample", a.sample,
-                                "Compare only this share of the tiles, chosen at random; no SSIM")
-                       ->check(CLI::Range(0.0, 1.0))
-                       ->option_text("0..1")
-                       ->group(parts);
-    c.add_option("--sample-seed", a.sample_seed, "Seed of that choice. Default: 1")
-        ->needs(sample)
-        ->option_text("N")
-        ->group(parts);
-    c.add_option("--beginnings", a.beginnings,
-                 "PSNR of this many beginnings of b, a .tess: the quality while it arrives")
-        ->check(CLI::Range(2u, 1000u))
+    constexpr const char* parts_heading = "Comparing parts";
+    OptionGroup parts(c, parts_heading);
+    auto* sample = parts.option("--sample", "0..1", a.sample,
+                                "Compare only this share of the tiles, chosen at random; no SSIM",
+                                CLI::Range(0.0, 1.0));
+    parts.option("--sample-seed", "N", a.sample_seed, "Seed of that choice. Default: 1")
+        ->needs(sample);
+    parts
+        .option("--beginnings", "N", a.beginnings,
+                "PSNR of this many beginnings of b, a .tess: how it looks while it arrives",
+                CLI::Range(2u, 1000u))
         ->excludes(ssim)
-        ->excludes(sample)
-        ->option_text("N")
-        ->group(parts);
+        ->excludes(sample);
     add_mask_options(c, a.mask, "masked texels are ignored, and there is no SSIM");
-    c.get_option("--mask")->excludes(ssim)->group(parts);
-    c.get_option("--mask-size")->group(parts);
+    c.get_option("--mask")->excludes(ssim)->option_text("FILE")->group(parts_heading);
+    c.get_option("--mask-size")->option_text("UxVxSxT")->group(parts_heading);
     declare_scene(c, a);
     add_texture_options(c, a.texture);
     add_network_options(c);
@@ -373,10 +415,9 @@ void declare(CLI::App& c, CompareCommand& a) {
 void add_compare_command(CLI::App& app, Invocation& chosen) {
     add_verb<CompareCommand>(
         app, chosen, "compare", "Measure the difference between two textures",
-        "PSNR and SSIM of 8-bit samples refer to their values, those of half floats to 16-bit\n"
-        "codes. A raw texture takes its size from the other one. Without a threshold the exit "
-        "code\n"
-        "is 0 for any difference; it is 7 if a threshold is missed, or if size or type differ.\n\n"
+        "PSNR and SSIM of 8-bit samples refer to their values, those of half floats to 16-bit "
+        "codes. A raw texture takes its size from the other one. Without a threshold the exit code"
+        " is 0 for any difference; it is 7 if a threshold is missed, or if size or type differ.\n\n"
         "Examples:\n"
         "  tessera compare scene.exr scene.tess --min-psnr 40\n"
         "  tessera compare scene.rgb scene.tess --json\n"

@@ -50,7 +50,7 @@ private:
 Status hold_picture(const std::string& path, std::uint64_t bytes, std::uint64_t& slab_bytes) {
     if (bytes > slab_bytes / 2)
         return {ErrorCode::over_budget, path + ": the picture's " + std::to_string(bytes) +
-                                            " bytes must be in memory at once, but only " +
+                                            " bytes must be held in memory, but only " +
                                             std::to_string(slab_bytes / 2) +
                                             " are allowed (.exr and views/ are written in parts)"};
     slab_bytes -= bytes;
@@ -152,7 +152,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<DecodeCommand>(
         app, chosen, "decode", "Write the texels of a .tess file, whole or in part",
-        "Only the tiles that the box touches are read. Views keep the names and the format, and\n"
+        "Only the tiles that the box touches are read. Views keep the names and the format, and "
         "quilts the columns, that they were encoded from.\n\n"
         "Examples:\n"
         "  tessera decode scene.tess -o scene.exr\n"

@@ -5,6 +5,7 @@
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/memory_budget.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/source_facts.h"
@@ -83,8 +84,8 @@ int effort_of(const ContainerReader& file) {
     return is_known ? static_cast<int>(effort) : usual_effort;
 }
 
-// An edited texture keeps the description and metadata of the file that it was decoded from, unless the
-// input states its own; a raw one does not.
+// An edited texture keeps the description and metadata of the file that it was decoded from, unless
+// the input states its own; a raw one does not.
 void describe_as(const ContainerReader& reused, OpenedTexture& input) {
     if (input.description == Description())
         input.description = reused.description();
@@ -231,50 +232,39 @@ Status run(const EncodeCommand& a) {
 }
 
 void declare_cameras(CLI::App& c, CameraFacts& cameras) {
-    constexpr const char* group = "Folders of views, quilts and mosaics";
-    c.add_option("--camera-spacing", cameras.spacing,
-                 "From camera to camera of a planar grid, in world units")
-        ->option_text("X or X,Y")
-        ->group(group);
-    c.add_option("--camera-fov", cameras.fov, "Horizontal field of view of a view. Default: 40")
-        ->option_text("DEGREES")
-        ->group(group);
-    c.add_option("--camera-focus", cameras.focus,
-                 "Distance at which the views coincide, in world units; a large one for parallel "
-                 "axes. Default: four times the longer side of the grid")
-        ->option_text("LENGTH")
-        ->group(group);
+    OptionGroup group(c, views_heading);
+    group.option("--camera-spacing", "X[,Y]", cameras.spacing,
+                 "Distance of neighbouring cameras of a planar grid, in world units");
+    group.option("--camera-fov", "DEGREES", cameras.fov, "Horizontal field of view. Default: 40");
+    group.option("--camera-focus", "LENGTH", cameras.focus,
+                 "Where the views coincide. Default: 4 times the grid's longer side");
 }
 
 void declare(CLI::App& c, EncodeCommand& a) {
+    add_rate_options(c, a.encode); // the first heading
     c.add_option("input", a.input,
                  "A folder of views (PNG, JPEG, EXR), a quilt or mosaic as one picture, raw "
                  "samples (.rgb ...), a .tess or its URL, - for standard input")
         ->required();
-    add_rate_options(c, a.encode);
     c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
         ->required();
     add_run_options(c, a.encode);
     add_texture_options(c, a.texture);
     declare_cameras(c, a.cameras);
     add_layout_options(c, a.encode);
-    c.add_option("--reuse", a.reuse,
-                 "The .tess that the input was decoded from before it was edited: unmodified tiles "
-                 "are copied, the others get its quantiser, tile shape, tables and effort. It also "
-                 "gives the size and the description")
-        ->option_text("FILE")
-        ->group("Layout of the file");
+    OptionGroup(c, layout_heading)
+        .option("--reuse", "FILE", a.reuse,
+                "The .tess that the input was decoded from and edited: unmodified tiles are "
+                "copied. Gives size, quantiser, tile shape, effort and description");
     add_mask_options(c, a.mask,
                      "masked texels take the values that cost least, and rate targets ignore them");
-    for (const char* option : {"--mask", "--mask-size"})
-        c.get_option(option)->group("Layout of the file");
+    c.get_option("--mask")->option_text("FILE")->group(layout_heading);
+    c.get_option("--mask-size")->option_text("UxVxSxT")->group(layout_heading);
     add_description_options(c, a.encode);
-    c.get_option("--proxy")->description(description_field_values("proxy") +
-                                         ", or mesh: that of --mesh or of the input");
-    c.add_option("--mesh", a.mesh,
-                 "The surface as a Draco mesh with uv; it becomes the proxy. A .tess keeps its own")
-        ->option_text("FILE")
-        ->group("Description of the texture");
+    c.get_option("--proxy")->description(description_field_values("proxy") + ", mesh");
+    OptionGroup(c, description_heading)
+        .option("--mesh", "FILE", a.mesh,
+                "The surface, a Draco mesh with uv. A .tess input keeps its own");
     add_network_options(c);
 }
 
@@ -283,8 +273,9 @@ void declare(CLI::App& c, EncodeCommand& a) {
 void add_encode_command(CLI::App& app, Invocation& chosen) {
     add_verb<EncodeCommand>(
         app, chosen, "encode", "Compress a texture into a .tess file",
-        "The same texels and options give the same bytes, with any number of threads. Finished\n"
-        "tiles are kept in OUTPUT.journal until the file is complete, for --resume.\n\n"
+        "The same texels and options give the same bytes, with any number of threads. Finished "
+        "tiles are kept in OUTPUT.journal until the file is complete; --resume needs the same "
+        "options.\n\n"
         "Examples:\n"
         "  tessera encode scene.exr -o scene.tess --target-psnr 40\n"
         "  tessera encode scene.rgb --size 512x256x32x32 -o scene.tess --lossless\n"
@@ -292,8 +283,7 @@ void add_encode_command(CLI::App& app, Invocation& chosen) {
         "  tessera encode rig/ -o rig.tess --grid 17x17 --order serpentine,bottom-up\n"
         "  tessera encode photo_qs8x6a0.75.png -o quilt.tess --camera-spacing 0.02\n"
         "  cat a.rgb | tessera encode - --size 64x64x8x8 --type unorm8 --channels 3 -o - > a.tess\n"
-        "  tessera encode edited.rgb --reuse old.tess -o new.tess\n"
-        "  tessera encode atlas.exr -o atlas.tess --mask charts.gray --mask-size 512x256x1x1",
+        "  tessera encode edited.rgb --reuse old.tess -o new.tess",
         declare, run);
 }
 

@@ -53,8 +53,8 @@ Json mesh_json(std::span<const std::byte> stream) {
     return json;
 }
 
-// Adding a key to a Json searches all keys first. A file has distinct keys, and up to 65,536 of them, so they
-// are appended without a search.
+// Adding a key to a Json searches all keys first. A file has distinct keys, and up to 65,536 of
+// them, so they are appended without a search.
 Json metadata_json(const Metadata& metadata) {
     Json::object_t::Container entries;
     entries.reserve(metadata.size());
@@ -152,8 +152,8 @@ std::string made_text(const Metadata& metadata) {
     return text + (text.empty() || options.empty() ? "" : ", ") + options;
 }
 
-// The JSON of a .tess, changed for people: sizes also in units, and how the file was encoded in one line
-// instead of in several keys of the metadata.
+// The JSON of a .tess, changed for people: sizes also in units, and how the file was encoded in one
+// line instead of in several keys of the metadata.
 Json for_people(Json json, const Metadata& metadata) {
     Json out;
     for (auto& [key, value] : json.items()) {
@@ -172,8 +172,8 @@ Json for_people(Json json, const Metadata& metadata) {
     return out;
 }
 
-// Prints one line per value, and tables for lists of objects. Control characters of a file's strings must not
-// reach the terminal.
+// Prints one line per value, and tables for lists of objects. Control characters of a file's
+// strings must not reach the terminal.
 void print_for_people(const Json& json, const std::string& indent) {
     for (const auto& [key, value] : json.items()) {
         const bool nested =
@@ -255,7 +255,7 @@ void add_info_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<InfoCommand>(
         app, chosen, "info", "Show everything about a file except its texels",
-        "For a .tess: size, sample type, options of the encoder, tiles, coarse levels, sections,\n"
+        "For a .tess: size, sample type, options of the encoder, tiles, coarse levels, sections, "
         "metadata. Options accept the words that info prints. Numbers are rounded.\n\n"
         "Examples:\n"
         "  tessera info scene.tess\n"

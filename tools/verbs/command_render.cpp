@@ -143,7 +143,8 @@ private:
     std::vector<DrawnFrame> frames_; // of the view
 };
 
-// Draws a view with every renderer of the stage. Writes that of the subject, and on request the others.
+// Draws a view with every renderer of the stage. Writes that of the subject, and on request the
+// others.
 Result<DrawnView> draw(const PlannedView& planned, const Stage& stage, bool write_all,
                        Steps& steps) {
     DrawnView drawn;
@@ -303,129 +304,85 @@ Status run(const RenderCommand& a) {
 
 void declare_camera(CLI::App& c, RenderCommand& a) {
     ViewRequest& r = a.views;
-    constexpr const char* group = "Camera";
-    auto* eye = c.add_option("--eye", r.eye,
-                             "Position of the observer. Default: 10,0,0, or among the cameras of "
-                             "planar views")
-                    ->option_text("X,Y,Z")
-                    ->group(group);
-    auto* look = c.add_option("--look", r.look,
-                              "A point straight ahead. Default: 0,0,0; planar views then fill the "
-                              "picture, wherever the eye is")
-                     ->option_text("X,Y,Z")
-                     ->group(group);
-    c.add_option("--fov", r.fov, "Vertical field of view. Default: 45")
-        ->option_text("DEGREES")
-        ->group(group);
-    c.add_option("--pixels", r.size, "Size of the picture. Default: 640x480")
-        ->option_text("WxH")
-        ->group(group);
-    auto* views = c.add_option("--views", r.views,
-                               "paper: five standard views, written as name-1.png and so on; 1..5: "
-                               "one of them")
+    OptionGroup group(c, "Camera");
+    auto* eye =
+        group.option("--eye", "X,Y,Z", r.eye,
+                     "Position of the observer. Default: 10,0,0; planar views: amid the cameras");
+    auto* look =
+        group.option("--look", "X,Y,Z", r.look,
+                     "A point straight ahead. Default: 0,0,0; planar views: fill the picture");
+    group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
+    group.option("--pixels", "WxH", r.size, "Size of the picture. Default: 640x480");
+    auto* views = group
+                      .option("--views", "paper or 1..5", r.views,
+                              "The five standard views, as name-1.png and so on, or one of them")
                       ->excludes(eye)
-                      ->excludes(look)
-                      ->option_text("paper or 1..5")
-                      ->group(group);
-    c.add_option("--orbit", r.orbit,
-                 "This many numbered frames, once around the vertical line through --look")
-        ->check(CLI::Range(1u, 100000u))
-        ->excludes(views)
-        ->option_text("N")
-        ->group(group);
-    c.add_option("--focus", a.stage.focus,
-                 "For planar views: the distance from the cameras at which they are superimposed. "
-                 "Default: where they coincide")
-        ->option_text("LENGTH")
-        ->group(group);
+                      ->excludes(look);
+    group
+        .option("--orbit", "N", r.orbit, "Numbered frames around the vertical line through --look",
+                CLI::Range(1u, 100000u))
+        ->excludes(views);
+    group.option("--focus", "LENGTH", a.stage.focus,
+                 "Distance where planar views are superimposed. Default: where they coincide");
 }
 
 void declare_renderer(CLI::App& c, RenderCommand& a) {
     StageRequest& r = a.stage;
-    constexpr const char* group = "Renderer";
-    c.add_option("--via", r.via,
+    OptionGroup group(c, "Renderer");
+    group.option("--via", "NAME", r.via,
                  "cpu (default), or on the GPU: load (decoded as a whole), feedback (a cache of "
-                 "visible tiles), gpu (load if the budget suffices, else feedback)")
-        ->check(one_of({"cpu", "gpu", "load", "feedback"}))
-        ->option_text("NAME")
-        ->group(group);
-    c.add_option("--budget", r.budget_mib,
-                 "Memory for decoded texels; on the GPU, for everything that the file needs. "
-                 "Default: 512M")
-        ->transform(size_in_mebibytes())
-        ->option_text("SIZE")
-        ->group(group);
-    c.add_option(
-         "--rays", r.rays,
-         "Rays per pixel on the CPU. Default: 1 for a sphere, 4 for a mesh, whose edges they "
-         "smooth")
-        ->check(CLI::Range(1u, 65536u))
-        ->option_text("N")
-        ->group(group);
-    c.add_option(
-         "--tiles-per-frame", r.tiles_per_frame,
-         "With --via feedback: most tiles to fetch and decode between two frames, so that a "
-         "view sharpens in steps. Default: all that are missing")
-        ->check(CLI::Range(0u, 1u << 24))
-        ->option_text("N")
-        ->group(group);
-    c.add_flag("--frames", a.frames,
-               "With --via feedback: write every frame of a view while it sharpens, as "
-               "name-frame-1.png and so on")
-        ->group(group);
-    c.add_flag("--log", a.log,
-               "Print what each frame touched, decoded, still lacked and read; on by default for "
-               "URLs")
-        ->group(group);
+                 "visible tiles), gpu (load if the budget suffices, else feedback)",
+                 one_of({"cpu", "gpu", "load", "feedback"}));
+    group
+        .option("--budget", "SIZE", r.budget_mib,
+                "Memory for decoded texels; on the GPU, for all of the file. Default: 512M")
+        ->transform(size_in_mebibytes());
+    group.option("--rays", "N", r.rays,
+                 "Per pixel, on the CPU. Default: 1 for a sphere, 4 for a mesh",
+                 CLI::Range(1u, 65536u));
+    group.option("--tiles-per-frame", "N", r.tiles_per_frame,
+                 "feedback: most tiles to decode between two frames, so that a view sharpens in "
+                 "steps. Default: all",
+                 CLI::Range(0u, 1u << 24));
+    group.flag("--frames", a.frames,
+               "feedback: also write the unfinished frames, as name-frame-1.png and so on");
+    group.flag("--log", a.log,
+               "Print what each frame touched, decoded, lacked and read. Default for URLs");
 }
 
 void declare_comparison(CLI::App& c, RenderCommand& a) {
     StageRequest& r = a.stage;
-    constexpr const char* group = "Comparison";
-    auto* truth = c.add_option("--truth", r.truth,
-                               "Ray trace this built-in scene or model and measure against it; for "
-                               "a sphere, also against the uncompressed texture")
-                      ->option_text("SCENE or FILE")
-                      ->group(group);
-    c.add_option("--truth-spp", r.truth_samples,
-                 "Rays per pixel for it. Default: 16, or 512 paths for a model")
-        ->check(CLI::Range(1u, 65536u))
-        ->needs(truth)
-        ->option_text("N")
-        ->group(group);
-    c.add_option("--env", r.truth_environment,
-                 "The environment light of the model (.exr or .hdr), if it has moved since bake")
-        ->needs(truth)
-        ->option_text("FILE")
-        ->group(group);
-    c.add_option(
-         "--original", r.original,
-         "The uncompressed texture (raw or .tess). Default: it is baked where it is visible")
-        ->option_text("FILE")
-        ->group(group);
-    c.add_option("--spp", r.samples,
-                 "Rays per texel for baking. Default: as the file says, else 16")
-        ->check(CLI::Range(1u, corpus::max_samples_per_texel))
-        ->option_text("N")
-        ->group(group);
-    c.add_flag("--write-all", a.write_all,
-               "Also write what is measured against, as name-truth.png and name-uncompressed.png")
-        ->group(group);
-    c.add_option("--sheet", a.sheet, "Write one .png with all views and their differences")
-        ->option_text("FILE")
-        ->group(group);
+    OptionGroup group(c, "Comparison");
+    auto* truth = group.option("--truth", "SCENE or FILE", r.truth,
+                               "Measure against a ray-traced scene or model; on a sphere, also "
+                               "against the uncompressed texture");
+    group
+        .option("--truth-spp", "N", r.truth_samples,
+                "Rays per pixel for it. Default: 16, or 512 paths for a model",
+                CLI::Range(1u, 65536u))
+        ->needs(truth);
+    group
+        .option("--env", "FILE", r.truth_environment,
+                "Environment light of the model, if the file has moved since bake")
+        ->needs(truth);
+    group.option("--original", "FILE", r.original,
+                 "The uncompressed texture (raw or .tess). Default: baked where visible");
+    group.option("--spp", "N", r.samples,
+                 "Rays per texel for baking. Default: as the file says, else 16",
+                 CLI::Range(1u, corpus::max_samples_per_texel));
+    group.flag("--write-all", a.write_all, "Also write name-truth.png and name-uncompressed.png");
+    group.option("--sheet", "FILE", a.sheet, "Write one .png with all views and their differences");
 }
 
 void declare(CLI::App& c, RenderCommand& a) {
     StageRequest& r = a.stage;
     c.add_option("file", r.file,
-                 "A .tess with a texture on a sphere or a mesh, or with planar views; or its URL");
+                 "A .tess with a texture on a sphere or a mesh, or planar views; or its URL");
     c.add_option("-o,--output", a.views.output,
                  "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
         ->required();
     c.add_option("--scene", r.scene,
-                 "Instead of a file: the uncompressed texture of a built-in scene, baked where it "
-                 "is visible, so that no size is too large")
+                 "Instead of a file: a built-in scene, baked where it is visible")
         ->option_text("NAME");
     c.add_option("--size", r.texture_size, "Size of that texture. Default: see bake --list")
         ->option_text("UxVxSxT");
@@ -443,8 +400,8 @@ void declare(CLI::App& c, RenderCommand& a) {
 void add_render_command(CLI::App& app, Invocation& chosen) {
     add_verb<RenderCommand>(
         app, chosen, "render", "Draw what an observer sees of the textured surface",
-        "PSNR and SSIM refer to the whole 8-bit picture as displayed. Times include reading and\n"
-        "decoding, but only of the picture that is written. With --via feedback the first frame\n"
+        "PSNR and SSIM refer to the whole 8-bit picture as displayed. Times include reading and "
+        "decoding, but only of the picture that is written. With --via feedback the first frame "
         "shows coarse data at once (for files encoded with --layers, after a few kilobytes).\n\n"
         "Examples:\n"
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"

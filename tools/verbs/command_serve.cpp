@@ -62,13 +62,12 @@ void add_serve_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<ServeCommand>(
         app, chosen, "serve", "Serve a folder over HTTP until Ctrl-C, with the viewer of `view`",
-        "In a browser the URL shows a list of the .tess files; their names open the viewer. The\n"
-        "program prints its URL, then one line per request: client, method, path, range, status,\n"
+        "In a browser the URL shows a list of the .tess files; their names open the viewer. The "
+        "program prints its URL, then one line per request: client, method, path, range, status, "
         "bytes of the body.\n\n"
-        "The server speaks plain HTTP without passwords. It is for your own machine or a network\n"
-        "that you trust: it serves 64 connections at a time, and slow clients can occupy them "
-        "all.\n"
-        "A public site belongs behind a real web server; any that answers byte ranges can also\n"
+        "The server speaks plain HTTP without passwords. It is for your own machine or a network "
+        "that you trust: it serves 64 connections at a time, and slow clients can occupy them all."
+        " A public site belongs behind a real web server; any that answers byte ranges can also "
         "serve .tess files by itself.\n\n"
         "Examples:\n"
         "  tessera serve textures/\n"

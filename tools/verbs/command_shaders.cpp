@@ -73,14 +73,12 @@ void add_shaders_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<ShadersCommand>(
         app, chosen, "shaders", "Write the GPU decoder's shaders, each in one file",
-        "sample.glsl defines tessera_sample(); paste it into a shader of your own. Its first "
-        "lines\n"
-        "explain how. The .comp files decode. Run them in this order: tree, levels, corrections,\n"
+        "sample.glsl defines tessera_sample(); paste it into a shader of your own. Its first lines"
+        " explain how. The .comp files decode. Run them in this order: tree, levels, corrections, "
         "order; then items, groups and texels, once per level of copies; then filter.\n\n"
-        "Decoding uses the storage buffers 0 tables, 1 input, 2 work, 3 coefficients, and image 0\n"
-        "for the texels. Sampling uses the storage buffers 4 texture and 5 marks of tiles, "
-        "uniform\n"
-        "buffer 2, and texture unit 0 for the texels. In Vulkan, buffers are in set 0, images in\n"
+        "Decoding uses the storage buffers 0 tables, 1 input, 2 work, 3 coefficients, and image 0 "
+        "for the texels. Sampling uses the storage buffers 4 texture and 5 marks of tiles, uniform"
+        " buffer 2, and texture unit 0 for the texels. In Vulkan, buffers are in set 0, images in "
         "set 1, textures in set 2, uniforms in set 3.\n\n"
         "Examples:\n"
         "  tessera shaders -o shaders/\n"

@@ -2,6 +2,7 @@
 #include "tools/picture/picture_grid.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/option_checks.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
@@ -75,8 +76,8 @@ Status run(const SheetCommand& a) {
 void add_sheet_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, SheetCommand& a) {
         c.add_option("inputs", a.inputs,
-                     "One texture (.tess also as a URL), or two to show side by side with their "
-                     "difference. Or any number of 8-bit RGB .png files")
+                     "One texture (.tess also as a URL), or two to show with their difference; or "
+                     "8-bit RGB .png files")
             ->required();
         c.add_option("-o,--output", a.output, "The .png to write")->required();
         c.add_option("--views", a.sheet.views,
@@ -93,23 +94,18 @@ void add_sheet_command(CLI::App& app, Invocation& chosen) {
             ->check(CLI::Range(1.0, 255.0))
             ->option_text("1..255");
         add_fill_options(c, a.texture.decode);
-        constexpr const char* pictures = "Sheets of .png files";
-        c.add_option("--columns", a.grid.columns,
-                     "Pictures in a row. Default: " + std::to_string(a.grid.columns))
-            ->check(CLI::Range(1u, 100u))
-            ->option_text("1..100")
-            ->group(pictures);
-        c.add_option("--label", a.grid.labels,
-                     "Text above a picture, once per picture. Default: their names")
+        OptionGroup pictures(c, "Sheets of .png files");
+        pictures.option("--columns", "1..100", a.grid.columns,
+                        "Pictures in a row. Default: " + std::to_string(a.grid.columns),
+                        CLI::Range(1u, 100u));
+        pictures
+            .option("--label", "TEXT", a.grid.labels,
+                    "Text above a picture, once per picture. Default: their names")
             ->expected(1)
-            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-            ->option_text("TEXT")
-            ->group(pictures);
-        c.add_option("--middle", a.grid.middle,
-                     "Show only the middle of each, this many pixels wide and high; 0 shows all")
-            ->check(CLI::Range(0u, 16384u))
-            ->option_text("N")
-            ->group(pictures);
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        pictures.option("--middle", "N", a.grid.middle,
+                        "Show only the middle, this many pixels wide and high; 0 shows all",
+                        CLI::Range(0u, 16384u));
         add_texture_options(c, a.texture);
         add_network_options(c);
     };

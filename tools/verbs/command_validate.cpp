@@ -48,8 +48,9 @@ private:
     std::map<std::uint64_t, std::uint64_t> ends_; // first tile of a range -> end of the range
 };
 
-// Collects tiles of `group` and the groups behind it, enough for a while. Empty tiles are skipped, because a
-// small file may claim millions of them. A group with an invalid record is already among the findings.
+// Collects tiles of `group` and the groups behind it, enough for a while. Empty tiles are skipped,
+// because a small file may claim millions of them. A group with an invalid record is already among
+// the findings.
 Result<std::vector<std::uint64_t>>
 next_tiles(const ContainerReader& file, const CondemnedTiles& condemned, std::uint32_t& group) {
     std::vector<std::uint64_t> tiles;
@@ -174,12 +175,10 @@ void add_validate_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<ValidateCommand>(
         app, chosen, "validate", "Check everything in a .tess that a reader relies on",
-        "Each finding has a number: 1, the bytes cannot be read; 2 to 15, the head of the file; "
-        "20\n"
-        "and 21, its index; 22, its mesh; 30, a page; 40 to 43, remarks that are not errors; 50, "
-        "a\n"
-        "tile; 99, there are more findings. The exit code is 3 if one is an error, 2 if the bytes\n"
-        "cannot be read.\n\n"
+        "Each finding has a number: 1, the bytes cannot be read; 2 to 15, the head of the file; 20"
+        " and 21, its index; 22, its mesh; 30, a page; 40 to 43, remarks that are not errors; 50, "
+        "a tile; 99, there are more findings. The exit code is 3 if one is an error, 2 if the "
+        "bytes cannot be read.\n\n"
         "Examples:\n"
         "  tessera validate scene.tess\n"
         "  tessera validate scene.tess --json",

@@ -73,7 +73,8 @@ Result<Picture> middle_view(const Decoder& decoder) {
     return to_picture(view, decoder.desc().type);
 }
 
-// The viewer's first view. Empty if the surface cannot be drawn here, or if the file is standard input.
+// The viewer's first view. Empty if the surface cannot be drawn here, or if the file is standard
+// input.
 Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& decoder) {
     const Description& about = decoder.container().description();
     if (about.proxy == Proxy::none && about.angular_map == AngularMap::planar_views) {
@@ -96,7 +97,8 @@ Result<std::vector<std::byte>> draw_poster(const ViewCommand& a, const Decoder& 
     return to_png(to_picture(view, stage.desc.type));
 }
 
-// A file on a server is fetched whole, because the page and the colours and mesh for it read it twice.
+// A file on a server is fetched whole, because the page and the colours and mesh for it read it
+// twice.
 Result<std::unique_ptr<ByteSource>> open_for_page(const std::string& name,
                                                   std::vector<std::byte>& fetched) {
     TESSERA_TRY_ASSIGN(std::unique_ptr<ByteSource> source, open_tess_bytes(name, "view"));
@@ -136,8 +138,8 @@ Status write_page(const ViewCommand& a) {
 
 #ifdef TESSERA_HTTP
 
-// Ignores failures, since the URL is on the screen. The browser gets its own process group, so that Ctrl-C
-// does not end it, and its own handling of the signals that this program ignores.
+// Ignores failures, since the URL is on the screen. The browser gets its own process group, so that
+// Ctrl-C does not end it, and its own handling of the signals that this program ignores.
 void open_in_browser(const std::string& url) {
     const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
     sigset_t ignored_here;
@@ -166,8 +168,8 @@ Status serve_page(const ViewCommand& a) {
                                                   "accepts URLs"};
     TESSERA_TRY(make_server_page().status()); // fails here if the build lacks the decoder
     TESSERA_TRY(Decoder::open_file(a.file).status());
-    // Serves only this file, also if the name is a link to it: any page in the browser can send requests to
-    // this server.
+    // Serves only this file, also if the name is a link to it: any page in the browser can send
+    // requests to this server.
     std::error_code error;
     const std::filesystem::path path = std::filesystem::canonical(a.file, error);
     if (error)
@@ -212,13 +214,14 @@ void add_view_command(CLI::App& app, Invocation& chosen) {
             ->excludes(output)
             ->option_text("N");
         c.add_flag("--no-open", a.no_open, "Print the URL of the page, but do not open a browser")
-            ->excludes(output);
+            ->excludes(output)
+            ->option_text(" ");
         c.add_flag("--quiet,-q", a.quiet, "Print no summary");
     };
     add_verb<ViewCommand>(
         app, chosen, "view", "Show a texture in a browser",
-        "Without -o, this machine serves a page at 127.0.0.1 until Ctrl-C, and xdg-open opens it.\n"
-        "The page reads the file in parts, so large files, and those encoded with --layers, are\n"
+        "Without -o, this machine serves a page at 127.0.0.1 until Ctrl-C, and xdg-open opens it. "
+        "The page reads the file in parts, so large files, and those encoded with --layers, are "
         "visible at once. Its button ? explains mouse and keys.\n\n"
         "Examples:\n"
         "  tessera view scene.tess\n"

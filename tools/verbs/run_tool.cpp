@@ -1,36 +1,35 @@
-#include "tools/verbs/run_tool.h"
+#include "tools/verbs/command.h"
 
 #include "format/metadata.h"
 #include "tools/support/parse.h"
 #include "tools/support/suggestions.h"
 #include "tools/support/usage_error.h"
-#include "tools/verbs/command.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 #include <vector>
 
 namespace tessera {
 namespace {
 
 const char* const main_help =
-    "A texture has U x V points on a surface and, for each of them, S x T directions in which\n"
-    "light leaves it. A view is the picture of all points in one direction; an angular image "
-    "shows\n"
-    "all directions of one point. Boxes are half-open ranges such as 0:64,0:64,:,: (':' is a "
-    "whole\n"
-    "axis).\n\n"
-    "Kinds of textures; compressed ones are recognised by their content, others by their names:\n"
-    "  x.tess      compressed; also as a URL (http, https)\n"
-    "  x.exr       one OpenEXR picture with the angular images side by side\n"
-    "  views/      a folder with one picture per view; a single PNG is one view\n"
-    "  x.rgb       raw samples in the order v, u, t, s with interleaved channels; needs --size. "
-    "Also\n"
-    "              .rgba .gray .ya, each also with 16f behind it for half floats, and .raw, which\n"
-    "              needs --type and --channels\n"
-    "  -           standard input, or standard output: a .tess from encode and bake, raw samples\n"
-    "              from decode\n"
-    "K, M, G and T in sizes are powers of 1024. Missing folders of outputs are created.\n\n"
+    "A texture has U x V points on a surface and, for each of them, S x T directions in which "
+    "light "
+    "leaves it. A view is the picture of all points in one direction; an angular image shows all "
+    "directions of one point. Boxes are half-open ranges: 0:64,0:64,:,: (':' is a whole axis). K, "
+    "M, "
+    "G and T in sizes are powers of 1024.\n\n"
+    "Kinds of textures; compressed ones are recognised by their content, others by name:\n"
+    "  x.tess   compressed; also as a URL (http, https)\n"
+    "  x.exr    one OpenEXR picture with the angular images side by side\n"
+    "  views/   a folder with one picture per view; a single PNG is one view\n"
+    "  x.rgb    raw samples in the order v, u, t, s with interleaved channels; needs --size. Also "
+    ".rgba .gray .ya, each also with 16f behind it for half floats, and .raw, which needs --type "
+    "and "
+    "--channels\n"
+    "  -        standard input, or standard output: a .tess from encode and bake, raw samples from "
+    "decode\n\n"
     "Examples:\n"
     "  tessera bake composed -o scene.tess --size 256x128x16x16\n"
     "  tessera encode views/ -o scene.tess --target-psnr 40\n"
@@ -38,27 +37,47 @@ const char* const main_help =
     "  tessera decode scene.tess -o views/\n"
     "tessera VERB --help explains a verb.\n\n";
 
-// CLI11's help, with descriptions wrapped to the lines of a terminal.
+// Breaks a line between words so that it fits `width`. Further lines begin at column `indent`.
+std::string wrapped(std::string line, std::size_t width, std::size_t indent = 0) {
+    for (std::size_t begin = 0; line.size() - begin > width;) {
+        const std::size_t blank = line.rfind(' ', begin + width);
+        if (blank == line.npos || blank <= begin + indent)
+            break;
+        line.replace(blank, 1, "\n" + std::string(indent, ' '));
+        begin = blank + 1;
+    }
+    return line;
+}
+
+// CLI11's help, wrapped to the lines of a terminal.
 class HelpFormatter : public CLI::Formatter {
 public:
     HelpFormatter() { column_width(names_width); }
     std::string make_option_desc(const CLI::Option* option) const override {
-        return wrapped(CLI::Formatter::make_option_desc(option));
+        return wrapped(CLI::Formatter::make_option_desc(option), line_width - names_width);
     }
-
-private:
-    static constexpr std::size_t names_width = 30, line_width = 100;
-    static std::string wrapped(std::string text) {
-        std::size_t line = 0; // begins there
-        while (text.size() - line > line_width - names_width) {
-            const std::size_t blank = text.rfind(' ', line + line_width - names_width);
-            if (blank == text.npos || blank <= line)
-                break;
-            text[blank] = '\n';
-            line = blank + 1;
+    // An indented line is an example or an entry of a list: a name, blanks and a text.
+    std::string make_footer(const CLI::App* app) const override {
+        std::istringstream lines(app->get_footer());
+        std::string text = "\n";
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t gap = line.starts_with("  ") ? line.find("  ", 2) : line.npos;
+            const std::size_t entry = gap == line.npos ? 0 : line.find_first_not_of(' ', gap);
+            text += wrapped(line, line_width, entry) + "\n";
         }
         return text;
     }
+    // With one blank line between headings instead of two.
+    std::string make_help(const CLI::App* app, std::string name,
+                          CLI::AppFormatMode mode) const override {
+        std::string text = CLI::Formatter::make_help(app, name, mode);
+        for (std::size_t at; (at = text.find("\n\n\n")) != text.npos;)
+            text.erase(at, 1);
+        return text;
+    }
+
+private:
+    static constexpr std::size_t names_width = 28, line_width = 100;
 };
 
 std::string version_text() {

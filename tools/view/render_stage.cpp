@@ -81,78 +81,116 @@ Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
     return network_traffic(bytes).value_or(metered.traffic());
 }
 
-// A compressed file, and the texture that it was made from where there is something to compare.
-Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage) {
+// What all renderers of a file share, besides the stage.
+struct FileSurface {
+    std::optional<MeshSurface> mesh; // none: a sphere or planar views
+    glm::dvec3 background{0.0};
+    RenderOptions options;
+};
+
+Status open_file(const StageRequest& r, Stage& stage) {
     TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
-    const bool remote = network_traffic(*stage.bytes).has_value();
-    auto decoder = Decoder::open(remote ? *stage.bytes : *stage.metered, r.decode);
+    const bool is_remote = network_traffic(*stage.bytes).has_value();
+    auto decoder = Decoder::open(is_remote ? *stage.bytes : *stage.metered, r.decode);
     if (!decoder.ok())
         return with_partial_hint(decoder.status(), *stage.bytes, r.decode);
     stage.decoder = std::make_unique<Decoder>(std::move(*decoder));
     stage.desc = stage.decoder->desc();
+    return {};
+}
+
+Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& stage,
+                    FileSurface& surface) {
     const ContainerReader& container = stage.decoder->container();
-    TESSERA_TRY_ASSIGN(const auto mesh, mesh_surface(container));
+    TESSERA_TRY_ASSIGN(surface.mesh, mesh_surface(container));
     TESSERA_TRY_ASSIGN(stage.planar, planar_views(container, r.focus));
     if (!stage.planar && r.focus)
         return {ErrorCode::bad_argument, "--focus belongs to planar views"};
     if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
         return {ErrorCode::unsupported,
-                r.file + ": planar views are drawn by --via cpu, and are of no built-in scene"};
-    if (!mesh && !stage.planar) {
+                r.file + ": planar views need --via cpu, and have no --truth"};
+    if (!surface.mesh && !stage.planar) {
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
     }
-    TESSERA_TRY_ASSIGN(const glm::dvec3 background, outside_colour(container));
-    RenderOptions options = asked;
-    options.rays = r.rays.value_or(mesh ? mesh_rays : 1);
-    const auto on_cpu = [&](TexelSource& texels, const AlignedViews& aligned, const Extent4& block,
-                            const RenderOptions& use) -> Result<std::unique_ptr<ViewRenderer>> {
-        if (mesh)
-            return make_mesh_renderer(texels, block, *mesh, background, use);
-        if (stage.planar)
-            return make_planar_renderer(texels, block, *stage.planar, aligned, background, use);
-        return make_texture_renderer(texels, block, *stage.window, background, use);
-    };
-    if (corpus::is_model_path(r.truth)) {
-        TESSERA_TRY(add_model_truth(r, container.metadata(), background, options, stage));
-    } else if (!r.truth.empty()) {
-        const auto said = container.metadata().find("Scene");
-        if (container.metadata().contains("Model"))
-            return {ErrorCode::bad_argument, r.file + ": is of the model " +
-                                                 container.metadata().find("Model")->second +
-                                                 ", not of the scene " + r.truth};
-        TESSERA_TRY(add_truth(r, r.file, said == container.metadata().end() ? "" : said->second,
-                              options, stage));
-    }
-    if (r.via == "cpu") {
-        stage.texels = decoded_grid(*stage.decoder);
-        RenderOptions tile_by_tile = options; // blocks of the file's own grid
-        if (container.wants_prefetch())
-            tile_by_tile.foretell = [&container](std::span<const std::uint64_t> tiles) {
-                return container.prefetch(tiles).status();
-            };
-        TESSERA_TRY_ASSIGN(stage.compressed, on_cpu(*stage.texels, container.aligned_views(),
-                                                    container.grid().tile_extent(), tile_by_tile));
-    } else {
-        // The coarsest level is the cheapest and as fine as the device's coarse texels.
-        std::unique_ptr<TexelSource> coarse;
-        GpuRenderOptions on_gpu{r.via, r.budget_mib, r.tiles_per_frame, {}, nullptr, {}};
-        on_gpu.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
-            return traffic_of(*bytes, *metered); // the stage may move
-        };
-        if (const std::size_t levels = container.levels().size(); levels > 1) {
-            coarse = decoded_level(*stage.decoder, levels - 1);
-            on_gpu.coarse_level = container.levels().back();
-            on_gpu.coarse_texels = coarse.get();
-        }
-        TESSERA_TRY_ASSIGN(stage.compressed,
-                           mesh ? make_gpu_renderer(container, mesh->mesh, background, on_gpu)
-                                : make_gpu_renderer(container, *stage.window, background, on_gpu));
-    }
-    // A mesh's texture is not baked again to be compared with.
-    if (r.original.empty() && (r.truth.empty() || mesh))
+    TESSERA_TRY_ASSIGN(surface.background, outside_colour(container));
+    surface.options = options;
+    surface.options.rays = r.rays.value_or(surface.mesh ? mesh_rays : 1);
+    return {};
+}
+
+Status add_file_truth(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    const Metadata& metadata = stage.decoder->container().metadata();
+    if (r.truth.empty())
         return {};
+    if (corpus::is_model_path(r.truth))
+        return add_model_truth(r, metadata, surface.background, surface.options, stage);
+    if (const auto model = metadata.find("Model"); model != metadata.end())
+        return {ErrorCode::bad_argument,
+                r.file + ": is of the model " + model->second + ", not of the scene " + r.truth};
+    const auto scene = metadata.find("Scene");
+    return add_truth(r, r.file, scene == metadata.end() ? "" : scene->second, surface.options,
+                     stage);
+}
+
+Result<std::unique_ptr<ViewRenderer>> cpu_renderer(const Stage& stage, const FileSurface& surface,
+                                                   TexelSource& texels, const AlignedViews& aligned,
+                                                   const Extent4& block,
+                                                   const RenderOptions& options) {
+    if (surface.mesh)
+        return make_mesh_renderer(texels, block, *surface.mesh, surface.background, options);
+    if (stage.planar)
+        return make_planar_renderer(texels, block, *stage.planar, aligned, surface.background,
+                                    options);
+    return make_texture_renderer(texels, block, *stage.window, surface.background, options);
+}
+
+Status add_cpu_renderer(const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
+    stage.texels = decoded_grid(*stage.decoder);
+    RenderOptions options = surface.options;
+    if (container.wants_prefetch())
+        options.foretell = [&container](std::span<const std::uint64_t> tiles) {
+            return container.prefetch(tiles).status();
+        };
+    // Its blocks are the tiles of the file.
+    TESSERA_TRY_ASSIGN(stage.compressed,
+                       cpu_renderer(stage, surface, *stage.texels, container.aligned_views(),
+                                    container.grid().tile_extent(), options));
+    return {};
+}
+
+Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
+    GpuRenderOptions options;
+    options.via = r.via;
+    options.budget_mib = r.budget_mib;
+    options.tiles_per_frame = r.tiles_per_frame;
+    // The stage may move, but not these two.
+    options.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
+        return traffic_of(*bytes, *metered);
+    };
+    // The coarsest level decodes fastest, and is as fine as the device's coarse texels.
+    std::unique_ptr<TexelSource> coarse;
+    if (const std::size_t levels = container.levels().size(); levels > 1) {
+        coarse = decoded_level(*stage.decoder, levels - 1);
+        options.coarse_level = container.levels().back();
+        options.coarse_texels = coarse.get();
+    }
+    TESSERA_TRY_ASSIGN(
+        stage.compressed,
+        surface.mesh ? make_gpu_renderer(container, surface.mesh->mesh, surface.background, options)
+                     : make_gpu_renderer(container, *stage.window, surface.background, options));
+    return {};
+}
+
+// The texture that the file was encoded from, if there is anything to compare with it.
+Status add_original(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    // The texture of a mesh is not baked again for a comparison.
+    if (r.original.empty() && (r.truth.empty() || surface.mesh))
+        return {};
+    const ContainerReader& container = stage.decoder->container();
     TESSERA_TRY_ASSIGN(auto original,
                        !r.original.empty()
                            ? open_original(r, stage)
@@ -160,13 +198,23 @@ Status add_file(const StageRequest& r, const RenderOptions& asked, Stage& stage)
                                         container.description(), container.metadata()));
     if (original->desc() != stage.desc)
         return {ErrorCode::bad_argument,
-                r.file + ": its samples are not of the type or number of those of " +
+                r.file + ": its sample type or number of channels differs from that of " +
                     (r.original.empty() ? "the scene " + r.truth : r.original)};
     stage.original = std::move(original);
-    TESSERA_TRY_ASSIGN(
-        stage.uncompressed,
-        on_cpu(*stage.original, AlignedViews(stage.desc.size, {}), lazy_block, options));
+    TESSERA_TRY_ASSIGN(stage.uncompressed, cpu_renderer(stage, surface, *stage.original,
+                                                        AlignedViews(stage.desc.size, {}),
+                                                        lazy_block, surface.options));
     return {};
+}
+
+Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
+    FileSurface surface;
+    TESSERA_TRY(open_file(r, stage));
+    TESSERA_TRY(find_surface(r, options, stage, surface));
+    TESSERA_TRY(add_file_truth(r, surface, stage));
+    TESSERA_TRY(r.via == "cpu" ? add_cpu_renderer(surface, stage)
+                               : add_gpu_renderer(r, surface, stage));
+    return add_original(r, surface, stage);
 }
 
 // A texture that no file holds: of any size, as only what is looked at is ever made.
@@ -205,7 +253,8 @@ Status check_request(const StageRequest& r) {
     if (r.file.empty() && corpus::is_model_path(r.truth))
         return {ErrorCode::bad_argument, "--truth " + r.truth + ": a model needs a .tess of it"};
     if (!r.file.empty() && !r.texture_size.empty())
-        return {ErrorCode::bad_argument, "--size belongs to --scene; --pixels is the size of the picture"};
+        return {ErrorCode::bad_argument,
+                "--size belongs to --scene; --pixels is the size of the picture"};
     if (r.samples && !r.original.empty())
         return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
     if (r.samples && r.truth.empty() && r.scene.empty())
