@@ -3,10 +3,9 @@
 #include "tools/support/parse.h"
 #include "tools/support/suggestions.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 namespace tessera {
@@ -14,22 +13,8 @@ namespace {
 
 constexpr float usual_sphere_radius = 3.5f; // the sphere of the built-in scenes
 
-// "hemisphere alpha/beta" -> "hemisphere-alpha-beta", "BT.709" -> "bt709".
-std::string kebab_case(std::string_view text) {
-    std::string out;
-    for (const char c : text)
-        if (std::isalnum(static_cast<unsigned char>(c)))
-            out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        else if (c != '.')
-            out += '-';
-    return out;
-}
-
-template <class Enum> std::vector<std::string> names_up_to(int last) {
-    std::vector<std::string> names;
-    for (int i = 0; i <= last; ++i)
-        names.push_back(kebab_case(name_of(static_cast<Enum>(i))));
-    return names;
+template <NamedEnum Enum> std::vector<std::string> names_of() {
+    return {value_names<Enum>.begin(), value_names<Enum>.end()};
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -39,15 +24,15 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
-// Sets `out` to the value in 0..last whose name is `text`.
-template <class Enum>
-Status set_by_name(Enum& out, int last, std::string_view field, const std::string& text) {
-    const std::vector<std::string> names = names_up_to<Enum>(last);
-    const auto found = std::ranges::find(names, kebab_case(text));
-    if (found == names.end())
-        return {ErrorCode::bad_argument, std::string(field) + " '" + text + "' is not one of: " +
-                                             joined(names) + did_you_mean(text, names)};
-    out = static_cast<Enum>(found - names.begin());
+// Sets `out` to the value named `text`.
+template <NamedEnum Enum>
+Status set_by_name(Enum& out, std::string_view field, const std::string& text) {
+    const std::optional<Enum> value = parse_value<Enum>(text);
+    if (!value)
+        return {ErrorCode::bad_argument,
+                std::string(field) + " '" + text + "' is not one of: " + joined(names_of<Enum>()) +
+                    did_you_mean(text, names_of<Enum>())};
+    out = *value;
     return {};
 }
 
@@ -107,15 +92,15 @@ std::string description_field_values(std::string_view field) {
     if (field == "proxy")
         return "none, sphere, sphere:cx,cy,cz,r, sphere-inside:cx,cy,cz,r";
     if (field == "surface-map")
-        return joined(names_up_to<SurfaceMap>(2));
+        return joined(names_of<SurfaceMap>());
     if (field == "angular-map")
-        return joined(names_up_to<AngularMap>(4));
+        return joined(names_of<AngularMap>());
     if (field == "transfer")
-        return joined(names_up_to<Transfer>(2));
+        return joined(names_of<Transfer>());
     if (field == "primaries")
-        return joined(names_up_to<Primaries>(1));
+        return joined(names_of<Primaries>());
     if (field == "alpha")
-        return joined(names_up_to<AlphaMode>(2));
+        return joined(names_of<AlphaMode>());
     return "near,far: distances of the observer from the centre";
 }
 
@@ -123,15 +108,15 @@ Status set_description_field(Description& d, std::string_view field, const std::
     if (field == "proxy")
         return set_proxy(d, text);
     if (field == "surface-map")
-        return set_by_name(d.surface_map, 2, field, text);
+        return set_by_name(d.surface_map, field, text);
     if (field == "angular-map")
-        return set_by_name(d.angular_map, 4, field, text);
+        return set_by_name(d.angular_map, field, text);
     if (field == "transfer")
-        return set_by_name(d.transfer, 2, field, text);
+        return set_by_name(d.transfer, field, text);
     if (field == "primaries")
-        return set_by_name(d.primaries, 1, field, text);
+        return set_by_name(d.primaries, field, text);
     if (field == "alpha")
-        return set_by_name(d.alpha, 2, field, text);
+        return set_by_name(d.alpha, field, text);
     float radius[2];
     if (field == "viewing-radius" && parse_floats(text, radius, 2) && radius[0] >= 0 &&
         radius[0] <= radius[1]) {
