@@ -1,4 +1,4 @@
-// A texture as its aligned views lie in the grid of tiles.
+// The grid of tiles of a texture whose views are aligned.
 #include "codec/texels/aligned_texels.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random_box.h"
@@ -11,12 +11,12 @@ namespace {
 
 const TextureDesc small{{9, 7, 5, 4}, SampleType::unorm8, 1};
 
-// What lies at a texel, which tells it from all others.
+// A value that differs between neighbouring texels.
 std::byte value_at(const Extent4& x) {
     return static_cast<std::byte>(x[0] + 9 * x[1] + 71 * x[2] + 113 * x[3]);
 }
 
-// Remembers the box that was read last.
+// Records the box of the last read.
 class Watched final : public TexelSource {
 public:
     const TextureDesc& desc() const override { return small; }
@@ -35,8 +35,9 @@ public:
     Box4 last;
 };
 
-// Every place has the nearest texel of its view, and matters where that is the texel itself. What is read is no
-// more than reaches from the first to the last of them.
+// Each grid position holds the nearest texel of its view. The mask is set only where that texel
+// lies at this very position. Reading a box of the grid reads only the bounding box of these
+// texels.
 TEST(AlignedTexels, AreTheNearestOfTheirViews) {
     Random random(3);
     for (const ViewAlignment alignment : {ViewAlignment{2, -1}, ViewAlignment{-3, 2},

@@ -1,4 +1,4 @@
-// Views that move alike are aligned by their parallax, and decode as if they were not.
+// Views with a common parallax are aligned. Decoding gives the texture without the alignment.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/tessera.h"
@@ -47,7 +47,7 @@ ViewAlignment alignment_of(TexelSource& source, const EncodeOptions& options) {
     return OpenViews(file).decoder.container().alignment();
 }
 
-// A file whose views are said to lie three texels apart along u and five along v: not what the encoder found.
+// A file whose header declares an alignment of -3 and 5 texels, which the encoder did not choose.
 Bytes forged_file(int u, int v) {
     MemoryTexture texture = moving_views(views_colour, u, v);
     EncodeOptions options = views_options();
@@ -71,7 +71,7 @@ TEST(Alignment, IsTheOppositeOfTheParallax) {
     EXPECT_EQ(alignment_of(still, views_options()), ViewAlignment{});
 }
 
-// What moves along the other axes is no parallax of cameras in order.
+// Motion along the swapped axes shows that s and t are exchanged.
 TEST(Alignment, NoticesViewsThatAreTransposed) {
     const auto looks_transposed = [](MemoryTexture texture, const EncodeOptions& options) {
         Bytes file;
@@ -91,10 +91,10 @@ TEST(Alignment, NoticesViewsThatAreTransposed) {
     EncodeOptions sphere = views_options();
     sphere.description.proxy = Proxy::sphere;
     sphere.description.sphere_radius = 1;
-    EXPECT_FALSE(looks_transposed(swapped(2, 2), sphere)) << "directions are no cameras";
+    EXPECT_FALSE(looks_transposed(swapped(2, 2), sphere)) << "directions are not cameras";
 }
 
-TEST(Alignment, NoneOfWhatHasNoCameras) {
+TEST(Alignment, IsOffForLayersAndSpheres) {
     MemoryTexture texture = moving_views(views_colour, 2, 2);
     EncodeOptions options = views_options();
     options.layers = true;
@@ -108,7 +108,7 @@ TEST(Alignment, NoneOfWhatHasNoCameras) {
     EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
 }
 
-// Lossless, under a bound, and as good as its report: any box, streamed in slabs and whole.
+// The error is the reported one. Boxes and streamed slabs give the same texels as a whole decode.
 TEST(Alignment, DecodesToTheTexture) {
     MemoryTexture texture = moving_views(views_colour, -2, 2);
     const Box4 whole = Box4::whole(views_size);
@@ -150,9 +150,10 @@ TEST(Alignment, DecodesToTheTexture) {
     }
 }
 
-// A source keeps tiles that it decoded: any box, on several threads, and of a part of the file.
-TEST(Alignment, SourcesHaveTheTexture) {
-    Random noise(1); // more bytes than a reader takes at first
+// A decoded source keeps decoded tiles. It is read in random boxes by several threads, through a
+// slow byte source, and from a file that is cut off.
+TEST(Alignment, SourcesReturnTheDecodedTexels) {
+    Random noise(1); // so that the file is longer than the first read
     MemoryTexture texture(views_colour,
                           [&](int, int, int, int, int) { return noise.range(0, 255) / 255.0; });
     EncodeOptions options = views_options({Kind::max_error, 0});
@@ -185,7 +186,7 @@ TEST(Alignment, SourcesHaveTheTexture) {
     EXPECT_EQ(source->read({{39, 0, 0, 0}, {40, 1, 1, 1}}, three).code(), ErrorCode::bad_argument);
     EXPECT_EQ(source->read({{0, 0, 0, 0}, {1, 1, 1, 2}}, three).code(), ErrorCode::bad_argument);
 
-    // Where requests are dear, tiles come by few of them.
+    // A slow byte source is read ahead, in few requests.
     CountingByteSource counted(*open.bytes, true);
     const Result<Decoder> far = Decoder::open(counted);
     ASSERT_TRUE(far) << far.status().message();
@@ -201,7 +202,7 @@ TEST(Alignment, SourcesHaveTheTexture) {
             copy_box(box, whole, texels, box, expected, 3);
             EXPECT_EQ(place, expected) << to_string(box);
         }
-    EXPECT_LE(counted.reads().size(), 4u); // one by one eight
+    EXPECT_LE(counted.reads().size(), 4u); // reading tile by tile takes eight
 
     file.resize(static_cast<std::size_t>(open.decoder.container().sections().back().offset));
     const auto cut = wrap_memory(file);
@@ -213,7 +214,7 @@ TEST(Alignment, SourcesHaveTheTexture) {
     EXPECT_EQ(decoder->fill_report().texels, texel_count(desc.size));
 }
 
-// Collects what it is given, in slabs as it likes them.
+// Collects texels. Its locality decides the shape of the slabs.
 class SlabCollector : public TexelSink {
 public:
     SlabCollector(const TextureDesc& desc, Locality locality)
@@ -246,7 +247,7 @@ TEST(Alignment, StreamsInSlabsOfEveryKind) {
     for (const Locality locality :
          {Locality::any, Locality::spatial_rows, Locality::angular_cells, Locality::places}) {
         SlabCollector sink(views_colour, locality);
-        const std::uint64_t slab = 2 * texels.size() / 5; // half of it is the slab
+        const std::uint64_t slab = 2 * texels.size() / 5; // half of the budget holds the slab
         const Status status = open.decoder.decode(Box4::whole(views_size), sink, 2, {}, slab);
         ASSERT_TRUE(status) << status.message();
         EXPECT_EQ(sink.texels, texels);
@@ -254,7 +255,8 @@ TEST(Alignment, StreamsInSlabsOfEveryKind) {
     }
 }
 
-// Empty tiles are not decoded for views, but have the texels that they have in the grid: -0 becomes +0.
+// The decoder fills views from empty tiles without decoding them. The texels are the same as in the
+// grid, where a background of -0 becomes +0.
 TEST(Alignment, EmptyTilesAreTheBackground) {
     const TextureDesc colour{views_size, SampleType::half16, 3};
     MemoryTexture texture = moving_views(colour, 0, 0);
@@ -281,7 +283,7 @@ TEST(Alignment, EmptyTilesAreTheBackground) {
     texels.assign(texels.size(), std::byte{1});
     ASSERT_TRUE(decoded_source(open.decoder)->read(whole, texels));
     EXPECT_EQ(texels, expected);
-    const Box4 last{{0, 0, 2, 0}, {desc.size[0], desc.size[1], 4, 2}}; // tiles of it alone
+    const Box4 last{{0, 0, 2, 0}, {desc.size[0], desc.size[1], 4, 2}}; // one tile along s, t
     Bytes part(desc.box_bytes(last)), expected_part(part.size());
     ASSERT_TRUE(decoded_source(open.decoder)->read(last, part));
     copy_box(last, whole, texels, last, expected_part, 6);
@@ -301,8 +303,9 @@ TEST(Alignment, SavesBytes) {
     EXPECT_GT(aligned.report.psnr, plain.report.psnr - 0.5);
 }
 
-// Pictures are held for it, as far as they may be; the bytes are the same.
-TEST(Alignment, PicturesAreHeld) {
+// Aligning pictures needs all of them in memory. They are aligned only if slab_bytes allows it, and
+// then the file is the same as that of a texture in memory.
+TEST(Alignment, NeedsMemoryForAllPictures) {
     struct Pictures : MemoryTexture {
         using MemoryTexture::MemoryTexture;
         Locality locality() const override { return Locality::angular_cells; }
@@ -318,7 +321,7 @@ TEST(Alignment, PicturesAreHeld) {
     EXPECT_EQ(alignment_of(pictures, options), ViewAlignment{});
     EXPECT_TRUE(alignment_of(texture, options).any());
 
-    // A file to reuse says that they have to be.
+    // Reusing an aligned file requires the alignment, so too small a budget is an error.
     options.slab_bytes = texture.texels.size();
     const OpenViews open(encode_file_of(texture, options).file);
     options.tile_extent = tile_by_trial;
@@ -329,7 +332,7 @@ TEST(Alignment, PicturesAreHeld) {
               ErrorCode::over_budget);
 }
 
-TEST(Alignment, SizeTargetsCountTheTexturesTexels) {
+TEST(Alignment, SizeTargetsCountTexelsOfTheTexture) {
     MemoryTexture texture = moving_views(views_colour, 3, 3);
     const EncodedFile encoded = encode_file_of(texture, views_options({Kind::bpt, 0.8}));
     EXPECT_LE(encoded.report.bits_per_texel, 0.8);
@@ -344,8 +347,8 @@ TEST(Alignment, ThreadsDoNotMatter) {
     EXPECT_EQ(encode_file_of(texture, options).file, two.file);
 }
 
-// A file's alignment stays, and so do its tiles, under a mask, too.
-TEST(Alignment, ReuseKeepsIt) {
+// Reusing a file keeps its alignment and its tiles, also under a mask.
+TEST(Alignment, ReuseKeepsTheAlignment) {
     MemoryTexture texture = moving_views(views_colour, 2, 2);
     const EncodedFile encoded = encode_file_of(texture, views_options());
     const OpenViews open(encoded.file);
@@ -358,7 +361,7 @@ TEST(Alignment, ReuseKeepsIt) {
     EXPECT_EQ(again.report.kept_tiles, open.decoder.container().tile_count());
     EXPECT_EQ(OpenViews(again.file).decoder.container().alignment(),
               open.decoder.container().alignment());
-    // Half of the texture changes where nobody looks.
+    // The masked half of the texture changes.
     MemoryTexture mask({{48, 1, 1, 1}, SampleType::unorm8, 1},
                        [](int u, int, int, int, int) { return u < 24 ? 1.0 : 0.0; });
     const std::size_t row = decoded.texels.size() / 40;
@@ -375,8 +378,8 @@ TEST(Alignment, ReuseKeepsIt) {
               ErrorCode::bad_argument);
 }
 
-// What is filled is counted in texels of the texture, and where tiles are is said to be of the grid.
-TEST(Alignment, FilledTexelsAreTheTextures) {
+// The fill report counts texels of the texture. Findings give positions in the grid and say so.
+TEST(Alignment, FilledTexelsAreCountedInTheTexture) {
     Bytes file = forged_file(0, 0);
     const auto last = file.end() - 1;
     *last ^= std::byte{1};
@@ -390,7 +393,7 @@ TEST(Alignment, FilledTexelsAreTheTextures) {
     ASSERT_TRUE(reader) << reader.status().message();
     const Extent4 size = reader->desc().size;
     EXPECT_EQ(size, (Extent4{39, 30, 4, 3}));
-    file.resize(static_cast<std::size_t>(reader->sections().back().offset)); // DATA's
+    file.resize(static_cast<std::size_t>(reader->sections().back().offset)); // the offset of DATA
     const auto cut = wrap_memory(file);
     const Result<Decoder> decoder = Decoder::open(*cut, DecodeOptions{.allow_partial = true});
     ASSERT_TRUE(decoder) << decoder.status().message();
@@ -399,7 +402,8 @@ TEST(Alignment, FilledTexelsAreTheTextures) {
     EXPECT_EQ(decoder->fill_report().texels, texel_count(size));
 }
 
-// The C interface's level 0 is the grid, its texture and boxes are not.
+// In the C interface level 0 has the size of the grid. The texture and its boxes have their own
+// size.
 TEST(Alignment, LevelZeroOfTheCInterfaceIsTheGrid) {
     const Bytes file = forged_file(0, 0);
     tessera_decoder* decoder = nullptr;
@@ -418,8 +422,8 @@ TEST(Alignment, LevelZeroOfTheCInterfaceIsTheGrid) {
     tessera_close(decoder);
 }
 
-// The texel that a message names is the texture's.
-TEST(Alignment, NamesTexelsOfTheTexture) {
+// Error messages name a texel by its position in the texture, not in the grid.
+TEST(Alignment, MessagesNameTexelsOfTheTexture) {
     const TextureDesc desc{views_size, SampleType::half16, 1};
     MemoryTexture texture = moving_views(desc, 2, 2);
     const std::size_t at = ((std::size_t{7} * 48 + 30) * 3 + 2) * 4 + 1;

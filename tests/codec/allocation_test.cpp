@@ -1,4 +1,4 @@
-// Memory that runs out, at every allocation in turn: an error code, no crash, nothing kept.
+// Each allocation fails in turn. The library must return an error code and leak nothing.
 #include "codec/tessera.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace {
 
-std::atomic<long> allocations_left{-1}; // the one that finds 0 fails; negative: none does
+std::atomic<long> allocations_left{-1}; // before the one that fails; negative: none fails
 std::atomic<long> alive{0};
 
 void* allocate(std::size_t size) {
@@ -31,14 +31,14 @@ void release(void* memory) noexcept {
 
 } // namespace
 
-// Of the whole test program; elsewhere they only count.
+// These replace the operators of the whole test program. In other tests no allocation fails.
 void* operator new(std::size_t size) {
     return allocate(size);
 }
 void* operator new[](std::size_t size) {
     return allocate(size);
 }
-// These would come here anyway, but for the address sanitizer, whose own would meet our delete.
+// The address sanitizer replaces the nothrow operators, which must match our delete.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
     try {
         return allocate(size);
@@ -108,8 +108,8 @@ int decode(const void* file, std::size_t bytes) {
     return error;
 }
 
-// Calls work() with the n-th allocation failing, for all n, until nothing fails any more. Returns how often it
-// failed.
+// Calls work() with the n-th allocation failing, for n = 0, 1, ... until no allocation fails.
+// Returns how often an allocation failed.
 template <class Work> int fail_everywhere(const Work& work) {
     int failures = 0;
     for (long n = 0;; ++n) {
@@ -120,7 +120,7 @@ template <class Work> int fail_everywhere(const Work& work) {
         if (error == TESSERA_OK && !reached)
             return failures;
         failures += error != TESSERA_OK;
-        // Some is asked for where less does, too: then nothing is lost.
+        // Some failures are recoverable, because the library can do with less memory.
         EXPECT_TRUE(error == TESSERA_OK || error == TESSERA_RUNTIME)
             << "allocation " << n << ": " << error << " " << tessera_last_error();
         if (testing::Test::HasFailure())
@@ -136,8 +136,8 @@ TEST(Allocation, OpeningAndDecodingSurviveEachFailure) {
     const long before = alive;
     const int failures = fail_everywhere([&] { return decode(file, bytes); });
     EXPECT_GT(failures, 20);
-    RecordProperty("failures", failures); // --gtest_output=xml says how many
-    EXPECT_LE(alive, before + 2);         // the thread's last sentence
+    RecordProperty("failures", failures); // shown by --gtest_output=xml
+    EXPECT_LE(alive, before + 2);         // the thread's last error message
     tessera_free(file);
 }
 

@@ -1,4 +1,4 @@
-// What the search takes codes to cost.
+// The costs that the search assumes for symbols.
 #include "codec/entropy/tile_syntax.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "tests/support/format_values.h"
@@ -10,7 +10,7 @@
 namespace tessera::test {
 namespace {
 
-// Shares of 4096: a cost is that of the symbol's share, and of the bits that follow it as they are.
+// A cost is that of the symbol's share of 4096 plus the number of raw bits that follow the symbol.
 template <std::size_t symbols, int table_symbols, class RawBits>
 void expect_shares(const std::array<float, symbols>& costs, const SymbolTable<table_symbols>& table,
                    const RawBits& raw_bits) {
@@ -30,7 +30,7 @@ void expect_all_shares(const Costs& costs, const Tables& tables, const RawBits& 
     }
 }
 
-TEST(BitCosts, AreThoseOfTheTables) {
+TEST(BitCosts, MatchTheTables) {
     Random random(41);
     const CodeTables tables(random_parameters(random));
     const BitCosts costs(tables);
@@ -39,10 +39,10 @@ TEST(BitCosts, AreThoseOfTheTables) {
         ASSERT_NEAR(std::exp2(-costs.zero[i][0]) * probability_total, tables.zero[i], 0.05) << i;
         ASSERT_NEAR(std::exp2(-costs.zero[i][0]) + std::exp2(-costs.zero[i][1]), 1, 1e-4) << i;
     }
-    // A sign, and from 5 on which of 2, 4, 8 ... values it is.
+    // The raw bits are a sign and, from token 4, the offset within 2, 4, 8, ... values.
     expect_all_shares(costs.magnitude, tables.magnitude,
                       [](int token) { return 1 + (token > 3 ? token - 3 : 0); });
-    // Of a length at most two bits below its highest.
+    // The raw bits are at most two bits of the length below its highest.
     const auto below_highest = [](int token) { return token < 3 ? token / 2 : 2; };
     expect_all_shares(costs.first_length, tables.first_length, below_highest);
     expect_all_shares(costs.other_length, tables.other_length, below_highest);
@@ -52,12 +52,12 @@ TEST(BitCosts, AreThoseOfTheTables) {
                       [](int kind) { return kind == 2 ? rotation_index_bits : 0; });
     expect_all_shares(costs.prediction, tables.prediction, nothing);
     expect_all_shares(costs.displacement_kind, tables.displacement_kind, nothing);
-    // A sign, and what is below the highest bit.
+    // The raw bits are a sign and the bits below the highest.
     expect_all_shares(costs.displacement, tables.displacement, [](int token) { return token; });
 }
 
-// What many neighbour classes are looked up in at once has the same numbers.
-TEST(BitCosts, AreTheSameByNeighbours) {
+// The tables indexed by neighbour class, which serve vector lookups, hold the same costs.
+TEST(BitCosts, AreTheSameWhenIndexedByNeighbours) {
     Random random(42);
     const BitCosts costs{CodeTables(random_parameters(random))};
     for (const bool copies : {false, true})

@@ -1,4 +1,4 @@
-// Quantisers: the cost they report, and how near they come to the best.
+// The cost that the quantiser reports, and how close its levels come to the optimum.
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
 #include "codec/reconstruct/tile_decoder.h"
@@ -12,7 +12,7 @@
 namespace tessera::test {
 namespace {
 
-// Adds up the ideal bits of what a walk codes.
+// Adds up the ideal cost, in bits, of the symbols of a walk.
 struct BitCounter {
     const BitCosts& costs;
     double bits = 0;
@@ -32,7 +32,7 @@ struct BitCounter {
     void magnitude(int table, int token) {
         bits += costs.magnitude[static_cast<std::size_t>(table)][static_cast<std::size_t>(token)];
     }
-    void raw(std::uint32_t, int) {} // in the costs of what they belong to
+    void raw(std::uint32_t, int) {} // counted in the cost of their symbol
 };
 
 // One block and one way to quantise it.
@@ -47,7 +47,7 @@ public:
             plane.resize(static_cast<std::size_t>(shape.texels()));
     }
 
-    // Falling with the frequency, Laplacian; in sample units with a step of 8.
+    // Fills the block with Laplacian coefficients in sample units. They fall with the frequency.
     void fill(Random& random, double gain) {
         const ScanOrder& order = coding_.shape(block_.shape).order;
         const auto& n = block_.shape.n;
@@ -61,7 +61,7 @@ public:
             }
     }
 
-    // Quantises; the cost that the quantiser reports.
+    // Quantises the block and returns the cost that the quantiser reports.
     double run() {
         tile_.clear();
         tile_.shape = block_.shape;
@@ -69,7 +69,7 @@ public:
         tile_.blocks = {Block{{0, 0, 0, 0}, block_.shape, 0, 0}};
         return BlockQuantizer(coding_, costs_, {}).quantize(block_, tile_);
     }
-    // Squared error against that of zeros, plus lambda times the bits, of the tile's levels.
+    // The squared error less that of zero levels, plus lambda times the bits of the tile's levels.
     double cost_of(const TileLevels& tile) const {
         BitCounter counter{costs_};
         TileWalker(coding_, counter).walk_block(tile, 0);
@@ -99,7 +99,7 @@ public:
             plane = {};
         return none;
     }
-    // Of the first plane, as far as the chosen ones go: what dependent levels are without a plan.
+    // Greedy dependent levels for the first plane, up to the coded length that the quantiser chose.
     TileLevels nearest_levels() const {
         TileLevels tile = no_levels();
         const ScanOrder& order = coding_.shape(block_.shape).order;
@@ -142,13 +142,12 @@ private:
     TileLevels tile_;
 };
 
-// What the quantiser believes its levels cost is what they cost.
 TEST(BlockQuantizer, ReportsTheCostOfItsLevels) {
     for (const bool dependent : {false, true}) {
         Random random(31);
         double reported = 0, real = 0;
         for (int round = 0; round < 60; ++round) {
-            const bool moved = round % 2 == 0; // the encoder leaves levels where they are
+            const bool moved = round % 2 == 0; // the encoder itself uses no offsets
             QuantizerTrial trial(shape_of(8, 6, 4, 3), 1 + round % 4, dependent,
                                  moved ? ReconstructionOffsets{2, 30} : ReconstructionOffsets{});
             trial.fill(random, 4 << (round % 6));
@@ -156,16 +155,16 @@ TEST(BlockQuantizer, ReportsTheCostOfItsLevels) {
             const double cost = trial.cost_of(trial.tile());
             reported += now;
             real += cost;
-            // Paths that meet later than the window have seen each other's contexts, and a coded
-            // length may end behind levels that turned out to be zeros.
+            // The costs differ a little: paths that merge outside the window share contexts, and a
+            // coded length may include trailing levels that become zero.
             ASSERT_NEAR(now, cost, (dependent ? 0.01 : 1e-3) * std::fabs(cost) + 0.5) << round;
         }
         EXPECT_NEAR(reported, real, 2e-3 * std::fabs(real));
     }
 }
 
-// Looking ahead costs less than taking, coefficient by coefficient, the nearest level that the state
-// allows, and than nothing.
+// Planning ahead costs less than choosing the nearest allowed level of each coefficient in turn,
+// and less than coding no levels.
 TEST(BlockQuantizer, LookingAheadPays) {
     Random random(32);
     double ahead = 0, nearest = 0;
@@ -176,7 +175,7 @@ TEST(BlockQuantizer, LookingAheadPays) {
         trial.run();
         const double cost = trial.cost_of(trial.tile());
         const double greedy = trial.cost_of(trial.nearest_levels());
-        ASSERT_LE(cost, greedy + 0.3) << round; // what choices do to later contexts is not foreseen
+        ASSERT_LE(cost, greedy + 0.3) << round; // the effect on later contexts is ignored
         ASSERT_LE(cost, trial.cost_of(trial.no_levels()) + 1e-3) << round;
         ahead += cost;
         nearest += greedy;
@@ -184,7 +183,7 @@ TEST(BlockQuantizer, LookingAheadPays) {
     EXPECT_LT(ahead, nearest - 60 * 0.5);
 }
 
-// Every level sequence of a few coefficients, against the one chosen.
+// Compares the chosen levels with every possible sequence of levels.
 TEST(BlockQuantizer, IsNearTheBestSequenceOfSmallBlocks) {
     Random random(33);
     for (const bool dependent : {false, true})
@@ -194,7 +193,7 @@ TEST(BlockQuantizer, IsNearTheBestSequenceOfSmallBlocks) {
             trial.run();
             const double chosen = trial.cost_of(trial.tile());
             double best = 1e30;
-            constexpr int most = 4; // magnitudes
+            constexpr int most = 4; // magnitude
             const int signs = 2 * most + 1;
             for (int code = 0; code < signs * signs * signs * signs; ++code) {
                 TileLevels tile = trial.tile();
@@ -215,8 +214,8 @@ TEST(BlockQuantizer, IsNearTheBestSequenceOfSmallBlocks) {
                     tile.nonzeros.empty() ? 0 : tile.nonzeros.back().index + 1);
                 best = std::min(best, trial.cost_of(tile));
             }
-            // Only contexts that a choice changes for later ones are not looked ahead for; and
-            // candidates below 0.55 steps are zeros.
+            // The quantiser ignores how a level changes later contexts, and it sets coefficients
+            // below 0.55 steps to zero.
             EXPECT_LE(chosen, best + 0.35) << round;
         }
 }

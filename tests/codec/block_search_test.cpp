@@ -1,4 +1,4 @@
-// What the search leaves out to be quick.
+// The shortcuts of the block search.
 #include "codec/tile_encoder/block_search.h"
 #include "tests/support/random.h"
 
@@ -9,7 +9,7 @@
 namespace tessera::test {
 namespace {
 
-// A third is noise, the rest background, so that large cells are hollow.
+// A third of each row is noise and the rest is background, so large cells are mostly empty.
 TilePlanes hollow_tile(const BlockShape& shape) {
     Random random(5);
     TilePlanes planes;
@@ -21,9 +21,9 @@ TilePlanes hollow_tile(const BlockShape& shape) {
     return planes;
 }
 
-// Also where an odd number of views has been cut to single ones before their places are small: then cells
-// that are finer in both ways are no part of a cell that was left out.
-TEST(BlockSearch, HollowCellsThatAreNotTriedCostLittle) {
+// The 5x5 views are split into single views before the texels are split fully. Cells that are finer
+// on both pairs of axes are then not part of a skipped cell.
+TEST(BlockSearch, SkippingHollowCellsCostsLittle) {
     CodingParameters parameters;
     for (StepCode& step : parameters.step)
         step = StepCode::nearest(8);

@@ -1,4 +1,4 @@
-/* The C interface of the library that only decodes: a file whole, and in two halves.
+/* The C interface of the decode-only library: decodes a file whole and in two halves.
  *   c_api_decoder_test FILE.tess */
 #include "codec/tessera.h"
 
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     halves = calloc(1, (size_t)bytes);
     if (whole == NULL || halves == NULL)
         return 1;
-    /* Cut along v, which is slowest: the halves lie behind each other. */
+    /* v varies slowest, so the halves along v follow each other in memory. */
     memcpy(half_end, texture.size, sizeof half_end);
     memcpy(middle, origin, sizeof middle);
     half_end[1] = middle[1] = texture.size[1] / 2;

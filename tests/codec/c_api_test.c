@@ -1,5 +1,5 @@
-/* The C interface from C: all of tessera.h, and what it says of mistakes. Exits 0 when all holds.
- *   c_api_test FILE   FILE: a path to write to, removed at the end */
+/* Tests all of tessera.h from C, including its errors. Exits with 0 if all checks hold.
+ *   c_api_test FILE   FILE: a path to write to; the file is removed at the end */
 #include "codec/tessera.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@
             return 1;                                                                              \
         }                                                                                          \
     } while (0)
-/* For functions that must fail: the code, and a part of the sentence. */
+/* Checks that a call fails with this code and with a message that contains `part`. */
 #define REFUSED(call, error, part)                                                                 \
     do {                                                                                           \
         CHECK((call) == (error));                                                                  \
@@ -92,7 +92,7 @@ static tessera_encode_options lossless(void) {
     options.rate_value = 0;
     options.effort = 0;
     options.threads = 2;
-    options.tile[0] = options.tile[1] = 4; /* several tiles, so that there is something to stop */
+    options.tile[0] = options.tile[1] = 4; /* several tiles, to stop between them */
     options.tile[2] = options.tile[3] = 2;
     return options;
 }
@@ -233,7 +233,7 @@ static int test_path(const char* path) {
     return 0;
 }
 
-/* The same bytes by every way in and out. */
+/* Every way to pass texels and files gives the same bytes. */
 static int test_memory_and_functions(const char* path) {
     const tessera_texel_source memory = small_source();
     const tessera_encode_options options = lossless();
@@ -269,7 +269,7 @@ static int test_memory_and_functions(const char* path) {
 
     CHECK(tessera_open_memory(first, first_bytes, NULL, &decoder) == 0);
     CHECK(is_small_texture(decoder));
-    /* What it holds, encoded again, is that file, whatever the rate. */
+    /* Encoding the decoded texels with reuse gives the same file at any rate. */
     tessera_encode_options_init(&again);
     again.reuse = decoder;
     tessera_encode_report_init(&report);
@@ -288,7 +288,7 @@ static int test_memory_and_functions(const char* path) {
     tessera_close(decoder);
     CHECK(b.closed == 1);
 
-    bytes.read_many = read_many_bytes; /* as a web server would like it */
+    bytes.read_many = read_many_bytes; /* as for a file on a web server */
     bytes.slow = 1;
     CHECK(tessera_open_source(&bytes, NULL, &decoder) == 0);
     CHECK(is_small_texture(decoder));
@@ -309,7 +309,7 @@ static int test_failing_functions(const char* path) {
     tessera_decoder* decoder = NULL;
     void* file = &r;
     size_t file_bytes = 99;
-    /* While texels are read: in the first call, and in a later one. */
+    /* Reading texels fails in the first call or in a later one. */
     for (r.fail_at = 1; r.fail_at <= 8; r.fail_at += 7) {
         r.calls = 0;
         r.code = own_error;
@@ -323,17 +323,17 @@ static int test_failing_functions(const char* path) {
         REFUSED(tessera_encode_to_path(&source, path, &options, NULL), TESSERA_IO,
                 "the tape is torn");
     }
-    CHECK(remove(path) != 0); /* nothing was left */
+    CHECK(remove(path) != 0); /* no file was left */
     r.calls = 0;
-    r.code = -5; /* what was said before is forgotten */
+    r.code = -5; /* the earlier message must not appear again */
     r.sentence = NULL;
     REFUSED(tessera_encode_to_path(&source, path, &options, NULL), -5, "code -5 (callback)");
-    /* While the file is written. */
+    /* Writing the file fails. */
     w.code = own_error;
     REFUSED(tessera_encode_to_function(&memory, write_bytes, &w, &options, NULL), own_error,
             "write failed");
     CHECK(w.pieces == 1);
-    /* While a file is opened. */
+    /* Opening a file fails. */
     CHECK(tessera_encode_to_memory(&memory, &file, &file_bytes, &options, NULL) == 0);
     b.bytes = file;
     b.code = own_error;
@@ -367,7 +367,7 @@ static int always(void* user) {
     return 1;
 }
 
-/* Sets no memory: it is called from several threads. */
+/* Writes nothing, because several threads call it. */
 static int is_time(void* user) {
     return ((const listener*)user)->calls >= 3;
 }
@@ -402,10 +402,10 @@ static int test_stopping(const char* path) {
     options.cancelled = is_time;
     CHECK(tessera_encode_to_path(&source, path, &options, NULL) == TESSERA_CANCELLED);
 
-    /* With a journal the next run goes on, and the file comes out the same. */
+    /* With a journal the next run resumes and gives the same file. */
     options.journal = TESSERA_JOURNAL_START;
     l.calls = 0;
-    l.stop_at = 50; /* some way into the pass over the texture */
+    l.stop_at = 50; /* in the middle of the pass over the texture */
     options.cancelled = NULL;
     CHECK(tessera_encode_to_path(&source, path, &options, NULL) == TESSERA_CANCELLED);
     CHECK(strstr(tessera_last_error(), ".journal") != NULL);
@@ -466,7 +466,7 @@ static int test_levels_parts_and_damage(void) {
     tessera_byte_source byte_source;
     void* made = NULL;
     CHECK(texels != NULL && got != NULL);
-    for (i = 0; i < big_bytes; ++i) /* a ramp along v with some grain */
+    for (i = 0; i < big_bytes; ++i) /* a ramp along v with some noise */
         texels[i] = (unsigned char)(i / (big_side * 64) * 3 + (i * 2654435761u >> 28 & 7));
     tessera_texel_source_init(&source);
     source.texture.size[0] = source.texture.size[1] = big_side;
@@ -475,7 +475,7 @@ static int test_levels_parts_and_damage(void) {
     source.texels = texels;
     source.texel_bytes = big_bytes;
     tessera_encode_options_init(&options);
-    options.rate_value = 95; /* the grain makes it longer than what is read to open it */
+    options.rate_value = 95; /* the noise makes the file longer than the first read */
     options.effort = 0;
     options.layers = 1;
     options.tile[0] = options.tile[1] = 16;
@@ -498,7 +498,7 @@ static int test_levels_parts_and_damage(void) {
     REFUSED(tessera_get_level(decoder, 99, &level), TESSERA_BAD_ARGUMENT, "no level 99");
     REFUSED(tessera_get_level(decoder, tessera_level_count(decoder), &level), TESSERA_BAD_ARGUMENT,
             "no level");
-    /* The ramp is there in the coarse level, too. */
+    /* The coarse level shows the same ramp. */
     CHECK(tessera_get_texture(decoder, &texture) == 0);
     CHECK(tessera_box_bytes(&texture, origin, level.size, &bytes) == 0 && bytes < big_bytes);
     tessera_decode_options_init(&decode);
@@ -540,7 +540,7 @@ static int test_levels_parts_and_damage(void) {
     tessera_close(decoder);
     CHECK(b.closed == 1);
 
-    /* The last byte has not come. */
+    /* The last byte is missing. */
     CHECK(tessera_open_memory(file, file_bytes - 1, NULL, &decoder) == TESSERA_INVALID_FILE);
     tessera_open_options_init(&open);
     open.allow_partial = 1;
@@ -578,7 +578,7 @@ static int test_levels_parts_and_damage(void) {
     return 0;
 }
 
-/* ---- What stands beside the texels */
+/* ---- Metadata, description and masks */
 
 static int test_metadata_and_description(void) {
     const tessera_key_value entries[] = {{"Title", "M\xC3\xBCnster"}, {"Artist", "n.n."}};
@@ -610,7 +610,7 @@ static int test_metadata_and_description(void) {
     tessera_description_init(&found);
     CHECK(tessera_get_description(decoder, &found) == 0);
     CHECK(memcmp(&found, &description, sizeof found) == 0);
-    CHECK(tessera_metadata_count(decoder) >= 3); /* and Software */
+    CHECK(tessera_metadata_count(decoder) >= 3); /* two entries and Software */
     CHECK(strncmp(tessera_metadata_value(decoder, "Software"), "Tessera ", 8) == 0);
     CHECK(strcmp(tessera_metadata_value(decoder, "Title"), "M\xC3\xBCnster") == 0);
     CHECK(tessera_metadata_value(decoder, "Nothing") == NULL);
@@ -660,7 +660,7 @@ static int test_metadata_and_description(void) {
 }
 
 static int test_masks_and_halves(void) {
-    /* Half the views matter; what the others show may not change the bytes' meaning for those. */
+    /* Only some views matter. Their texels must be exact. */
     unsigned char mask_texels[S] = {1, 1, 0, 0, 1}, got[small_bytes];
     const uint16_t halves[8] = {0x3C00, 0x7E00, 0x7C00, 0xFC00, 0, 0x3C00, 0x3800, 0x7E00};
     const uint32_t end[4] = {8, 1, 1, 1};
@@ -711,7 +711,7 @@ static int test_masks_and_halves(void) {
     options.strict = 1;
     CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &options, &report) ==
           TESSERA_INVALID_FILE);
-    /* A target beyond the finest quantiser: noise is stored as it is, which meets every target. */
+    /* The target is beyond the finest quantiser. The noise is stored losslessly, which meets it. */
     options = lossless();
     options.rate_kind = TESSERA_PSNR;
     options.rate_value = 120;
@@ -724,7 +724,7 @@ static int test_masks_and_halves(void) {
     return 0;
 }
 
-/* Of the smooth texture a file of the finest quantiser is smaller than a lossless one. */
+/* For this texture a file of the finest quantiser is smaller than a lossless one. */
 static int test_targets_beyond_every_quantiser(void) {
     const tessera_texel_source source = small_source();
     tessera_encode_options options = lossless();
@@ -747,7 +747,7 @@ static int test_targets_beyond_every_quantiser(void) {
     return 0;
 }
 
-/* ---- Mistakes */
+/* ---- Errors */
 
 static int test_options_out_of_range(void) {
     tessera_encode_options options;
@@ -824,7 +824,7 @@ static int test_box_bytes(void) {
     return 0;
 }
 
-/* Structures of callers that are older or newer than the library. */
+/* Structures of programs built for an older or newer library. */
 static int test_structures_that_grow(void) {
     const tessera_texel_source source = small_source();
     struct {
@@ -841,12 +841,12 @@ static int test_structures_that_grow(void) {
     void* file = NULL;
     size_t file_bytes = 0, full_bytes = 0;
 
-    /* Defaults come from the library, also for those who know half of the fields. */
+    /* The library sets the defaults of the fields that the caller knows. */
     memset(&older, 0xEE, sizeof older);
     tessera_encode_options_init_sized(&older, offsetof(tessera_encode_options, threads));
     CHECK(older.struct_size == offsetof(tessera_encode_options, threads));
     CHECK(older.rate_kind == TESSERA_QUALITY && older.rate_value == 75);
-    CHECK(older.threads == 0xEEEEEEEEu); /* nothing beyond was written */
+    CHECK(older.threads == 0xEEEEEEEEu); /* later fields were not written */
     older.effort = 0;
     CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &older, NULL) == 0);
     tessera_free(file);
@@ -963,7 +963,7 @@ static int test_null_pointers(void) {
     return 0;
 }
 
-/* A refused call leaves things as they were; decoders of one file do not know of each other. */
+/* A refused call changes nothing. Decoders of the same file are independent. */
 static int test_wrong_order(void) {
     const tessera_encode_options options = lossless();
     reader r = {0};

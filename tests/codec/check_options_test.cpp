@@ -16,7 +16,7 @@ using Kind = RateTarget::Kind;
 
 const TextureDesc rgb{{40, 20, 6, 5}, SampleType::unorm8, 3};
 
-// What is said against `options`; "" where nothing is.
+// The error message for `options`, or "" if they are valid.
 std::string objection(const EncodeOptions& options, const TextureDesc& desc = rgb,
                       ErrorCode code = ErrorCode::bad_argument) {
     const Status status = check_options(desc, options);
@@ -34,12 +34,12 @@ bool contains(const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
 }
 
-TEST(CheckOptions, DefaultsAreFine) {
+TEST(CheckOptions, AcceptDefaults) {
     EXPECT_EQ(objection(EncodeOptions{}), "");
     EXPECT_EQ(objection(EncodeOptions{}, {{1, 1, 1, 1}, SampleType::half16, 1}), "");
 }
 
-TEST(CheckOptions, RefuseATextureThatIsNone) {
+TEST(CheckOptions, RefuseInvalidTextures) {
     EXPECT_NE(objection(EncodeOptions{}, {{40, 0, 6, 5}, SampleType::unorm8, 3}), "");
     EXPECT_NE(objection(EncodeOptions{}, {{40, 20, 6, 5}, SampleType::unorm8, 5}), "");
     // 2^32 tiles, one more than a file can have.
@@ -59,9 +59,9 @@ TEST(CheckOptions, RefuseRatesOutOfRange) {
     EXPECT_NE(rate_objection({static_cast<Kind>(77), 1}), "");
 }
 
-// The bound names a size that is refused one byte below and not refused itself, and no file of the
+// The message names the smallest accepted size. One byte less is refused, and no file of the
 // texture is smaller.
-TEST(CheckOptions, RefuseSizesBelowThatOfAnEmptyFile) {
+TEST(CheckOptions, RefuseSizesBelowTheSmallestFile) {
     test::MemoryTexture black(rgb, [](int, int, int, int, int) { return 0.0; });
     std::vector<std::byte> file;
     const auto report = encode_memory(black, file, {});
@@ -76,7 +76,7 @@ TEST(CheckOptions, RefuseSizesBelowThatOfAnEmptyFile) {
     const auto texels = static_cast<double>(texel_count(rgb.size));
     EXPECT_EQ(rate_objection({Kind::bpt, 8 * least / texels}), "");
     EXPECT_NE(rate_objection({Kind::bpt, 8 * (least - 1) / texels}), "");
-    // More tiles, more index.
+    // More tiles need a larger index.
     EncodeOptions small_tiles;
     small_tiles.rate = {Kind::bytes, least};
     small_tiles.tile_extent = {1, 1, 1, 1};
@@ -99,14 +99,14 @@ TEST(CheckOptions, RefuseTilesOutOfRange) {
     EXPECT_EQ(objection(options), "");
 }
 
-TEST(CheckOptions, RefuseAlphaThatIsNotThere) {
+TEST(CheckOptions, RefuseAlphaWithoutAlphaChannel) {
     EncodeOptions options;
     options.description.alpha = AlphaMode::straight;
     EXPECT_EQ(objection(options), "alpha is straight with 3 channels");
     EXPECT_EQ(objection(options, {{4, 4, 4, 4}, SampleType::unorm8, 4}), "");
 }
 
-TEST(CheckOptions, RefuseDescriptionsThatNoFileHolds) {
+TEST(CheckOptions, RefuseInvalidDescriptions) {
     EncodeOptions sphere;
     sphere.description.proxy = Proxy::sphere;
     EXPECT_TRUE(contains(objection(sphere), "sphere_radius"));
@@ -117,7 +117,7 @@ TEST(CheckOptions, RefuseDescriptionsThatNoFileHolds) {
     EXPECT_EQ(objection(unknown), "transfer 200 is unknown");
 }
 
-TEST(CheckOptions, RefuseMeshesThatNoFileHolds) {
+TEST(CheckOptions, RefuseInvalidMeshes) {
     EncodeOptions options;
     options.description.proxy = Proxy::mesh;
     EXPECT_EQ(objection(options), "the proxy is a mesh, and no mesh is given");
@@ -129,7 +129,7 @@ TEST(CheckOptions, RefuseMeshesThatNoFileHolds) {
     EXPECT_EQ(objection(options), "a mesh is given, and the proxy is not a mesh");
 }
 
-TEST(CheckOptions, RefuseMetadataThatNoFileHolds) {
+TEST(CheckOptions, RefuseInvalidMetadata) {
     const auto with = [](const std::string& key, const std::string& value) {
         EncodeOptions options;
         options.metadata = {{key, value}};
@@ -165,7 +165,7 @@ TEST(CheckOptions, RefuseToolsThatDoNotExist) {
     EXPECT_FALSE(contains(objection(options), "did you mean"));
 }
 
-TEST(CheckOptions, EveryToolOfTheHelpIsOne) {
+TEST(CheckOptions, AcceptEveryToolOfTheHelp) {
     const std::string help = coding_tools_help();
     std::size_t count = 0;
     for (std::size_t line = 0; line < help.size(); ++count) {
@@ -185,8 +185,8 @@ TEST(CheckOptions, RefuseAMaskThatDoesNotFit) {
     EXPECT_TRUE(contains(objection(options), "mask"));
 }
 
-// A mistake is found before a journal, or anything else, is made.
-TEST(CheckOptions, ComeBeforeAnythingIsWritten) {
+// Wrong options are reported before a journal or any other file is created.
+TEST(CheckOptions, RunBeforeAnythingIsWritten) {
     const std::filesystem::path folder = test::make_test_folder("check_options");
     test::MemoryTexture texture(rgb, [](int, int, int, int, int) { return 0.5; });
     EncodeOptions options;

@@ -1,4 +1,4 @@
-// Partial and damaged files: coarser levels stand in.
+// Coarser levels replace the missing tiles of partial and damaged files.
 #include "codec/decoder.h"
 #include "format/io/crc32c.h"
 #include "format/tile/colour_transform.h"
@@ -28,7 +28,7 @@ double psnr(const Bytes& a, const Bytes& b) {
     return 10 * std::log10(65025.0 * static_cast<double>(a.size()) / std::max(sum, 1e-9));
 }
 
-TEST(Partial, EveryBeginningAfterTheIndexShowsTheTexture) {
+TEST(Partial, PrefixesWithTheIndexDecode) {
     const Layered& layered = shared_file();
     const auto whole_source = wrap_memory(layered.file);
     const auto whole = Decoder::open(*whole_source);
@@ -55,7 +55,7 @@ TEST(Partial, EveryBeginningAfterTheIndexShowsTheTexture) {
         EXPECT_LE(report.missing_tiles, least_missing);
         EXPECT_EQ(report.damaged_tiles, 0u);
         least_missing = report.missing_tiles;
-        // What has been received is exact.
+        // Received tiles decode exactly.
         for (std::uint64_t tile = 0; tile < container.grid().tiles(); tile += 7) {
             if (!*decoder->container().is_received(tile))
                 continue;
@@ -66,7 +66,7 @@ TEST(Partial, EveryBeginningAfterTheIndexShowsTheTexture) {
         for (const Finding& finding : findings)
             EXPECT_FALSE(finding.fatal) << finding.text;
     }
-    // The levels alone are a picture, not a plain colour.
+    // The coarse levels alone show a preview that is better than the background colour.
     const auto first = wrap_memory(std::span(layered.file).first(container.locate(0)->offset));
     const auto coarse = Decoder::open(*first, {true, false});
     ASSERT_TRUE(coarse.ok());
@@ -78,7 +78,7 @@ TEST(Partial, EveryBeginningAfterTheIndexShowsTheTexture) {
     EXPECT_GT(preview, 20);
 }
 
-TEST(Partial, BytesThatStopBeforeTheEndOfTheIndexAreRefused) {
+TEST(Partial, PrefixesThatCutTheIndexAreRefused) {
     const Layered& layered = shared_file();
     const auto source = wrap_memory(layered.file);
     const auto container = ContainerReader::open(*source);
@@ -91,7 +91,7 @@ TEST(Partial, BytesThatStopBeforeTheEndOfTheIndexAreRefused) {
     }
 }
 
-TEST(DamagedLevels, CoarserLevelsStandInAndEverythingElseDecodes) {
+TEST(DamagedLevels, CoarserLevelsFillDamagedTilesOnly) {
     const Layered& layered = shared_file();
     const auto good_source = wrap_memory(layered.file);
     const auto good = Decoder::open(*good_source);
@@ -101,7 +101,7 @@ TEST(DamagedLevels, CoarserLevelsStandInAndEverythingElseDecodes) {
     Random random(77);
     for (int round = 0; round < 40; ++round) {
         Bytes file = layered.file;
-        // Anywhere in index or data, also in the coarse levels.
+        // The flipped bits lie in the index or the data, including the coarse levels.
         for (int flips = random.range(1, 4); flips > 0; --flips)
             file[begin + random() % (file.size() - begin)] ^=
                 static_cast<std::byte>(1u << random() % 8);
@@ -112,7 +112,7 @@ TEST(DamagedLevels, CoarserLevelsStandInAndEverythingElseDecodes) {
         const FillReport report = decoder->fill_report();
         EXPECT_EQ(report.missing_tiles, 0u);
         const std::set<std::uint64_t> filled(report.damaged.begin(), report.damaged.end());
-        // The validator names exactly the tiles that had to be filled, and their texels.
+        // The validator names exactly the tiles that were filled.
         std::set<std::uint64_t> named;
         for (const Finding& finding : validate_container(*source))
             for (std::uint64_t i = 0; i < finding.tile_count; ++i)
@@ -122,7 +122,7 @@ TEST(DamagedLevels, CoarserLevelsStandInAndEverythingElseDecodes) {
             const Box4 box = container.grid().box(tile);
             Bytes part(container.desc().box_bytes(box));
             copy_box(box, Box4::whole(scene_size), shown, box, part, 3);
-            // A tile without bytes has no page that could be damaged, but may share a record.
+            // An empty tile has no page, but its index record may be damaged.
             if (report.damaged_tiles <= FillReport::most_listed)
                 EXPECT_TRUE(filled.contains(tile) == named.contains(tile) ||
                             container.locate(tile)->length == 0)
@@ -136,7 +136,7 @@ TEST(DamagedLevels, CoarserLevelsStandInAndEverythingElseDecodes) {
     }
 }
 
-TEST(DamagedLevels, AFlippedBitLosesOneTileOfAFileWithoutLevelsToTheBackground) {
+TEST(DamagedLevels, AFlippedBitLosesOneTile) {
     auto plain = encode_scene("composed", {64, 32, 8, 8}, false, quick());
     ASSERT_TRUE(plain.ok());
     plain->file.back() ^= std::byte{1};
@@ -145,7 +145,7 @@ TEST(DamagedLevels, AFlippedBitLosesOneTileOfAFileWithoutLevelsToTheBackground) 
     ASSERT_TRUE(decoder.ok());
     texels_of(*decoder, Box4::whole({64, 32, 8, 8}));
     const FillReport report = decoder->fill_report();
-    ASSERT_EQ(report.damaged_tiles, 1u) << "tiles of some 400 bytes are pages of their own";
+    ASSERT_EQ(report.damaged_tiles, 1u) << "each tile of about 400 bytes is a page of its own";
     const Box4 box = decoder->container().grid().box(report.damaged.front());
     const Bytes texels = texels_of(*decoder, box);
     const auto& background = decoder->container().header().background;
@@ -153,8 +153,8 @@ TEST(DamagedLevels, AFlippedBitLosesOneTileOfAFileWithoutLevelsToTheBackground) 
         ASSERT_EQ(std::to_integer<int>(texels[i]), background[i % 3]);
 }
 
-// Also under -fsanitize=thread: tools/test.sh --sanitize thread.
-TEST(Threads, AThousandRandomBoxesFromEightThreadsAreThoseOfOne) {
+// tools/test.sh --sanitize thread also runs this under the thread sanitizer.
+TEST(Threads, EightThreadsDecodeTheSameTexelsAsOne) {
     const Layered& layered = shared_file();
     Bytes damaged = layered.file;
     damaged[damaged.size() * 2 / 3] ^= std::byte{8};

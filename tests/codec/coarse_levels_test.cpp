@@ -1,4 +1,4 @@
-// Files with coarse levels: what they cost, and that both decoders agree on them.
+// Files with coarse levels: the size of the levels, and the agreement of both decoders.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/texels/level_texels.h"
@@ -40,7 +40,7 @@ TEST(Layers, SameBytesOnAnyNumberOfThreads) {
     EXPECT_EQ(five->file, shared_file().file);
 }
 
-TEST(Layers, TargetsOfSizeCountThem) {
+TEST(Layers, SizeTargetsIncludeCoarseLevels) {
     EncodeOptions options = quick();
     options.rate = {RateTarget::Kind::bytes, 30000};
     const auto file = encode_scene("composed", scene_size, true, options);
@@ -50,7 +50,7 @@ TEST(Layers, TargetsOfSizeCountThem) {
     EXPECT_EQ(file->report.file_bytes, file->file.size());
 }
 
-TEST(Layers, HalfFloatsOneChannelAndExactFilesHaveThem) {
+TEST(Layers, WorkForHalfFloatsOneChannelAndLosslessFiles) {
     const auto lamps = encode_scene("lamps", {32, 32, 8, 8}, true, quick());
     ASSERT_TRUE(lamps.ok()) << lamps.status().message();
     EXPECT_FALSE(lamps->report.coarse_levels.empty());
@@ -88,7 +88,7 @@ TEST(Layers, BothDecodersAgreeOnEveryLevel) {
     const auto decoder = Decoder::open(*source);
     ASSERT_TRUE(decoder.ok());
     EXPECT_EQ(texels_of(*decoder, Box4::whole(scene_size)), decoded->texels);
-    // What the library shows of a file that has no tile of level 0 is its level 1, interpolated.
+    // If no tile of level 0 has been received, the library interpolates level 1.
     const ContainerReader& container = decoder->container();
     ASSERT_EQ(container.levels().size(), 3u);
     ASSERT_EQ(decoded->coarse.size(), 2u);
@@ -101,7 +101,7 @@ TEST(Layers, BothDecodersAgreeOnEveryLevel) {
     const Box4 whole = Box4::whole(scene_size), support = support_of(whole, full, coarse);
     ASSERT_EQ(support, Box4::whole(coarse.size));
     interpolate_level(decoded->coarse[0], support, whole, full, coarse, container.desc(), expected);
-    // Tiles of level 0 without bytes are the background, and are there.
+    // Empty tiles of level 0 count as received and show the background.
     const Bytes shown = texels_of(*partial, whole);
     for (std::uint64_t tile = 0; tile < container.grid().tiles(); ++tile) {
         const Box4 box = container.grid().box(tile);

@@ -1,4 +1,4 @@
-// Contexts of levels, scattered and gathered.
+// The context grid adds each level to its later neighbours. The test adds up the earlier ones.
 #include "codec/entropy/context_grid.h"
 #include "format/tile/rans.h"
 #include "tests/support/format_values.h"
@@ -12,7 +12,7 @@
 namespace tessera::test {
 namespace {
 
-// To two binary digits, at most 192.
+// Rounds down to two significant binary digits, at most 192.
 int rounded(int amplitude) {
     int most = 0;
     for (const int value : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192})
@@ -22,7 +22,7 @@ int rounded(int amplitude) {
 
 TEST(ContextGrid, ScatteringEqualsGathering) {
     Random random(5);
-    ContextGrid grid; // one for all, as in the codec: what is forgotten must be clear
+    ContextGrid grid; // shared as in the codec, so undo() must clear it
     int cleared = 0;
     for (int round = 0; round < 60; ++round) {
         const BlockShape shape = shape_of(random.range(1, 12), random.range(1, 9),
@@ -31,7 +31,7 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
         const int length = random.range(1, order.length());
         grid.begin(order);
         using Key = std::array<int, 4>;
-        std::map<Key, int> marked, cross; // amplitudes and their sums, as far as contexts see them
+        std::map<Key, int> marked, cross; // amplitudes, and rounded sums of amplitudes
         std::set<Key> coded;
         const auto key = [&](int i) {
             const auto& k = order.entry[static_cast<std::size_t>(i)].k;
@@ -64,7 +64,7 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
             const auto& context = order.context[static_cast<std::size_t>(i)];
             ASSERT_EQ(context.share, weight == 0 ? 0 : 4096 / weight);
             ASSERT_EQ(weight == 0, i == 0);
-            // The class of the mean in eighths: the number of values at or below it.
+            // The class of the mean in eighths: the number of thresholds at or below it.
             int want = 0;
             for (const int value : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192})
                 want += sum * context.share / 512 >= value;
@@ -89,7 +89,7 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
         cleared += grid.undo(order, length, own,
                              [&](auto visit) { std::ranges::for_each(earlier, visit); });
     }
-    EXPECT_GT(cleared, 10); // both ways are met
+    EXPECT_GT(cleared, 10); // both ways of undo() are used
     EXPECT_LT(cleared, 55);
 }
 

@@ -1,4 +1,4 @@
-// Corrections that keep an error bound.
+// Corrections guarantee an error bound.
 #include "codec/entropy/corrections.h"
 #include "codec/entropy/tile_syntax.h"
 #include "codec/reconstruct/tile_decoder.h"

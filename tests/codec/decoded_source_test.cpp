@@ -1,4 +1,4 @@
-// Decoded levels as textures.
+// Sources that read the decoded levels of a file.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/bake.h"
@@ -29,7 +29,8 @@ Bytes layered_file(const Extent4& size, const Extent4& tile) {
     return file;
 }
 
-// In pieces and by few requests, every coarse level is what the second decoder makes of it.
+// The source reads every coarse level in pieces and in few requests. The texels are those of the
+// second decoder.
 TEST(DecodedLevel, AgreesWithTheSecondDecoder) {
     const Bytes file = layered_file({64, 32, 16, 16}, {16, 16, 8, 8});
     std::string error;
@@ -53,10 +54,10 @@ TEST(DecodedLevel, AgreesWithTheSecondDecoder) {
             ASSERT_TRUE(source->read(Box4::whole(desc.size), texels).ok());
             EXPECT_TRUE(texels == whole) << level;
             if (remote && level > 0) {
-                EXPECT_LE(counted.reads().size(), 2u) << "index, and all pages together";
+                EXPECT_LE(counted.reads().size(), 2u) << "reads of the index and of all pages";
                 counted.reset();
             }
-            // Any box, from several threads.
+            // Several threads read random boxes.
             std::vector<std::thread> threads;
             std::atomic<int> wrong{0};
             for (unsigned seed = 0; seed < 4; ++seed)
@@ -74,13 +75,14 @@ TEST(DecodedLevel, AgreesWithTheSecondDecoder) {
                 thread.join();
             EXPECT_EQ(wrong, 0) << level;
             if (remote && level > 0)
-                EXPECT_TRUE(counted.reads().empty()) << "its tiles are kept";
+                EXPECT_TRUE(counted.reads().empty()) << "decoded tiles are kept";
         }
     }
 }
 
-// What is damaged in a level comes from the next one, or the background, only where that was allowed.
-TEST(DecodedLevel, FallsBackAsTheDecoderMay) {
+// With allow_damaged, damaged tiles of a level are filled from the next coarser level or with the
+// background. Without it, reading them fails.
+TEST(DecodedLevel, FallsBackOnlyIfAllowed) {
     Bytes file = layered_file({64, 32, 16, 16}, {16, 16, 8, 8});
     std::uint64_t at = 0;
     std::size_t last = 0;
@@ -107,7 +109,7 @@ TEST(DecodedLevel, FallsBackAsTheDecoderMay) {
         EXPECT_EQ(status.ok(), allowed) << status.message();
         if (!allowed)
             EXPECT_EQ(status.code(), ErrorCode::invalid_file);
-        EXPECT_EQ(decoder->fill_report().texels, 0u) << "of level 0 only";
+        EXPECT_EQ(decoder->fill_report().texels, 0u) << "the report counts level 0 only";
         Bytes few(3);
         const Box4 outside{source->desc().size, {9999, 9999, 9999, 9999}};
         EXPECT_EQ(source->read(outside, few).code(), ErrorCode::bad_argument);

@@ -1,4 +1,4 @@
-// What the decoder reads for a box, and what it makes of damage.
+// The reads that the decoder needs for a box, and its errors on damaged files.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/reconstruct/tile_decoder.h"
@@ -23,7 +23,7 @@ TEST(Access, OneTexelCostsThreeReadsAndItsTilesBytes) {
     const TextureDesc desc = describe({48, 48, 8, 8});
     MemoryTexture texture = named_texture(desc, "smooth");
     EncodeOptions options = options_for({Kind::quality, 90}, 1);
-    options.tile_extent = {4, 4, 4, 4}; // 576 tiles: three groups of the index
+    options.tile_extent = {4, 4, 4, 4}; // 576 tiles in three groups of the index
     const Encoded encoded = encode(texture, options);
     const Bytes all = decode_all(encoded.file, desc);
     Random random(34);
@@ -94,7 +94,7 @@ TEST(Access, BadBoxesAndBuffersAreRefused) {
         EXPECT_EQ(decoder->decode_box(box, out).code(), ErrorCode::bad_argument) << to_string(box);
 }
 
-// Collects what it is given and checks the protocol.
+// Collects texels and checks the order of the calls.
 class CollectingSink : public TexelSink {
 public:
     CollectingSink(const TextureDesc& desc, const Box4& box, Locality locality)
@@ -146,13 +146,13 @@ TEST(Access, StreamingGivesTheSameTexels) {
             EXPECT_EQ(sink.written, box.texels());
             EXPECT_EQ(sink.texels, crop(texture, all, box));
         }
-    // A decoded file is a source like any other.
+    // A decoded file can be encoded again.
     const auto decoded = decoded_source(*decoder);
     const Encoded again = encode(*decoded, options_for({Kind::max_error, 0}, 1));
     EXPECT_EQ(decode_all(again.file, desc), all);
 }
 
-// Whether everything of the file decodes; errors must be of the file.
+// Whether the whole file decodes. An error must blame the file: invalid_file or unsupported.
 bool reads(const Bytes& file, Integrity integrity) {
     const auto source = wrap_memory(file);
     const Result<Decoder> decoder = Decoder::open(*source);
@@ -167,7 +167,7 @@ bool reads(const Bytes& file, Integrity integrity) {
         return fair(decoder.status());
     const Box4 whole = Box4::whole(decoder->desc().size);
     if (whole.texels() > 1 << 20) {
-        ADD_FAILURE() << "damaged size " << to_string(whole) << " was believed";
+        ADD_FAILURE() << "damaged size " << to_string(whole) << " was accepted";
         return false;
     }
     Bytes texels(decoder->desc().box_bytes(whole));
@@ -211,7 +211,8 @@ TEST(Damage, EveryFlippedBitIsRefused) {
         if (bit % 3 == 0)
             unnoticed += reads(flipped, Integrity::tile); // allowed, and must not crash
     }
-    // Tiles' own bytes are a tenth of this file; of flips there, up to a third leave a stream that ends well.
+    // The payloads are a tenth of this file. Up to a third of the flips in them leave a valid
+    // stream.
     EXPECT_LT(unnoticed, static_cast<int>(file.size() * 8 / 3 / 30));
 }
 

@@ -1,4 +1,5 @@
-// The decoder's face: what it owns, how it is told to stop. What it decodes: decoder_access_test.cpp.
+// The decoder's ownership of its input, its progress reports and its cancellation.
+// decoder_access_test.cpp tests what it decodes.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 
@@ -20,7 +21,7 @@ test::MemoryTexture texture() {
     return {desc, [](int u, int v, int s, int t, int) { return (u + v + s + t) / 60.0; }};
 }
 
-// A file of 36 tiles.
+// The resulting file has 36 tiles.
 EncodeOptions lossless() {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::max_error, 0};
@@ -43,7 +44,7 @@ void expect_texels(const Decoder& decoder, const ReadOptions& options = {}) {
     EXPECT_EQ(texels, texture().texels);
 }
 
-// Says when it dies.
+// Clears `is_alive` when it is destroyed.
 class WatchedBytes : public ByteSource {
 public:
     WatchedBytes(test::Bytes bytes, bool& is_alive)
@@ -99,7 +100,7 @@ TEST(Decoder, OwnsTheBytesThatItIsGiven) {
               ErrorCode::bad_argument);
 }
 
-TEST(Decoder, TellsHowFarItIs) {
+TEST(Decoder, ReportsProgress) {
     bool is_alive = false;
     const auto decoder = Decoder::open(std::make_unique<WatchedBytes>(encoded(), is_alive));
     ASSERT_TRUE(decoder);
@@ -123,7 +124,7 @@ TEST(Decoder, TellsHowFarItIs) {
     }
 }
 
-TEST(Decoder, StopsWhenTold) {
+TEST(Decoder, StopsWhenCancelled) {
     bool is_alive = false;
     const auto decoder = Decoder::open(std::make_unique<WatchedBytes>(encoded(), is_alive));
     ASSERT_TRUE(decoder);
@@ -143,7 +144,7 @@ TEST(Decoder, StopsWhenTold) {
     expect_texels(*decoder);
 }
 
-TEST(EncodeStream, HandsOutTheFileInOrder) {
+TEST(EncodeStream, WritesTheFileInOrder) {
     test::MemoryTexture source = texture();
     test::Bytes got;
     const auto caller = std::this_thread::get_id();
@@ -160,7 +161,7 @@ TEST(EncodeStream, HandsOutTheFileInOrder) {
     EXPECT_EQ(got, encoded());
 }
 
-TEST(EncodeStream, EndsWithTheErrorOfItsSink) {
+TEST(EncodeStream, FailsWithTheErrorOfItsSink) {
     test::MemoryTexture source = texture();
     const auto report = encode_stream(
         source, [](std::span<const std::byte>) { return Status(ErrorCode::io, "no room"); },

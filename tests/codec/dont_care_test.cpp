@@ -1,4 +1,4 @@
-// What texels that do not matter are taken for.
+// The values that masked texels get before coding.
 #include "codec/metrics.h"
 #include "codec/tile_encoder/dont_care.h"
 #include "format/texture.h"
@@ -10,7 +10,7 @@
 namespace tessera::test {
 namespace {
 
-// One plane of a tile, before and after.
+// A plane of one tile after its masked texels were filled.
 std::vector<std::int32_t> filled(const BlockShape& shape, std::vector<std::int32_t> values,
                                  const std::vector<int>& matters) {
     Bytes mask;
@@ -40,39 +40,39 @@ TEST(DontCare, RunsAreInterpolatedAndEndsRepeated) {
             << axis_name(axis);
 }
 
-TEST(DontCare, FirstAxisWithSomethingKnownDecides) {
+TEST(DontCare, FillsAlongTheFirstAxisWithKnownValues) {
     const std::vector<Axis> order{axis_t, axis_s, axis_v, axis_u};
     for (std::size_t i = 0; i + 1 < order.size(); ++i) {
-        // In planes u is fastest, then v, s, t: order[i] varies slower than order[i + 1].
+        // In planes u varies fastest, then v, s and t, so order[i] varies slower than order[i + 1].
         const auto centre = filled(with_sides({{order[i], 3}, {order[i + 1], 3}}),
                                    {0, 20, 0, 100, 7, 100, 0, 24, 0}, {1, 1, 1, 1, 0, 1, 1, 1, 1});
         EXPECT_EQ(centre, (std::vector<std::int32_t>{0, 20, 0, 100, 22, 100, 0, 24, 0}))
             << axis_name(order[i]);
-        // Masks run along s before v.
+        // In masks s varies faster than v.
         const std::vector<int> two = order[i] == axis_s ? std::vector<int>{0, 1, 0, 0, 0, 1}
                                                         : std::vector<int>{0, 0, 0, 1, 0, 1};
         const auto corner =
             filled(with_sides({{order[i], 2}, {order[i + 1], 3}}), {7, 7, 7, 10, 7, 30}, two);
         EXPECT_EQ(corner[0], 10);
-        EXPECT_EQ(corner[1], 20); // waited for the second axis
+        EXPECT_EQ(corner[1], 20); // filled along the second axis
         EXPECT_EQ(corner[4], 20);
         EXPECT_EQ(corner[2], 30);
     }
 }
 
 TEST(DontCare, MaskHasTheOrderOfTexels) {
-    // (u 1, s 0) is the third texel of a box, the second of a plane.
+    // The texel (u 1, s 0) is the third of a box and the second of a plane.
     EXPECT_EQ(filled(with_sides({{axis_u, 2}, {axis_s, 2}}), {10, 99, 30, 40}, {1, 1, 0, 1}),
               (std::vector<std::int32_t>{10, 40, 30, 40}));
 }
 
-TEST(DontCare, NothingKnownIsBackground) {
+TEST(DontCare, FillsFullyMaskedTilesWithTheBackground) {
     EXPECT_EQ(
         filled(with_sides({{axis_u, 3}, {axis_t, 2}}), {1, 2, 3, 4, 5, 6}, {0, 0, 0, 0, 0, 0}),
         std::vector<std::int32_t>(6, 0));
 }
 
-TEST(DontCare, ProjectionTakesOverFreeValuesOnly) {
+TEST(DontCare, ProjectionReplacesMaskedValuesOnly) {
     const BlockShape shape = with_sides({{axis_v, 3}});
     TilePlanes planes, decoded;
     for (TilePlanes* both : {&planes, &decoded})

@@ -1,4 +1,4 @@
-// The encoder as a whole: what it reports, and the same bytes on every path.
+// The whole encoder: its report, and identical files on every path.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/pass/steps.h"
@@ -24,7 +24,7 @@ using namespace tessera::test::round_trips;
 
 using Kind = RateTarget::Kind;
 
-TEST(Codec, ReportsWhatDecodingGivesAndBoxesAreCrops) {
+TEST(Codec, ReportMatchesTheDecodedTexelsAndBoxesAreCrops) {
     Random random(31);
     for (const Extent4& size :
          {Extent4{7, 5, 3, 2}, Extent4{1, 1, 1, 1}, Extent4{65, 33, 9, 9}, Extent4{40, 33, 17, 5},
@@ -33,7 +33,7 @@ TEST(Codec, ReportsWhatDecodingGivesAndBoxesAreCrops) {
             for (int channels = 1; channels <= 4; ++channels) {
                 const bool large = texel_count(size) > 100000;
                 if (large && channels != 1 + 2 * (type == SampleType::unorm8))
-                    continue; // one of each
+                    continue; // one large texture of each type
                 const TextureDesc desc = describe(size, type, channels);
                 MemoryTexture texture =
                     named_texture(desc, random.chance(0.5) ? "smooth" : "noise");
@@ -63,7 +63,7 @@ TEST(Codec, ReportsWhatDecodingGivesAndBoxesAreCrops) {
             }
 }
 
-TEST(Codec, NamedHardTextures) {
+TEST(Codec, HardTexturesRoundTrip) {
     for (const SampleType type : types) {
         const TextureDesc desc = describe({33, 17, 6, 5}, type);
         std::map<std::string, std::size_t> bytes;
@@ -80,14 +80,14 @@ TEST(Codec, NamedHardTextures) {
             }
         }
         EXPECT_LT(bytes["bright_texel"], 1500u);
-        EXPECT_LT(bytes["lambert"], bytes["smooth"]); // no change with the angle
+        EXPECT_LT(bytes["lambert"], bytes["smooth"]); // independent of the angle
         EXPECT_LT(bytes["smooth"], bytes["noise"]);
     }
 }
 
-// A block of 4096 texels has more coefficients than three planes may code in one segment; the last
-// ones hold all of a checkerboard's energy, so the search must cut the block.
-TEST(Codec, CoefficientsBeyondTheLengthLimitAreNotCountedOn) {
+// A block of 4096 texels has more coefficients than three planes may code in one segment. The last
+// coefficients hold all energy of a checkerboard, so the search must split the block.
+TEST(Codec, SplitsBlocksWithCoefficientsBeyondTheLengthLimit) {
     for (const Extent4& size : {Extent4{8, 8, 8, 8}, Extent4{16, 16, 4, 4}, Extent4{17, 20, 3, 4}})
         for (const char* name : {"checkerboard", "noise"}) {
             const TextureDesc desc = describe(size);
@@ -97,7 +97,7 @@ TEST(Codec, CoefficientsBeyondTheLengthLimitAreNotCountedOn) {
         }
 }
 
-// A wave that one block of all 81,920 texels holds: its coefficients lie further apart than 16 bits count.
+// One block of all 81,920 texels codes this wave. Positions of its coefficients exceed 16 bits.
 TEST(Codec, BlocksMayBeAsLargeAsTiles) {
     const Extent4 size{64, 64, 5, 4};
     MemoryTexture texture({size, SampleType::unorm8, 1}, [](int, int, int, int t, int) {
@@ -124,7 +124,7 @@ TEST(Codec, EveryEffortRoundTrips) {
     }
 }
 
-TEST(Codec, TileExtentsAreKept) {
+TEST(Codec, TileExtentsRoundTripOrAreRefused) {
     const TextureDesc desc = describe({35, 20, 9, 6});
     MemoryTexture texture = named_texture(desc, "smooth");
     for (const Extent4& tile : {Extent4{1, 1, 1, 1}, Extent4{7, 3, 5, 2}, Extent4{32, 1, 32, 32},
@@ -170,8 +170,8 @@ TEST(SameBytes, ForAnyNumberOfThreads) {
         }
 }
 
-// Encoders of tiles keep scratch memory; which tile came before depends on the threads. Nearly empty
-// tiles are where the trellis has states out of reach.
+// Tile encoders reuse scratch memory, and the number of threads decides which tile came before. In
+// nearly empty tiles some trellis states cannot be reached.
 TEST(SameBytes, WhateverTileCameBefore) {
     const TextureDesc desc = describe({32, 32, 8, 8}, SampleType::half16);
     Random random(3);
@@ -214,7 +214,7 @@ TEST(StoredTiles, LosslessNoiseTakesHardlyMoreThanItsTexels) {
         for (std::size_t i = 1; type == SampleType::half16 && i < texture.texels.size(); i += 2)
             texture.texels[i] &= std::byte{0xFB}; // finite
         const Encoded encoded = encode(texture, options_for({Kind::max_error, 0}, 0));
-        EXPECT_LE(encoded.file.size(), texture.texels.size() + 800); // the head
+        EXPECT_LE(encoded.file.size(), texture.texels.size() + 800); // header and index
         EXPECT_EQ(encoded.report.max_error, 0u);
         const auto source = wrap_memory(encoded.file);
         const auto reader = ContainerReader::open(*source);
@@ -257,8 +257,8 @@ TEST(SpecialValues, NonFiniteSamplesAreCountedAndReplaced) {
     EXPECT_TRUE(encode_memory(texture, out, options));
 }
 
-// As an input that another program changed while it was read.
-TEST(Encoder, AnErrorOfConfirmationLeavesNothing) {
+// Confirmation fails, for instance, if another program changed the input during the encode.
+TEST(Encoder, AnErrorOfConfirmationLeavesNoFile) {
     const TextureDesc desc = describe({9, 7, 3, 2}, SampleType::unorm8);
     MemoryTexture texture = named_texture(desc, "smooth");
     const auto folder = test::make_test_folder("confirm");
@@ -323,7 +323,7 @@ TEST(Mesh, SurvivesInEveryKindOfFile) {
     }
 }
 
-TEST(Metadata, AndDescriptionSurvive) {
+TEST(Metadata, RoundTripsWithTheDescription) {
     MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
     EncodeOptions options;
     options.metadata = {{"Author", "Lëa"}, {"empty", ""}};
@@ -350,11 +350,11 @@ TEST(Metadata, AndDescriptionSurvive) {
     EXPECT_TRUE(decoder->container().validate().empty());
 }
 
-TEST(Metadata, SaysHowTheFileWasMadeAndNothingThatVaries) {
+TEST(Metadata, RecordsTheSettingsThatDetermineTheFile) {
     MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
     EncodeOptions options;
     options.effort = 1;
-    // As a file says that is encoded again: its making is not this one's.
+    // Metadata of an earlier encode, as copied from a file that is encoded again.
     options.metadata = {{"Software", "other"}, {"tessera:tools", "-half"}, {"tessera:x", "y"}};
     const auto recorded = [&](RateTarget rate, unsigned threads) {
         options.rate = rate;

@@ -1,5 +1,5 @@
-// The encoder's choices: what it makes of small textures is frozen (tests/golden/encodings.txt). Where bits change on
-// purpose, the table is written again, as its README says.
+// The encoder's output for small textures is frozen in tests/golden/encodings.txt. After an
+// intentional change the table is written again, as tests/golden/README.md explains.
 #include "tests/support/encodings.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// By name.
+// The lines of the table by the names of the encodings.
 std::map<std::string, std::string> frozen_lines() {
     const auto tests = std::filesystem::path(__FILE__).parent_path().parent_path();
     std::ifstream table(tests / "golden" / "encodings.txt");
@@ -31,7 +31,7 @@ void expect_frozen(int effort) {
         ASSERT_TRUE(line != frozen.end()) << encoding.name;
         const Result<std::string> made = test::encoded_line(encoding);
         ASSERT_TRUE(made) << encoding.name << made.status().message();
-        EXPECT_EQ(*made, line->second) << "on purpose? tests/golden/README.md says how to go on";
+        EXPECT_EQ(*made, line->second) << "if this is intended, see tests/golden/README.md";
     }
 }
 

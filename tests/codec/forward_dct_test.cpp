@@ -1,4 +1,4 @@
-// The forward transform, against double precision.
+// The forward transform compared with double precision.
 #include "codec/search_kernels/forward_dct.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
@@ -23,7 +23,7 @@ std::vector<float> forward(const std::vector<float>& texels, const BlockShape& s
     return a;
 }
 
-// A sum of n products of floats errs by at most about n roundings; passes add up.
+// A sum of n float products has an error of at most about n roundings. The errors of passes add up.
 TEST(ForwardTransform, MatchesDoublePrecision) {
     Random random(3);
     std::vector<BlockShape> shapes = shapes_4d;
@@ -56,7 +56,7 @@ TEST(ForwardTransform, InverseRestoresTexels) {
     }
 }
 
-TEST(ForwardTransform, SegmentsAreTheSplitTree) {
+TEST(ForwardTransform, SegmentsMatchTheSplitTree) {
     for (int side = 1; side <= max_tile_side; ++side)
         for (int depth = 0; depth <= max_split_depth; ++depth) {
             const std::vector<Segment> segments = axis_segments(side, depth);
@@ -66,7 +66,7 @@ TEST(ForwardTransform, SegmentsAreTheSplitTree) {
                 if (left == 0 || block.shape.n[1] == 1) {
                     want.push_back({block.origin[1], block.shape.n[1]});
                     for (int i = 1; i < 1 << left;
-                         ++i) // a side of 1 stays whole: the rest is empty
+                         ++i) // a side of 1 is not split; the rest is empty
                         want.push_back({0, 0});
                     return;
                 }

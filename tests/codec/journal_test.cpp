@@ -1,4 +1,4 @@
-// A journal on disk is material to distrust: torn, flipped, swapped, or somebody else's.
+// A journal on disk may be truncated, corrupted, exchanged or owned by another process.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/journal/journal.h"
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const TextureDesc small{{20, 12, 8, 8}, SampleType::unorm8, 3};
 
-// Smooth with a little noise, so that tiles differ and cost bytes.
+// A smooth texture with a little noise, so that tiles differ and none is empty.
 std::vector<std::byte> make_texels(const TextureDesc& desc, unsigned seed) {
     std::vector<std::byte> texels(desc.box_bytes(Box4::whole(desc.size)));
     std::uint32_t noise = seed;
@@ -47,7 +47,7 @@ protected:
         MemorySource source(small, texels_);
         return encode_file(source, output(), options);
     }
-    // Stops after `checks` questions whether to; returns whether it came so far.
+    // Cancels after `checks` calls of cancelled(). Returns false if the encode finished before.
     bool encode_in_part(EncodeOptions options, int checks) const {
         std::atomic<int> left{checks};
         options.cancelled = [&left] { return left-- <= 0; };
@@ -83,7 +83,7 @@ TEST_F(Journals, LeaveNothingAfterSuccess) {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
-TEST_F(Journals, GoOnFromEveryQuestion) {
+TEST_F(Journals, ResumeFromEveryCancellationPoint) {
     for (const auto& [kind, value] :
          {std::pair(RateTarget::Kind::quality, 60.0), std::pair(RateTarget::Kind::psnr, 39.0),
           std::pair(RateTarget::Kind::bytes, 9000.0),
@@ -99,10 +99,10 @@ TEST_F(Journals, GoOnFromEveryQuestion) {
     }
 }
 
-TEST_F(Journals, GoOnAfterStopUponStop) {
+TEST_F(Journals, ResumeAfterRepeatedStops) {
     options_.rate = {RateTarget::Kind::psnr, 39.0};
     const std::string bytes = expected(options_);
-    options_.journal = JournalUse::resume; // without a journal this starts
+    options_.journal = JournalUse::resume; // starts a new one if there is none
     int runs = 0;
     while (encode_in_part(options_, 100 + 15 * runs))
         ASSERT_LT(++runs, 100);
@@ -110,19 +110,19 @@ TEST_F(Journals, GoOnAfterStopUponStop) {
     EXPECT_EQ(slurp(output()), bytes);
 }
 
-TEST_F(Journals, KeepTilesOnlyWhereThereAreAny) {
+TEST_F(Journals, AreDeletedWithoutFinishedTiles) {
     ASSERT_TRUE(encode_in_part(options_, 1));
     EXPECT_FALSE(fs::exists(journal_path(output())));
     ASSERT_TRUE(encode_in_part(options_, 60));
     EXPECT_TRUE(fs::exists(inside("pass-1")));
-    // Starting anew drops them.
+    // A new start discards the old journal.
     ASSERT_TRUE(encode_in_part(options_, 1));
-    EXPECT_TRUE(fs::exists(inside("pass-1"))); // not before the input was read
+    EXPECT_TRUE(fs::exists(inside("pass-1"))); // but only after the input was read
     ASSERT_TRUE(encode(options_));
     EXPECT_FALSE(fs::exists(journal_path(output())));
 }
 
-TEST_F(Journals, GoOnUnderTheSameMaskOnly) {
+TEST_F(Journals, ResumeUnderTheSameMaskOnly) {
     const auto mask_of = [](std::size_t period) {
         std::vector<std::byte> values(8 * 8);
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -148,7 +148,7 @@ TEST_F(Journals, GoOnUnderTheSameMaskOnly) {
     resume_and_compare(options_, bytes);
 }
 
-// How far a first pass comes with `checks` questions, kept to be damaged again and again.
+// Keeps a copy of a journal of an unfinished first pass, which the tests damage in many ways.
 class DamagedJournals : public Journals {
 protected:
     void SetUp() override {
@@ -166,7 +166,7 @@ protected:
     fs::path copy_;
 };
 
-TEST_F(DamagedJournals, TornAnywhere) {
+TEST_F(DamagedJournals, ResumeAfterTruncationAnywhere) {
     const std::string whole = slurp(copy_ / "pass-1");
     ASSERT_GT(whole.size(), 2000u);
     for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 40) {
@@ -182,7 +182,7 @@ TEST_F(DamagedJournals, TornAnywhere) {
     }
 }
 
-TEST_F(DamagedJournals, FlippedAnywhere) {
+TEST_F(DamagedJournals, ResumeAfterAFlippedBitAnywhere) {
     for (const char* name : {"pass-1", "head"}) {
         const std::string whole = slurp(copy_ / name);
         for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 60) {
@@ -195,7 +195,7 @@ TEST_F(DamagedJournals, FlippedAnywhere) {
     }
 }
 
-TEST_F(DamagedJournals, TilesInAnyOrderAndTwice) {
+TEST_F(DamagedJournals, ResumeWithReorderedAndRepeatedTiles) {
     restore();
     const std::string whole = slurp(copy_ / "pass-1");
     const std::size_t first = whole.find("TILE");
@@ -206,8 +206,8 @@ TEST_F(DamagedJournals, TilesInAnyOrderAndTwice) {
     resume_and_compare(options_, bytes_);
 }
 
-TEST_F(DamagedJournals, OfAnotherFile) {
-    // Other texels of the same shape: the sample tells.
+TEST_F(DamagedJournals, AreNotUsedForAnotherTextureOrRate) {
+    // The checksum of sampled texels detects other texels of the same size.
     texels_ = make_texels(small, 2);
     restore();
     options_.journal = JournalUse::resume;
@@ -217,7 +217,8 @@ TEST_F(DamagedJournals, OfAnotherFile) {
         << refused.status().message();
     EXPECT_TRUE(fs::exists(inside("pass-1")));
     EXPECT_FALSE(fs::exists(output()));
-    // The tiles of one encode under the head of another: the steps in their file differ.
+    // Tiles of one encode lie beside the head of another. The pass file records other steps, so its
+    // tiles are ignored.
     options_.rate.value = 40;
     options_.journal = JournalUse::start;
     const std::string other = expected(options_);
@@ -226,7 +227,7 @@ TEST_F(DamagedJournals, OfAnotherFile) {
     resume_and_compare(options_, other);
 }
 
-TEST_F(DamagedJournals, OfFinishedPasses) {
+TEST_F(DamagedJournals, ResumeWithDamagedFinishedPasses) {
     options_.rate = {RateTarget::Kind::bytes, 9000};
     const std::string bytes = expected(options_);
     int checks = 100;
@@ -245,19 +246,19 @@ TEST_F(DamagedJournals, OfFinishedPasses) {
             resume_and_compare(options_, bytes);
         }
     }
-    for (const char* name : {"pass-1", "pass-2"}) { // finished, but its tiles are gone
+    for (const char* name : {"pass-1", "pass-2"}) { // finished passes without their tiles
         restore();
         fs::remove(inside(name));
         resume_and_compare(options_, bytes);
     }
 }
 
-TEST_F(Journals, WhatIsInTheWay) {
+TEST_F(Journals, KeepUnrelatedFiles) {
     spit(journal_path(output()), "a file");
     EXPECT_EQ(encode(options_).status().code(), ErrorCode::io);
     EXPECT_EQ(slurp(journal_path(output())), "a file");
     fs::remove(journal_path(output()));
-    // A stranger's files in the folder survive, and so does what a link points to.
+    // Unrelated files in the folder and the targets of links are kept.
     fs::create_directory(journal_path(output()));
     const auto strangers = {"notes.txt", "pass-", "pass-1b", "done-1234567890", "head.old"};
     for (const char* name : strangers)
@@ -273,13 +274,13 @@ TEST_F(Journals, WhatIsInTheWay) {
     EXPECT_EQ(slurp(folder_ / "precious"), "mine");
 }
 
-// Encodes come out the same where they do not, later.
-TEST_F(Journals, GiveBackTheTotalsOfFinishedPasses) {
+// Checked here, because a pass without valid totals is repeated and the output would not show it.
+TEST_F(Journals, ReturnTheTotalsOfFinishedPasses) {
     const auto journal = Journal::open(output());
     ASSERT_TRUE(journal && (*journal)->begin({{"a", "b"}}, false));
     CodingParameters parameters, others;
     others.dependent = !parameters.dependent;
-    for (const double squared_error : {0.0, 0.25, 1e20}) { // none where nothing is lost
+    for (const double squared_error : {0.0, 0.25, 1e20}) { // 0: lossless
         PassTotals totals{squared_error, 2, 3, 4, 5, {}};
         totals.statistics.stops.back() = 6;
         totals.statistics.goes.front() = 7;
@@ -297,10 +298,10 @@ TEST_F(Journals, GiveBackTheTotalsOfFinishedPasses) {
         EXPECT_FALSE((*journal)->finished(1, others));
     }
     ASSERT_TRUE((*journal)->finish(1, parameters, {-1.0, 2, 3, 4, 5, {}}));
-    EXPECT_FALSE((*journal)->finished(1, parameters)) << "no sum of squares";
+    EXPECT_FALSE((*journal)->finished(1, parameters)) << "a sum of squares is not negative";
 }
 
-TEST_F(Journals, StayForOneTile) {
+TEST_F(Journals, AreKeptForOneFinishedTile) {
     for (const bool with_tile : {false, true}) {
         {
             const auto journal = Journal::open(output());
@@ -317,7 +318,7 @@ TEST_F(Journals, StayForOneTile) {
     }
 }
 
-TEST_F(Journals, AreHeldByOneAtATime) {
+TEST_F(Journals, AreLockedByOneProcess) {
     const auto held = Journal::open(output());
     ASSERT_TRUE(held);
     const auto report = encode(options_);

@@ -1,5 +1,5 @@
-// What a later process finds of a pass's tiles. That files come out the same after any damage is tested
-// by journal_test, which cannot see whether tiles were coded again.
+// The tiles of a pass that a later process finds in the journal. journal_test.cpp checks that
+// damage does not change the output, but cannot see whether tiles were coded again.
 #include "codec/journal/journal_tiles.h"
 #include "tests/support/test_folder.h"
 
@@ -24,7 +24,7 @@ protected:
             payload[i] = static_cast<std::byte>(7 * i + bytes);
         return payload;
     }
-    // Tiles 2, then 0, of 3.
+    // Writes tile 2, then tile 0, of 3 tiles.
     void write() const {
         const auto store = JournalTiles::create(path_, 3, pass_);
         ASSERT_TRUE(store) << store.status().message();
@@ -42,7 +42,7 @@ protected:
         EXPECT_EQ(a.payload_bytes, b.payload_bytes);
     }
 
-    // Every byte of them counts, and none of a number is that of another.
+    // All bytes of large_ differ, so that exchanged or lost bytes are noticed.
     const CodedTile large_{0x0102030405060708, 0x11121314, 0x21222324, 0x31323334, 0x41424344, 300};
     const CodedTile small_{1, 2, 3, 4, 5, 1};
     const Payload pass_ = payload_of(20);
@@ -50,7 +50,7 @@ protected:
     std::string path_;
 };
 
-TEST_F(JournalFile, GivesBackWhatIsWhole) {
+TEST_F(JournalFile, ReturnsCompleteTiles) {
     write();
     std::vector<CodedTile> figures(3);
     const auto store = JournalTiles::resume(path_, pass_, figures);
@@ -72,13 +72,13 @@ TEST_F(JournalFile, GivesBackWhatIsWhole) {
     EXPECT_FALSE((*store)->has(2));
 }
 
-TEST_F(JournalFile, GoesOnBehindTheLastWholeTile) {
+TEST_F(JournalFile, AppendsAfterTheLastCompleteTile) {
     write();
     const std::string whole = test::slurp(path_);
     for (const std::string& torn : {whole + "TILE", whole + whole.substr(whole.size() - 40)}) {
         test::spit(path_, torn);
         std::vector<CodedTile> figures(3);
-        errno = EINTR; // of an earlier call: the file's end is no interruption
+        errno = EINTR; // left by an earlier call; reaching the end is no interruption
         {
             const auto store = JournalTiles::resume(path_, pass_, figures);
             ASSERT_TRUE(store) << store.status().message();
@@ -91,7 +91,7 @@ TEST_F(JournalFile, GoesOnBehindTheLastWholeTile) {
     }
 }
 
-TEST_F(JournalFile, OfAnotherPassIsMadeAnew) {
+TEST_F(JournalFile, StartsEmptyForAnotherPass) {
     write();
     std::vector<CodedTile> figures(3);
     const auto store = JournalTiles::resume(path_, payload_of(21), figures);
@@ -100,8 +100,8 @@ TEST_F(JournalFile, OfAnotherPassIsMadeAnew) {
     EXPECT_EQ(std::filesystem::file_size(path_), 8u + 4 + 21 + 4);
 }
 
-// A record that claims more than 16 MiB is not believed, so none is written.
-TEST_F(JournalFile, TilesHaveALongestLength) {
+// The reader ignores records of more than 16 MiB, so the writer refuses them.
+TEST_F(JournalFile, RefusesTilesAbove16MiB) {
     const std::size_t longest = 16u << 20;
     Payload payload(longest + 1);
     std::vector<CodedTile> figures(1);
@@ -119,12 +119,12 @@ TEST_F(JournalFile, TilesHaveALongestLength) {
     EXPECT_EQ(figures[0].payload_bytes, longest);
 }
 
-TEST_F(JournalFile, HoldsAnyOnlyBehindItsHead) {
+TEST_F(JournalFile, HoldsTilesOnlyIfOneHasAPayload) {
     EXPECT_FALSE(JournalTiles::holds_any(path_));
     ASSERT_TRUE(JournalTiles::create(path_, 3, pass_));
     EXPECT_FALSE(JournalTiles::holds_any(path_));
     const std::string head = test::slurp(path_);
-    test::spit(path_, head + std::string(44, 'x')); // no byte of a payload
+    test::spit(path_, head + std::string(44, 'x')); // a record without payload
     EXPECT_FALSE(JournalTiles::holds_any(path_));
     write();
     EXPECT_TRUE(JournalTiles::holds_any(path_));

@@ -1,4 +1,4 @@
-// Every set of kernels gives the same; the inverse transform meets IEEE 1180.
+// All sets of kernels give the same results, and the inverse transform meets IEEE 1180.
 #include "codec/kernels/kernels.h"
 #include "format/tile/base_picture.h"
 #include "tests/support/format_values.h"
@@ -28,7 +28,7 @@ struct Ieee1180 {
     double mean() const { return sum / samples; }
 };
 
-// The generator of IEEE 1180-1990.
+// The random generator of IEEE 1180-1990.
 class Ieee1180Random {
 public:
     double operator()(long low, long high) {
@@ -41,8 +41,9 @@ private:
     std::uint32_t state_ = 1;
 };
 
-// One of the standard's runs. Blocks of any shape stand for its 8x8; its coefficient range
-// -2048..2047 is that of the orthonormal transform of 9-bit samples, here 256 * sqrt(texels).
+// One run of the standard's test, with blocks of any shape in place of 8x8. The standard limits
+// coefficients to -2048..2047, the range of an orthonormal 8x8 transform of 9-bit samples. Here the
+// limit is 256 * sqrt(texels).
 Ieee1180 ieee1180_run(const BlockShape& shape, long low, long high, double sign, int blocks) {
     Ieee1180Random random;
     Ieee1180 result;
@@ -63,8 +64,8 @@ Ieee1180 ieee1180_run(const BlockShape& shape, long low, long high, double sign,
             const int shift = fraction_bits(SampleType::unorm8);
             const double got = std::clamp((y[i] + (1 << (shift - 1))) >> shift, -256, 255);
             double want = std::clamp(std::floor(x[i] + 0.5), -256.0, 255.0);
-            // Short transforms hit exact ties often, where both neighbours are equally right and
-            // the reference's own rounding errors would decide.
+            // Short transforms often give exact ties. Both neighbours are then correct, and only
+            // rounding errors of the reference would decide.
             if (std::fabs(x[i] - std::floor(x[i]) - 0.5) < 1e-9 && std::fabs(got - x[i]) < 0.6)
                 want = got;
             const double error = got - want;
@@ -100,7 +101,7 @@ void report(const char* what, const Ieee1180& worst) {
 }
 
 TEST(InverseTransform, MeetsIeee1180InEverySizeAlongEveryAxis) {
-    for (std::size_t axis : {0u, 3u}) { // rows, planes
+    for (std::size_t axis : {0u, 3u}) { // axis 0 uses inverse_rows, axis 3 inverse_planes
         Ieee1180 worst;
         for (int n = 1; n <= max_side_along(axis); ++n) {
             BlockShape shape;
@@ -128,7 +129,7 @@ TEST(InverseTransform, ZeroInGivesZeroOut) {
     }
 }
 
-// Those that this CPU has besides the portable one.
+// The sets of kernels that this CPU supports, except the scalar one.
 std::vector<const Kernels*> vector_paths() {
     std::vector<const Kernels*> paths{&kernels_vector};
     if (avx2_available())
@@ -175,11 +176,11 @@ TEST(KernelPaths, InverseRowsAreEqual) {
             }
 }
 
-TEST(KernelPaths, ColoursAreRotatedBackAlikeAndRight) {
+TEST(KernelPaths, UnrotatedColoursAreEqualAndCorrect) {
     Random random(9);
     for (std::size_t count = 1; count <= 70; ++count) {
         const RotationMatrix& m = rotation_matrix(random.range(0, rotation_count - 1));
-        const bool right = count % 2 == 0; // else numbers that no sum holds
+        const bool right = count % 2 == 0; // otherwise sums overflow
         std::array<std::vector<std::int32_t>, 3> in;
         for (auto& plane : in) {
             plane = random_integers(random, count);
@@ -231,7 +232,7 @@ TEST(KernelPaths, InversePlanesAreEqualAndLikeRows) {
             }
 }
 
-// A target of rows x n in `out`, which it fits: what is between its rows must stay as it is.
+// A target of rows x n within `out`. The values between its rows must not change.
 RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out,
                          std::vector<std::int32_t>& add) {
     const int rows = random.range(1, 9), stride = n + random.range(0, 5);
@@ -253,7 +254,7 @@ RowsTarget random_target(Random& random, int n, std::vector<std::int32_t>& out,
             random.chance(0.5) ? 0 : random.range(1, 10)};
 }
 
-// What a target must hold where value(r, i) was put.
+// The expected contents of a target after value(r, i) was stored in it.
 template <class Value>
 std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::int32_t> out,
                                         Value value) {
@@ -269,7 +270,7 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
     return out;
 }
 
-TEST(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
+TEST(KernelPaths, BlocksAreRoundedAndStoredCorrectly) {
     Random random(12);
     for (int n = 1; n <= max_tile_side; ++n)
         for (const int shift : {0, 8, 14}) {
@@ -278,7 +279,7 @@ TEST(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
             const int t_step = ns * s_step + random.range(0, 3);
             std::vector<std::int32_t> out(static_cast<std::size_t>(nt * t_step), 77);
             auto in = random_integers(random, static_cast<std::size_t>(n * nv * ns * nt));
-            for (std::int32_t& x : in) // what the passes can give
+            for (std::int32_t& x : in) // the range of the passes' output
                 x >>= 4;
             const std::int32_t limit = random.chance(0.5) ? 1 << 14 : no_limit;
             std::vector<std::int32_t> expected = out;
@@ -302,7 +303,7 @@ TEST(KernelPaths, BlocksAreRoundedAndPutWhereTheyBelong) {
         }
 }
 
-// The kernel for pictures against that for sums of rows.
+// Compares the kernel that copies pictures with the one that adds up rows.
 TEST(KernelPaths, CopiedPicturesAreEqual) {
     Random random(14);
     for (int filter = 0; filter < 8; ++filter)
@@ -354,7 +355,7 @@ TEST(KernelPaths, CopiesAreEqual) {
         }
 }
 
-TEST(KernelPaths, RowsArePaddedAlike) {
+TEST(KernelPaths, PaddedRowsAreCorrect) {
     Random random(23);
     constexpr int rows = 3, limit = 1 << 14;
     for (int n = 1; n <= max_tile_side; ++n) {
@@ -379,7 +380,7 @@ TEST(KernelPaths, RowsArePaddedAlike) {
     }
 }
 
-// As large as values of halves are, and their sums along u.
+// Random values within `limit`: that of half-float values, or of their sums along u.
 std::vector<std::int32_t> random_values(Random& random, int count, int limit) {
     std::vector<std::int32_t> values(static_cast<std::size_t>(count));
     for (std::int32_t& x : values)
@@ -398,12 +399,12 @@ std::int64_t six_taps(const std::vector<std::int32_t>& from, int at, int step, i
     return sum;
 }
 
-TEST(KernelPaths, BasePicturesAreFilteredAlike) {
+TEST(KernelPaths, FilteredBasePicturesAreCorrect) {
     Random random(21);
     for (int phase = 0; phase < base_unit; ++phase)
         for (int n = 1; n <= max_tile_side; ++n) {
             constexpr int rows = 8;
-            // Exactly the rows, so that the address sanitizer sees a read past them.
+            // Buffers of the exact size let the address sanitizer detect reads past the end.
             const int stride = n + base_taps - 1 + random.range(0, 3);
             const auto u_from =
                 random_values(random, (rows - 1) * stride + n + base_taps - 1, 1 << 18);
@@ -411,7 +412,7 @@ TEST(KernelPaths, BasePicturesAreFilteredAlike) {
             const int page = random.range(1, 3) * n, count = 3, step = page + random.range(0, 2);
             const std::int16_t row[] = {2, 0, 5};
             const std::uint8_t phases[] = {static_cast<std::uint8_t>(phase), 3, 0};
-            const int add_shift = random.range(-1, 2) * random.range(1, 5); // below 0: none
+            const int add_shift = random.range(-1, 2) * random.range(1, 5); // below 0: adds nothing
             std::vector<std::int32_t> along_u(static_cast<std::size_t>(rows * n));
             const auto before = random_values(random, (count - 1) * step + page, 1 << 18);
             std::vector<std::int32_t> along_v = before;
@@ -439,7 +440,7 @@ TEST(KernelPaths, BasePicturesAreFilteredAlike) {
         }
 }
 
-TEST(Kernels, StoreColoursAlike) {
+TEST(Kernels, StoreEqualAndCorrectColours) {
     Random random(13);
     for (const int texels : {1, 5, 8, 16, 35, 64})
         for (const int images : {1, 3, 8, 9, 16, 24, 64}) {
@@ -453,7 +454,7 @@ TEST(Kernels, StoreColoursAlike) {
             }
             const PlaneSet in{{planes[0].data(), planes[1].data(), planes[2].data()},
                               {100, -3, 17}};
-            // Exactly the tile's bytes, so that the address sanitizer sees a store past them.
+            // A buffer of the exact size lets the address sanitizer detect stores past the end.
             std::vector<unsigned char> a(3 * count);
             kernels_scalar.store_ycocg8(in, texels, images, a.data());
             for (const Kernels* path : vector_paths()) {
@@ -464,7 +465,7 @@ TEST(Kernels, StoreColoursAlike) {
             for (int x = 0; x < texels; ++x)
                 for (int i = 0; i < images; ++i) {
                     const auto at = static_cast<std::size_t>(i * texels + x);
-                    const auto code = [&](std::size_t plane) { // from sixteenths
+                    const auto code = [&](std::size_t plane) { // from sixteenths of a code
                         return static_cast<int>(std::floor(planes[plane][at] / 16.0 + 0.5));
                     };
                     const int y = code(0) + 100, co = code(1) - 3, cg = code(2) + 17;
@@ -477,13 +478,13 @@ TEST(Kernels, StoreColoursAlike) {
         }
 }
 
-// What store_ycocg8 makes of it is the texels again.
-TEST(Kernels, LoadColoursAlike) {
+// store_ycocg8 restores the texels that load_ycocg8 converted.
+TEST(Kernels, LoadEqualColours) {
     Random random(22);
     for (const int texels : {1, 5, 8, 16, 35, 64})
         for (const int images : {1, 3, 8, 9, 16, 24, 64}) {
             const auto count = static_cast<std::size_t>(texels * images);
-            // Exactly the tile's bytes, so that the address sanitizer sees a load past them.
+            // A buffer of the exact size lets the address sanitizer detect loads past the end.
             std::vector<unsigned char> rgb(3 * count), back(3 * count);
             for (unsigned char& x : rgb)
                 x = static_cast<unsigned char>(random.range(0, 255));
@@ -505,7 +506,7 @@ TEST(Kernels, LoadColoursAlike) {
         }
 }
 
-// The environment decides; ctest runs this test with TESSERA_SIMD=scalar and =vector as well.
+// TESSERA_SIMD selects the kernels. ctest runs this test with the values scalar and vector, too.
 TEST(Kernels, FollowTheEnvironment) {
     const char* wish = std::getenv("TESSERA_SIMD");
     const std::string best = avx2_available() ? "avx2" : "vector";

@@ -1,4 +1,4 @@
-// First levels that move the mean of a tile.
+// Changes of first levels that correct the mean of a tile.
 #include "codec/tile_encoder/level_balance.h"
 #include "format/tile/dequantizer.h"
 
@@ -9,7 +9,7 @@ namespace tessera {
 namespace {
 
 constexpr double step = 16;
-constexpr double per_level = step * 4 / 32; // of the mean of 32 texels, by a block of 16
+constexpr double per_level = step * 4 / 32; // change of the mean of 32 texels per level
 
 // Two blocks of 4x4 texels, one plane.
 struct Tile {
@@ -34,7 +34,7 @@ struct Tile {
         parameters.offsets = {};
     }
 
-    // The blocks' first coefficients are these many steps.
+    // `firsts` are the first coefficients of the blocks, in steps. Returns the changed blocks.
     std::vector<std::size_t> pay(double error, const std::vector<float>& firsts) {
         const TileCoding coding(parameters, SampleType::unorm8, 1);
         const BitCosts costs(coding.tables);
@@ -58,7 +58,7 @@ struct Tile {
     CodingParameters parameters;
 };
 
-TEST(LevelBalance, TakesWhatLiesNearestHalfWay) {
+TEST(LevelBalance, ChangesTheLevelNearestToARoundingTie) {
     Tile tile({10, 10});
     EXPECT_EQ(tile.pay(-per_level, {10.1f, 10.4f}), std::vector<std::size_t>{1});
     EXPECT_EQ(tile.level(0), 10);
@@ -68,13 +68,13 @@ TEST(LevelBalance, TakesWhatLiesNearestHalfWay) {
     EXPECT_EQ(other.level(0), 9);
 }
 
-TEST(LevelBalance, LeavesErrorsSmallerThanHalfOfAnyMove) {
+TEST(LevelBalance, LeavesErrorsBelowHalfALevel) {
     Tile tile({10, 10});
     EXPECT_TRUE(tile.pay(0.4 * per_level, {9.6f, 9.6f}).empty());
     EXPECT_EQ(tile.level(0), 10);
 }
 
-TEST(LevelBalance, PlanesGetTheirFirstLevelAndLoseTheirLast) {
+TEST(LevelBalance, AddsAFirstLevelAndRemovesTheLast) {
     Tile tile({0, -1});
     EXPECT_EQ(tile.pay(-2 * per_level, {0.4f, -0.6f}), (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(tile.level(0), 1);
@@ -83,16 +83,16 @@ TEST(LevelBalance, PlanesGetTheirFirstLevelAndLoseTheirLast) {
     EXPECT_EQ(tile.tile.planes[1].coded_length, 0);
 }
 
-TEST(LevelBalance, BlocksThatDoNotMatterStay) {
+TEST(LevelBalance, LeavesMaskedBlocks) {
     Tile tile({10, 10});
     tile.texels.matters.assign(32, std::byte{1});
     for (std::size_t i = 0; i < 32; ++i)
-        if (i % 8 >= 4) // texels of the second block
+        if (i % 8 >= 4) // the second block
             tile.texels.matters[i] = std::byte{0};
     EXPECT_EQ(tile.pay(-2 * per_level, {10.1f, 10.4f}), std::vector<std::size_t>{0});
 }
 
-// A block with colour of its own has a level in its first plane.
+// The syntax requires a block with rotated colour to have a level in its first plane.
 TEST(LevelBalance, RotatedBlocksKeepTheirFirstPlane) {
     const TextureDesc desc{{4, 4, 1, 1}, SampleType::unorm8, 3};
     ColourCoding colour{desc, ColourTransform::ycocg_r};
@@ -114,7 +114,8 @@ TEST(LevelBalance, RotatedBlocksKeepTheirFirstPlane) {
     tile.planes = {{0, 1, 1}, {1, 0, 0}, {1, 0, 0}};
     TileTexels texels;
     texels.texels.resize(48);
-    // Against the first axis, whichever way that points: only the plane's own level could pay it.
+    // The sign of the first axis is unknown, so both signs are tried. Only the level of the first
+    // plane could correct the error.
     for (const double error : {8.0, -8.0}) {
         TileLevels paid = tile;
         balance.pay({error, error, error}, texels, paid);

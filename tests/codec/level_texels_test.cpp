@@ -1,4 +1,4 @@
-// Means of texels, and what lies between them.
+// The means that form coarse levels, and interpolation between them.
 #include "codec/decoder.h"
 #include "codec/texels/level_texels.h"
 #include "format/tile/colour_transform.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-// The definitions of FORMAT.md 5.4, texel by texel.
+// The mean of the covered texels as FORMAT.md 5.4 defines it.
 double mean_of(const MemoryTexture& texture, const LevelEntry& level, const Extent4& at, int c) {
     const TextureDesc& desc = texture.desc();
     double sum = 0, count = 0;
@@ -27,7 +27,7 @@ double mean_of(const MemoryTexture& texture, const LevelEntry& level, const Exte
     return sum / count;
 }
 
-TEST(LevelTexels, MeansAreThoseOfTheTexelsThatAreJoined) {
+TEST(LevelTexels, MeansMatchTheirDefinition) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
         const TextureDesc desc{{21, 10, 5, 7}, type, 3};
         Random random(5);
@@ -35,7 +35,7 @@ TEST(LevelTexels, MeansAreThoseOfTheTexelsThatAreJoined) {
         const LevelEntry level = coarse_level(desc.size, 2, 1, 0), full{desc.size, 0, 0, 0};
         const Box4 box{{1, 0, 1, 0}, level.size};
         LevelMeans means(desc, full, level, box);
-        // In pieces, as tiles come.
+        // The means are computed from pieces as large as tiles.
         const TileGrid grid(desc.size, {8, 4, 3, 2});
         for (std::uint64_t i = 0; i < grid.tiles(); ++i) {
             Bytes texels(desc.box_bytes(grid.box(i)));
@@ -58,7 +58,7 @@ TEST(LevelTexels, MeansAreThoseOfTheTexelsThatAreJoined) {
 TEST(LevelTexels, InterpolationGoesThroughCentresAndKeepsRamps) {
     const TextureDesc desc{{37, 18, 9, 8}, SampleType::half16, 1};
     const LevelEntry full{desc.size, 0, 0, 0}, level = coarse_level(desc.size, 2, 1, 0);
-    // A ramp of codes in all four coordinates of level 0, sampled at the centres of 5.4.
+    // The level samples a ramp of codes at the centres that FORMAT.md 5.4 defines.
     const auto ramp = [](double u, double v, double s, double t) {
         return 1000 + 40 * u + 24 * v + 16 * s - 8 * t;
     };

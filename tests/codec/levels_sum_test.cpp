@@ -25,8 +25,8 @@ CodedThing coded_thing() {
     return thing;
 }
 
-// Each change is one that decodes to other texels.
-TEST(LevelsSum, TellsEveryChangeApart) {
+// Each change decodes to different texels, so it must change the sum.
+TEST(LevelsSum, DiffersForEveryChange) {
     const std::vector<std::function<void(CodedThing&)>> changes = {
         [](CodedThing&) {},
         [](CodedThing& x) { x.levels.base_blocks = 1; },

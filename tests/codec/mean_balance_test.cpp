@@ -1,4 +1,4 @@
-// The mean of a decoded texture is that of its texels.
+// Decoding keeps the mean colour of a texture.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/tile_encoder/mean_balance.h"
@@ -18,7 +18,7 @@ using test::Bytes;
 
 constexpr Extent4 small_size{32, 24, 8, 8};
 
-// Of the channel where it is largest, in codes.
+// The largest difference of the means over all channels, in codes.
 double mean_bias(const char* scene, const EncodeOptions& options) {
     const auto file = encode_scene(scene, small_size, false, options);
     EXPECT_TRUE(file.ok()) << file.status().message();
@@ -37,7 +37,7 @@ double mean_bias(const char* scene, const EncodeOptions& options) {
     return largest_of(sum) / static_cast<double>(texel_count(small_size));
 }
 
-// Unbalanced, these are off by 0.15, 0.84 and 0.70 codes.
+// Without balancing the means differ by 0.15, 0.84 and 0.70 codes.
 TEST(MeanBalance, SmallTexturesKeepTheirMeanColours) {
     for (const auto& [scene, quality, effort] :
          {std::tuple{"composed", 68.0, 1}, {"mirror", 60.0, 2}, {"lamps", 75.0, 1}}) {
@@ -48,8 +48,8 @@ TEST(MeanBalance, SmallTexturesKeepTheirMeanColours) {
     }
 }
 
-// A debt is asked of the blocks that are left, and what they have paid is no debt any more.
-TEST(MeanBalance, DebtsArePaidOnce) {
+// MeanDebt asks the remaining blocks for the error of the mean that is not yet corrected.
+TEST(MeanBalance, AsksOnlyForTheRemainingError) {
     const TextureDesc desc{{4, 4, 1, 1}, SampleType::unorm8, 1};
     ColourCoding colour;
     colour.desc = desc;
@@ -61,14 +61,14 @@ TEST(MeanBalance, DebtsArePaidOnce) {
     const auto asked_by = [&](const MeanDebt& debt) {
         block.plane[0].assign(16, 0);
         debt.ask_of(block);
-        return block.plane[0][0] / 4; // of the mean
+        return block.plane[0][0] / 4; // as a change of the mean
     };
     MeanDebt debt({-3.0 / 8}, 32, 8, coding, colour);
     EXPECT_FLOAT_EQ(asked_by(debt), 3) << "eight times its share";
     TilePlanes before, after;
     before.shape = after.shape = block.shape;
     before.plane[0].assign(16, 0);
-    after.plane[0].assign(16, 8); // half a code: 8 of the 12 that 32 texels lack
+    after.plane[0].assign(16, 8); // half a code in 16 texels: 8 of the 12 codes that 32 texels lack
     debt.count({{0, 0, 0, 0}, block.shape}, before, after);
     EXPECT_FLOAT_EQ(asked_by(debt), 2) << "eight times a quarter of a code";
     const MeanDebt large({-100}, 16, 8, coding, colour);

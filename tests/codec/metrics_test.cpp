@@ -1,4 +1,4 @@
-// The measures against slow twins written from their definitions.
+// The metrics compared with slow implementations of their definitions.
 #include "codec/metrics.h"
 #include "format/io/bytes.h"
 #include "format/samples.h"
@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-// A texture in memory that can insist on the protocol of slabs.
+// A texture in memory that refuses reads outside the current slab.
 class MemoryTexture : public TexelSource {
 public:
     explicit MemoryTexture(const TextureDesc& desc)
@@ -91,7 +91,7 @@ double naive_psnr(const Pair& pair, std::size_t first, std::size_t step, double 
     return 10 * std::log10(peak * peak * static_cast<double>(count) / sum);
 }
 
-// SSIM straight from the paper, with a two-dimensional window and double precision.
+// SSIM as the paper defines it, with a two-dimensional window in double precision.
 double naive_ssim(const std::vector<double>& a, const std::vector<double>& b, int width, int height,
                   double peak) {
     const int nx = std::min(width, 11), ny = std::min(height, 11);
@@ -265,9 +265,9 @@ TEST(Metrics, SsimOverViews) {
 }
 
 TEST(Metrics, SsimOfHalvesIsOverPu21) {
-    for (const std::uint8_t channels : {1, 3}) { // of colours it looks at the luminance
+    for (const std::uint8_t channels : {1, 3}) { // colours are compared by their luminance
         Pair pair({{14, 13, 1, 1}, SampleType::half16, channels});
-        pair.b.bytes() = Pair(pair.a.desc(), 2).a.bytes(); // alike, anything would give 1 or nearly
+        pair.b.bytes() = Pair(pair.a.desc(), 2).a.bytes(); // different, as equal ones give 1
         const auto pictured = [&](const MemoryTexture& texture) {
             std::vector<double> values;
             for (std::size_t i = 0; i < texture.samples(); i += channels) {

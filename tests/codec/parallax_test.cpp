@@ -1,4 +1,4 @@
-// Views of cameras are told from what a surface shows in all directions.
+// Detection of camera grids, as opposed to the directions of a surface light field.
 #include "codec/trials/parallax.h"
 #include "tests/support/moving_views.h"
 #include "tests/support/random.h"
@@ -13,9 +13,10 @@
 namespace tessera::test {
 namespace {
 
-constexpr double farthest_move = 2.75; // texels a view
+constexpr double farthest_move = 2.75; // texels per view
 
-// A patch whose sample at (u, v, s, t) is picture(u, v, s, t), 0..1; views are counted from the middle one.
+// A patch whose sample at (u, v, s, t) is picture(u, v, s, t) in 0..1. For the picture s and t are
+// 0 in the middle view.
 MotionPatch patch_of(const std::function<double(int, int, int, int)>& picture,
                      const Extent4& extent = {32, 24, 3, 3},
                      const std::function<bool(int, int)>& matters = {}) {
@@ -36,7 +37,8 @@ MotionPatch patch_of(const std::function<double(int, int, int, int)>& picture,
     return MotionPatch(box, tile, texture.desc());
 }
 
-// What lies nearer moves further: to the right of the middle `near` texels a view, else `far`.
+// The right half moves by `near` texels per view, the left half by `far`. `against`: v moves the
+// other way along t.
 MotionPatch cameras(double near, double far, bool against = false, double noise = 0) {
     auto random = std::make_shared<Random>(7);
     return patch_of([=](int u, int v, int s, int t) {
@@ -50,7 +52,7 @@ BasePictures parallax_of(const MotionPatch& patch, ViewAlignment alignment = {})
     return parallax_in(std::vector{patch}, alignment);
 }
 
-TEST(Parallax, IsSeenWhateverItsSizeAndDirection) {
+TEST(Parallax, IsDetectedInEverySizeAndDirection) {
     for (const double near : {0.0, 0.4, 1.3, farthest_move})
         for (const double far : {-farthest_move, -0.6, 0.2})
             for (const bool against : {false, true}) {
@@ -60,12 +62,12 @@ TEST(Parallax, IsSeenWhateverItsSizeAndDirection) {
             }
 }
 
-TEST(Parallax, IsSeenThroughNoise) {
+TEST(Parallax, IsDetectedUnderNoise) {
     EXPECT_TRUE(parallax_of(cameras(1.2, -0.8, false, 0.1)).on);
     EXPECT_FALSE(parallax_of(cameras(1.2, -0.8, false, 3)).on);
 }
 
-TEST(Parallax, IsBesideWhatViewsAreAlignedBy) {
+TEST(Parallax, IsRelativeToTheAlignment) {
     const MotionPatch patch = cameras(6.5, 5.25);
     EXPECT_FALSE(parallax_of(patch).on);
     EXPECT_EQ(parallax_of(patch, {-6, -6}), (BasePictures{.on = true}));
@@ -73,11 +75,11 @@ TEST(Parallax, IsBesideWhatViewsAreAlignedBy) {
               (BasePictures{.on = true, .v_against_u = true}));
 }
 
-TEST(Parallax, IsNotWhatDirectionsShow) {
+TEST(Parallax, IsNotDetectedWithoutCameraGrids) {
     EXPECT_FALSE(parallax_of(patch_of([](int u, int v, int s, int t) {
                      return moving_picture(u + 17 * s, v - 29 * t, 0);
                  })).on)
-        << "another picture each";
+        << "unrelated views";
     EXPECT_FALSE(parallax_of(patch_of([](int u, int v, int s, int t) {
                      return moving_picture(u - 2 * t, v - 2 * s, 0);
                  })).on)
@@ -85,7 +87,7 @@ TEST(Parallax, IsNotWhatDirectionsShow) {
     EXPECT_FALSE(parallax_of(patch_of([](int, int, int, int) { return 0.25; })).on) << "flat";
 }
 
-TEST(Parallax, ViewsInARowAndFewPlacesAreEnoughOrNone) {
+TEST(Parallax, NeedsTwoViewsAndEightTexelsPerSide) {
     const auto moving = [](int u, int v, int s, int t) { return moving_picture(u - s, v - t, 0); };
     for (const Extent4& extent :
          {Extent4{32, 24, 3, 1}, {32, 24, 1, 3}, {32, 24, 2, 2}, {8, 8, 3, 3}})
@@ -94,8 +96,8 @@ TEST(Parallax, ViewsInARowAndFewPlacesAreEnoughOrNone) {
         EXPECT_FALSE(parallax_of(patch_of(moving, extent)).on) << to_string(extent);
 }
 
-// The left half moves as cameras see it, the right one does not.
-TEST(Parallax, OfWhatDoesNotMatterIsNone) {
+// The left half shows the parallax of a camera grid, and the right half does not.
+TEST(Parallax, IgnoresMaskedTexels) {
     const auto half = [](int u, int v, int s, int t) {
         return u < 16 ? moving_picture(u - s, v - t, 0) : moving_picture(u + 17 * s, v - 29 * t, 3);
     };

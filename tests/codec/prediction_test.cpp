@@ -1,4 +1,5 @@
-// Prediction from other views of a tile: coding, depths, reconstruction, and what the encoder gains.
+// Prediction from other views of a tile: its coding, depths and reconstruction, and the bytes it
+// saves.
 #include "codec/tile_encoder/tile_encoder.h"
 #include "tests/reference/spec_decoder.h"
 #include "tests/support/decode_cases.h"
@@ -62,7 +63,7 @@ TEST(Prediction, RandomTilesRoundTripThroughTheEntropyCoder) {
     EXPECT_GT(copies, 500u);
 }
 
-// A tile of S x T views, each a block of its own, in the order of the split tree.
+// Splits a block into one block per view, in the order of the split tree.
 void cut_into_views(TileLevels& tile, const Block& block) {
     const bool leaf = block.shape.n[2] == 1 && block.shape.n[3] == 1;
     tile.splits.push_back(static_cast<std::uint8_t>(leaf ? Split::none : Split::angular));
@@ -75,7 +76,7 @@ void cut_into_views(TileLevels& tile, const Block& block) {
         cut_into_views(tile, children.block[static_cast<std::size_t>(i)]);
 }
 
-// `copying` views in a row along s, each from the one before.
+// A row of views along s. `copying` of them copy from the view before.
 TileLevels chain(int views, int copying) {
     TileLevels tile;
     tile.shape = test::shape_of(2, 2, views, 1);
@@ -116,7 +117,7 @@ TEST(CopyDepths, CopyingAlongTIsDeeperThanAllOfTheRowBefore) {
     EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 1, 2}));
 }
 
-TEST(CopyDepths, AllViewsOfABlockAreAsDeepAsIt) {
+TEST(CopyDepths, ViewsHaveTheDepthOfTheirBlock) {
     const auto views = [](int first, int count) {
         return Block{
             {0, 0, static_cast<std::uint8_t>(first), 0}, test::shape_of(2, 2, count, 1), 0, 0};
@@ -128,7 +129,7 @@ TEST(CopyDepths, AllViewsOfABlockAreAsDeepAsIt) {
     EXPECT_EQ(depths.depth, (std::vector<std::uint8_t>{0, 1, 2}));
 }
 
-TEST(CopyDepths, SixteenIsRefused) {
+TEST(CopyDepths, RefusesADepthOf16) {
     CodingParameters parameters;
     parameters.prediction = true;
     const TileCoding coding(parameters, SampleType::unorm8, 1);
@@ -146,7 +147,8 @@ TEST(CopyDepths, SixteenIsRefused) {
     }
 }
 
-// A picture of fine detail that moves by `u`, `v` half texels a step along s and along t.
+// A picture of fine detail. From view to view it moves by `along_s` or `along_t` (u, v), in half
+// texels.
 test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
                                    const std::array<int, 2>& along_t,
                                    const Extent4& size = {24, 24, 8, 8}) {
@@ -160,7 +162,7 @@ test::MemoryTexture moving_picture(const std::array<int, 2>& along_s,
             }};
 }
 
-// A picture of coarse detail that moves by two texels a view, under noise that does not.
+// A picture of coarse detail that moves by two texels per view, plus independent noise.
 test::MemoryTexture noisy_moving_picture(std::uint32_t side = 32) {
     test::Random random(3);
     return {{{side, side, 8, 8}, SampleType::unorm8, 3}, [&](int u, int v, int s, int t, int c) {
@@ -172,9 +174,9 @@ test::MemoryTexture noisy_moving_picture(std::uint32_t side = 32) {
 
 TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
     test::MemoryTexture source =
-        noisy_moving_picture(48); // at 32 tables of so few levels differ by as much
+        noisy_moving_picture(48); // with a side of 32 the size of the tables varies as much
     EncodeOptions options;
-    options.rate = {RateTarget::Kind::quality, 48}; // far above, it is noise that is coded
+    options.rate = {RateTarget::Kind::quality, 48}; // at a much higher quality the noise dominates
     options.tile_extent = {16, 16, 4, 4};
     options.effort = usual_effort;
     options.tools = "-base,-align";
@@ -198,13 +200,13 @@ TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     options.effort = usual_effort;
     options.tools = "-base,-align";
     EXPECT_FALSE(encode_file_of(fine, options).parameters.smooth_copies);
-    options.effort = test::quick_effort; // without copies there is nothing to smooth
+    options.effort = test::quick_effort; // this effort does not copy
     options.tools = "+smooth,-align";
     EXPECT_FALSE(encode_file_of(noisy, options).parameters.smooth_copies);
 }
 
 TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
-    using Motion = std::array<int, 2>; // half texels a view
+    using Motion = std::array<int, 2>; // half texels per view
     for (const auto& [along_s, along_t, effort] :
          {std::tuple{Motion{4, 0}, Motion{0, 4}, test::copies_effort},
           std::tuple{Motion{-6, 2}, Motion{2, 5}, usual_effort}}) {
@@ -214,7 +216,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
             EncodeOptions options;
             options.effort = copies ? effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
-            options.tools = "-align"; // which leaves nothing to copy
+            options.tools = "-align"; // aligned views would leave nothing to copy
             options.rate = {RateTarget::Kind::quality, copies ? 64.0 : 60.0};
             Bytes file;
             const auto encoded = encode_memory(source, file, options);
@@ -227,15 +229,15 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
         }
         const double more = report[1].psnr - report[0].psnr;
         EXPECT_GT(more, 0);
-        // A fifth at the same PSNR; a dB is worth 15 % of the bytes and more.
+        // Copies save a fifth at equal PSNR. A dB is worth at least 15 % of the bytes.
         EXPECT_LT(static_cast<double>(report[1].file_bytes),
                   0.8 * static_cast<double>(report[0].file_bytes) * (1 + 0.15 * more));
     }
 }
 
-TEST(EncodeCopies, OfABasePictureAreFoundWhereTheyPayInTheirDirection) {
+TEST(EncodeCopies, UseBasePicturesInTheDirectionOfTheParallax) {
     for (const bool against : {false, true}) {
-        // Half a texel a view; along t the other way in the second one.
+        // The picture moves by half a texel per view. `against` reverses the motion along t.
         test::MemoryTexture source = moving_picture({1, 0}, {0, against ? -1 : 1}, {24, 24, 5, 5});
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 60};
@@ -255,7 +257,7 @@ TEST(EncodeCopies, OfABasePictureAreFoundWhereTheyPayInTheirDirection) {
     }
 }
 
-TEST(EncodeCopies, ErrorBoundsGoWithoutThem) {
+TEST(EncodeCopies, AreOffUnderAnErrorBound) {
     test::MemoryTexture source = moving_picture({4, 0}, {0, 4}, {16, 16, 8, 8});
     EncodeOptions options;
     options.effort = most_effort;

@@ -1,4 +1,4 @@
-// Targets of rate are kept.
+// Rate targets are met.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "tests/support/efforts.h"
@@ -37,8 +37,8 @@ TEST(Rate, MaximumErrorIsAGuarantee) {
         }
 }
 
-// Of a texture large enough that PSNR moves in small steps; tiny ones jump by half a dB.
-TEST(Rate, PsnrIsReachedFromAbove) {
+// The texture is so large that the PSNR varies in small steps. In tiny ones it jumps by half a dB.
+TEST(Rate, PsnrIsNeverBelowTheTarget) {
     for (const SampleType type : types) {
         MemoryTexture texture = named_texture(describe({33, 20, 9, 8}, type), "smooth");
         for (const double psnr : {34.0, 41.5}) {
@@ -51,8 +51,9 @@ TEST(Rate, PsnrIsReachedFromAbove) {
     }
 }
 
-// A lossless file takes the place of one of the finest quantiser where it is smaller, or wanted.
-TEST(Rate, PsnrBeyondEveryQuantiser) {
+// Beyond the finest quantiser a lossless file is written if it is smaller or lossless_fallback is
+// set.
+TEST(Rate, PsnrBeyondTheFinestQuantiserCanFallBackToLossless) {
     MemoryTexture noise = named_texture(describe({9, 8, 5, 4}, SampleType::half16), "noise");
     EncodeOptions options = options_for({Kind::psnr, 119}, 0);
     const Encoded cheaper = encode(noise, options);
@@ -70,12 +71,12 @@ TEST(Rate, SizesAreNeverExceeded) {
     for (const SampleType type : types)
         for (const char* name : {"smooth", "noise", "bright_texel"}) {
             if (type == SampleType::half16 && std::string(name) == "noise")
-                continue; // nothing that the others do not show
+                continue; // adds nothing to the other cases
             const bool smooth = std::string(name) == "smooth";
             const Extent4 size = smooth ? Extent4{33, 20, 9, 8} : Extent4{33, 9, 9, 8};
             MemoryTexture texture = named_texture(describe(size, type), name);
             const auto texels = static_cast<double>(texel_count(texture.desc().size));
-            // Of 8-bit samples "smooth" has files of up to 2,427 bytes, then of 6,052 and more.
+            // With 8-bit samples "smooth" gives files up to 2,427 bytes or from 6,052 bytes.
             const double most = smooth && type == SampleType::unorm8 ? 2400 : 4000;
             for (const double bytes : smooth ? std::vector{1500.0, most} : std::vector{most}) {
                 const Encoded encoded = encode(texture, options_for({Kind::bytes, bytes}, 0));

@@ -1,4 +1,4 @@
-// Levels to texels, against a slow twin.
+// Reconstruction of texels from levels, compared with a slow implementation.
 #include "codec/kernels/kernels.h"
 #include "codec/reconstruct/reconstruct.h"
 #include "tests/support/format_values.h"
@@ -15,9 +15,9 @@ namespace {
 
 using namespace tessera::test::transforms;
 
-// reconstruct() against the same levels dequantised and transformed in double precision: covers
-// supports, block placement and the shortcuts.
-TEST(Reconstruct, MatchesSlowTwinOnRandomTiles) {
+// Compares reconstruct() with dequantisation and transforms in double precision. Covers supports,
+// block positions and shortcuts.
+TEST(Reconstruct, MatchesDoublePrecisionOnRandomTiles) {
     Random random(11);
     std::vector<BlockShape> shapes = shapes_4d;
     shapes.push_back(shape_of(1, 1, 1, 1));
@@ -75,7 +75,7 @@ TEST(Reconstruct, MatchesSlowTwinOnRandomTiles) {
             if (type == SampleType::unorm8)
                 worst_mse = std::max(worst_mse, squares / count);
         }
-    // Hardly more than what rounding to sixteenths must cost.
+    // Rounding to sixteenths alone gives an error of 1 / 12 / 256.
     EXPECT_LE(worst_mse, 1.3 / 12 / 256);
     std::printf("reconstruct(): worst mean square error against double %.6f\n", worst_mse);
 }

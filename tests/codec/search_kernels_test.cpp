@@ -1,4 +1,4 @@
-// Both sets of the search's kernels give the same.
+// Both sets of search kernels give the same results.
 #include "codec/kernels/kernels.h"
 #include "codec/search_kernels/forward_dct.h"
 #include "codec/tile_encoder/bit_costs.h"
@@ -21,7 +21,7 @@ namespace {
 
 using namespace tessera::test::transforms;
 
-// The search has no kernels of 128-bit vectors.
+// The search has only scalar and AVX2 kernels.
 class SearchPaths : public testing::Test {
 protected:
     void SetUp() override {
@@ -50,13 +50,13 @@ TEST_F(SearchPaths, ForwardPassesAreEqual) {
         }
 }
 
-// The search's own transform: the kept frequencies, in the order that forward_order says.
-TEST_F(SearchPaths, ForwardImagesAreEqualAndRight) {
+// The transform keeps the low frequencies in the order of forward_order.
+TEST_F(SearchPaths, ForwardImagesAreEqualAndCorrect) {
     Random random(14);
     for (int nu = 1; nu <= max_tile_side; ++nu)
         for (int nv = 1; nv <= max_tile_side; ++nv) {
             const int stride = nu + random.range(0, 3), kept_u = forward_kept(nu);
-            // Exactly the image, so that the address sanitizer sees an access past its end.
+            // A buffer of the exact size lets the address sanitizer detect reads past the end.
             const auto in = random_floats(random, stride * (nv - 1) + nu, 255);
             std::vector<float> a(static_cast<std::size_t>(kept_u * forward_kept(nv))),
                 b(a.size(), 1);
@@ -99,8 +99,8 @@ TEST_F(SearchPaths, CodingCostsAreEqual) {
     }
 }
 
-// Values of either sign, all they can be; rows beyond both edges.
-TEST_F(SearchPaths, SquaredDifferencesAreEqualAndRight) {
+// Values cover the whole range. Rows beyond either edge repeat the edge row.
+TEST_F(SearchPaths, SquaredDifferencesAreEqualAndCorrect) {
     Random random(22);
     const auto values = [&](int n) {
         std::vector<std::int16_t> x(static_cast<std::size_t>(n) + read_behind_matched);
@@ -146,7 +146,7 @@ TEST_F(SearchPaths, MatchingUnitsAreEqualAndNearest) {
     Random random(24);
     for (int n = 1; n <= 40; ++n) {
         const auto x = random_floats(random, n, 300);
-        for (const float scale : {8.0f, 0.03f, 100.0f}) { // the last leaves the limit
+        for (const float scale : {8.0f, 0.03f, 100.0f}) { // the last exceeds the limit
             const auto of = [&](const SearchKernels& path) {
                 std::vector<std::int16_t> units(x.size());
                 path.to_matching_units(x.data(), scale, n, units.data());
@@ -161,7 +161,8 @@ TEST_F(SearchPaths, MatchingUnitsAreEqualAndNearest) {
     }
 }
 
-// One plane of a block under random tables; far more of it coded than files have, and longer than rows are moved.
+// One plane of a block with random tables. It codes far more coefficients than real files do. The
+// largest block has many groups of trellis_rows_at_once.
 TEST_F(SearchPaths, TrellisesAreEqual) {
     Random random(23);
     for (const BlockShape& shape :
@@ -242,13 +243,13 @@ TEST_F(SearchPaths, MomentsAreEqual) {
         search_kernels_avx2.add_quads(x.data(), count, a.data(), b.data());
         ASSERT_EQ(std::memcmp(a.data(), sums.data(), places * sizeof(float)), 0) << count;
         ASSERT_EQ(std::memcmp(b.data(), squares.data(), places * sizeof(float)), 0) << count;
-        for (std::size_t i = 0; i < places; ++i) { // each as a row of its own
+        for (std::size_t i = 0; i < places; ++i) { // each four values as a row
             float sum = 1, square = 2;
             search_kernels_scalar.add_row(x.data() + 4 * i, 4, &sum, &square);
             ASSERT_EQ(sum, sums[i]) << count;
             ASSERT_EQ(square, squares[i]) << count;
         }
-        const int n = 4 * count - count % 4; // not only whole runs
+        const int n = 4 * count - count % 4; // not only multiples of four
         float sum = 0, square = 0, other_sum = 0, other_square = 0;
         search_kernels_scalar.add_row(x.data(), n, &sum, &square);
         search_kernels_avx2.add_row(x.data(), n, &other_sum, &other_square);
@@ -261,8 +262,8 @@ TEST_F(SearchPaths, MomentsAreEqual) {
     }
 }
 
-// As two passes along outer axes, whatever the sides.
-TEST_F(SearchPaths, ForwardViewsAreEqualAndRight) {
+// Equals two passes along s and t, for all sizes.
+TEST_F(SearchPaths, ForwardViewsAreEqualAndCorrect) {
     Random random(31);
     for (const int ns : {1, 2, 3, 4, 5, 8})
         for (const int nt : {1, 2, 4, 7})
@@ -282,7 +283,7 @@ TEST_F(SearchPaths, ForwardViewsAreEqualAndRight) {
                                                          both.data() + i * t, s, ns, s,
                                                          forward_basis(ns));
                 for (int i = 0; i < t * nt; ++i) {
-                    const bool is_cells = i % row < width; // what lies between stays as it is
+                    const bool is_cells = i % row < width; // values between the cells do not change
                     ASSERT_NEAR(a[static_cast<std::size_t>(i)],
                                 is_cells ? both[static_cast<std::size_t>(i)] : 0, 1e-2)
                         << ns << " " << nt << " " << width;
@@ -290,13 +291,13 @@ TEST_F(SearchPaths, ForwardViewsAreEqualAndRight) {
             }
 }
 
-TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
+TEST_F(SearchPaths, LoadedColoursMatchTheDecoderKernel) {
     Random random(32);
     const std::int32_t background[3] = {100, -3, 17};
     for (const int texels : {1, 8, 11, 24, 64})
         for (const int images : {1, 8, 9, 16}) {
             const auto count = static_cast<std::size_t>(texels * images);
-            // Half of it is the background, whose squares are skipped.
+            // Half of the texels are background, which the kernel skips.
             std::vector<unsigned char> rgb(3 * count);
             for (std::size_t i = 0; i < rgb.size(); ++i)
                 rgb[i] = i < rgb.size() / 2 ? std::array<unsigned char, 3>{91, 109, 94}[i % 3]
@@ -321,7 +322,7 @@ TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
                     out.plane[p] = planes[p].data();
                 }
                 std::vector<unsigned char> noise(rgb.rbegin(), rgb.rend());
-                for (const auto* bytes : {&rgb, &noise, &rgb}) // what was 0 is not, and is again
+                for (const auto* bytes : {&rgb, &noise, &rgb}) // zeros change and come back
                     path->load_ycocg8(out, bytes->data());
                 for (std::size_t p = 0; p < 3; ++p)
                     for (std::size_t i = 0; i < count; ++i)
@@ -331,7 +332,7 @@ TEST_F(SearchPaths, LoadColoursAsTheDecodersDo) {
         }
 }
 
-TEST_F(SearchPaths, BytesCompareAlike) {
+TEST_F(SearchPaths, ByteErrorsAreCorrect) {
     Random random(33);
     for (const std::size_t n : {1u, 31u, 32u, 100u, 4096u, 9001u}) {
         std::vector<unsigned char> a(n), b(n);
@@ -352,15 +353,15 @@ TEST_F(SearchPaths, BytesCompareAlike) {
     }
 }
 
-// All that 16 bits can come to hold.
-TEST_F(SearchPaths, ByteDifferencesAreEqualAndRight) {
+// The sums reach the limits of 16 bits.
+TEST_F(SearchPaths, ByteDifferencesAreEqualAndCorrect) {
     Random random(35);
     for (const std::size_t rows : {std::size_t{1}, std::size_t{5}, most_byte_rows}) {
         std::vector<unsigned char> a(rows * byte_lanes), b(a.size());
         std::vector<std::int16_t> right(byte_lanes);
         for (std::size_t i = 0; i < a.size(); ++i) {
             const std::size_t lane =
-                i % byte_lanes; // the first and the last differ by all there is
+                i % byte_lanes; // the first and last lane have the largest differences
             a[i] = static_cast<unsigned char>(lane == 0                ? 255
                                               : lane == byte_lanes - 1 ? 0
                                                                        : random.range(0, 255));
@@ -406,7 +407,7 @@ TEST_F(SearchPaths, CellsAndMagnitudesAreEqual) {
     }
 }
 
-TEST_F(SearchPaths, CopiesAreSubtractedAlike) {
+TEST_F(SearchPaths, SubtractedPredictionsAreEqual) {
     Random random(31);
     for (const int n : {1, 3, 4, 7, 8, 12, 19, 64}) {
         const int rows = 5, stride = n + 3;

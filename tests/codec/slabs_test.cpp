@@ -1,4 +1,4 @@
-// Cutting a texture into slabs.
+// Division of a texture into slabs.
 #include "codec/texels/slabs.h"
 #include "tests/support/random.h"
 #include "tests/support/random_box.h"

@@ -1,4 +1,4 @@
-// Tables fitted to levels.
+// Tables fitted to the levels of a texture.
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
 #include "codec/fit/table_fit.h"

@@ -1,4 +1,4 @@
-// Texels that do not matter: what they save, and what they must not change.
+// Masked texels: the bytes they save, and the results they must not affect.
 #include "codec/decoder.h"
 #include "codec/metrics.h"
 #include "codec/tile_encoder/dont_care.h"
@@ -17,7 +17,7 @@ namespace {
 
 using Kind = RateTarget::Kind;
 
-// (u, v, s, t) -> whether it matters.
+// (u, v, s, t) -> whether the texel matters.
 using Matters = std::function<bool(int, int, int, int)>;
 
 MemoryTexture make_mask(const Extent4& size, const Matters& matters) {
@@ -28,7 +28,7 @@ MemoryTexture make_mask(const Extent4& size, const Matters& matters) {
 
 constexpr Extent4 masked_size{32, 24, 8, 8};
 const TextureDesc colour{masked_size, SampleType::unorm8, 3};
-// Where bytes are compared: tables are a small part of a file only if it is large.
+// For comparisons of file sizes, because tables dominate small files.
 constexpr Extent4 large_size{48, 40, 8, 8};
 const TextureDesc large_colour{large_size, SampleType::unorm8, 3};
 
@@ -62,7 +62,7 @@ Bytes decode_whole(const Bytes& file) {
     return texels;
 }
 
-// Over the texels that matter of an 8-bit texture of three channels.
+// The error over the texels that matter, for 8-bit textures of three channels.
 struct Figures {
     double psnr = 0;
     int max_error = 0;
@@ -86,7 +86,7 @@ Figures measure(const Bytes& a, const Bytes& b, const MemoryTexture& mask) {
     return figures;
 }
 
-TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
+TEST(Mask, ThatMasksNothingChangesNothing) {
     MemoryTexture texture = named_texture(colour, "smooth");
     MemoryTexture all = make_mask(masked_size, [](int, int, int, int) { return true; });
     for (const int effort : {0, copies_effort})
@@ -95,7 +95,7 @@ TEST(Mask, OfTexelsThatAllMatterChangesNothing) {
             encode_file_of(texture, masked_options({Kind::quality, 60}, nullptr, effort)).file);
 }
 
-TEST(Mask, SavesBytesAndReportsWhatMatters) {
+TEST(Mask, SavesBytesAndReportIgnoresMaskedTexels) {
     MemoryTexture noise = named_texture(large_colour, "noise");
     MemoryTexture mask = make_mask(large_size, in_chart);
     const EncodedFile plain =
@@ -112,10 +112,10 @@ TEST(Mask, SavesBytesAndReportsWhatMatters) {
     EXPECT_DOUBLE_EQ(masked.report.bits_per_texel,
                      8.0 * static_cast<double>(masked.file.size()) / all);
     const Figures before = measure(noise.texels, decode_whole(plain.file), mask);
-    EXPECT_NEAR(figures.psnr, before.psnr, 1.0); // nothing was gained by doing worse
+    EXPECT_NEAR(figures.psnr, before.psnr, 1.0); // the bytes were not saved by lower quality
 }
 
-// `texture` with noise, or one colour, where it does not matter.
+// `texture` with noise in its masked texels. with_gaps() makes them black.
 MemoryTexture with_noise_behind(MemoryTexture texture, const MemoryTexture& mask) {
     for (std::size_t i = 0; i < mask.texels.size(); ++i)
         if (mask.texels[i] == std::byte{0})
@@ -132,8 +132,8 @@ MemoryTexture with_gaps(MemoryTexture texture, const MemoryTexture& mask) {
     return texture;
 }
 
-TEST(Mask, TargetsBindWhatMatters) {
-    // With the noise the target would need many times the bytes.
+TEST(Mask, TargetsIgnoreMaskedTexels) {
+    // If the masked noise counted, the target would need many times the bytes.
     MemoryTexture mask = make_mask(masked_size, in_disk);
     MemoryTexture texture = with_noise_behind(named_texture(colour, "smooth"), mask);
     const EncodedFile coded =
@@ -144,7 +144,7 @@ TEST(Mask, TargetsBindWhatMatters) {
                 1e-9);
 }
 
-TEST(Mask, NothingBehindItCosts) {
+TEST(Mask, NoiseInMaskedTexelsCostsNothing) {
     const MemoryTexture smooth = named_texture(colour, "smooth");
     MemoryTexture mask = make_mask(masked_size, in_chart);
     const EncodeOptions options = masked_options({Kind::quality, 60}, &mask);
@@ -152,8 +152,8 @@ TEST(Mask, NothingBehindItCosts) {
     EXPECT_EQ(encode_file_of(noisy, options).file, encode_file_of(gaps, options).file);
 }
 
-TEST(Mask, WhatGoesOnBehindItHelps) {
-    // Waves too short for a fill to guess.
+TEST(Mask, SmoothContinuationInMaskedTexelsSavesBytes) {
+    // The waves are too short for a fill to continue them.
     MemoryTexture waves({large_size, SampleType::unorm8, 3}, [](int u, int v, int, int, int) {
         return 0.5 + 0.4 * std::sin(0.9 * u + 0.5 * v);
     });
@@ -163,7 +163,7 @@ TEST(Mask, WhatGoesOnBehindItHelps) {
               encode_file_of(gaps, options).file.size() * 8 / 10);
 }
 
-TEST(Mask, GuaranteesHoldForWhatMatters) {
+TEST(Mask, ErrorBoundsHoldForUnmaskedTexels) {
     const TextureDesc small{{24, 16, 6, 5}, SampleType::unorm8, 3};
     MemoryTexture noise = named_texture(small, "noise");
     MemoryTexture mask = make_mask(small.size, in_chart);
@@ -178,7 +178,7 @@ TEST(Mask, GuaranteesHoldForWhatMatters) {
     }
 }
 
-TEST(Mask, SidesOfOneStandForAllAlongThem) {
+TEST(Mask, SidesOfOneAreBroadcast) {
     MemoryTexture texture = named_texture(colour, "smooth");
     const auto oddly = [](int u, int, int, int t) { return (u / 3 + t) % 3 != 0; };
     const std::vector<std::pair<Extent4, Matters>> cases{
@@ -210,7 +210,7 @@ TEST(Mask, ThreadsChangeNoByte) {
     }
 }
 
-TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
+TEST(Mask, TileTrialIgnoresMaskedTexels) {
     const TextureDesc large{{64, 36, 8, 8}, SampleType::unorm8, 3};
     MemoryTexture mask = make_mask(large.size, in_disk);
     MemoryTexture texture = with_gaps(named_texture(large, "smooth"), mask);
@@ -220,7 +220,7 @@ TEST(Mask, TrialOfTilesSeesWhatMattersOnly) {
     EXPECT_EQ(encode_file_of(texture, options).file, encode_file_of(other, options).file);
 }
 
-TEST(Mask, StrictnessIgnoresWhatDoesNotMatter) {
+TEST(Mask, StrictModeIgnoresMaskedTexels) {
     const TextureDesc hdr{{16, 16, 4, 4}, SampleType::half16, 3};
     const auto with_nan = [&](int where) {
         return MemoryTexture(hdr, [=](int u, int, int, int, int) {
@@ -237,7 +237,7 @@ TEST(Mask, StrictnessIgnoresWhatDoesNotMatter) {
     EXPECT_EQ(refused.status().code(), ErrorCode::invalid_file);
 }
 
-TEST(Mask, MayLeaveNothing) {
+TEST(Mask, MayMaskAllTexels) {
     MemoryTexture noise = named_texture(colour, "noise");
     MemoryTexture none = make_mask({1, 1, 1, 1}, [](int, int, int, int) { return false; });
     for (const RateTarget rate : {RateTarget{Kind::quality, 80}, RateTarget{Kind::psnr, 40}}) {
@@ -248,7 +248,7 @@ TEST(Mask, MayLeaveNothing) {
     }
 }
 
-TEST(Mask, BackgroundIsChosenByWhatMatters) {
+TEST(Mask, BackgroundChoiceIgnoresMaskedTexels) {
     Sample sample;
     sample.boxes = {{{0, 0, 0, 0}, {5, 1, 1, 1}}};
     const auto bytes = [](std::initializer_list<int> values) {
@@ -272,7 +272,7 @@ public:
     Locality locality() const override { return Locality::angular_cells; }
 };
 
-TEST(Mask, IsCheckedFirst) {
+TEST(Mask, OfTheWrongKindIsRefused) {
     MemoryTexture texture = named_texture(colour, "smooth");
     const auto zero = [](int, int, int, int, int) { return 0.0; };
     const auto refused = [&](TexelSource&& mask, const char* word) {
@@ -296,7 +296,7 @@ TEST(Mask, IsCheckedFirst) {
     refused(SlicedMask({masked_size, SampleType::unorm8, 1}, zero), "any order");
 }
 
-TEST(Mask, ComparesWhatMatters) {
+TEST(Mask, ComparisonIgnoresMaskedTexels) {
     MemoryTexture a = named_texture(colour, "noise"), b = a;
     MemoryTexture mask = make_mask(masked_size, in_disk);
     for (std::size_t i = 0; i < b.texels.size(); ++i) {
@@ -316,7 +316,7 @@ TEST(Mask, ComparesWhatMatters) {
     }
 }
 
-TEST(Mask, ComparesHalvesThatMatter) {
+TEST(Mask, ComparisonIgnoresMaskedHalfFloats) {
     const TextureDesc hdr{{16, 8, 4, 4}, SampleType::half16, 1};
     const auto ramp = [](double at_five) {
         return [=](int u, int, int, int, int) { return u == 5 ? at_five : 0.25 * u; };

@@ -1,4 +1,4 @@
-// Which tiles the encoder cuts a texture into when nobody says.
+// The tile extent that the encoder chooses if none is requested.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/pass/steps.h"
@@ -23,7 +23,7 @@ namespace {
 
 constexpr Extent4 usual{32, 32, 8, 8}, wide{64, 64, 4, 4}, few_views{32, 32, 4, 4};
 
-// What the encoder makes of the choice.
+// The tile extent of an encoded file.
 Extent4 tile_of_file(MemoryTexture& texture, EncodeOptions options = {}) {
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = quick_effort;
@@ -36,7 +36,7 @@ Extent4 tile_of_file(MemoryTexture& texture, EncodeOptions options = {}) {
     return decoder ? decoder->container().grid().tile_extent() : Extent4{};
 }
 
-// The choice alone: the rest of the encoder costs ten times as much.
+// Only chooses the tile extent, because a whole encode takes ten times as long.
 Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = quick_effort) {
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = effort;
@@ -53,7 +53,7 @@ Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effo
     return tile ? *tile : Extent4{};
 }
 
-// Waves as long as a tile of 64 texels, each view another picture.
+// Waves about as long as a tile of 64 texels. Views are unrelated.
 MemoryTexture blurred_views(const Extent4& extent) {
     return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
         return 0.5 + 0.25 * std::sin(0.09 * u + 0.05 * v + 1.9 * s + 2.3 * t + c) +
@@ -61,14 +61,14 @@ MemoryTexture blurred_views(const Extent4& extent) {
     });
 }
 
-// Spots of a few texels that look the same from everywhere.
+// Spots of a few texels that look the same in all views.
 MemoryTexture painted_surface(const Extent4& extent) {
     return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int, int, int c) {
         return 0.5 + 0.5 * std::sin(1.3 * u + c) * std::sin(1.7 * v + 0.01 * u * u);
     });
 }
 
-// Patterned balls on a plain ground; they leave a tile of 32 texels within eight views.
+// Patterned balls before a plain background. Within eight views they move by a tile of 32 texels.
 MemoryTexture moving_balls(const Extent4& extent) {
     return MemoryTexture({extent, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
         const int x = u - 4 * s + 640, y = v - 4 * t + 640;
@@ -96,7 +96,7 @@ TEST(TileShapes, CutViewsEvenly) {
     EXPECT_EQ(shapes_of({256, 256, 1, 1}), (Shapes{{64, 64, 1, 1}}));
 }
 
-TEST(TileShapes, LargeOnesHoldWhatMoves) {
+TEST(TileShapes, LargeTilesSuitCameraGrids) {
     for (const auto& [size, tile] : {std::pair{Extent4{256, 256, 9, 9}, Extent4{64, 64, 9, 9}},
                                      {{264, 264, 9, 9}, {53, 53, 9, 9}},
                                      {{256, 256, 5, 5}, {64, 64, 5, 5}},
@@ -125,13 +125,13 @@ TEST(TileShapes, KeepTheLimitsOfTheFormat) {
                         ASSERT_GE(tile[axis], 1u);
                         ASSERT_LE(tile[axis], max_side_along(axis));
                         const std::uint32_t count = TileGrid(size, tile).count()[axis];
-                        ASSERT_EQ(tile[axis], (size[axis] - 1) / count + 1) << "not even";
+                        ASSERT_EQ(tile[axis], (size[axis] - 1) / count + 1) << "unequal tiles";
                     }
                 }
             }
 }
 
-TEST(TileShapes, LayersAndMeshesHaveTheirOwn) {
+TEST(TileShapes, LayersAndMeshesHaveTheirOwnCandidates) {
     EncodeOptions layers, mesh;
     layers.layers = true;
     mesh.description.proxy = Proxy::mesh;
@@ -144,19 +144,19 @@ TEST(TileChoice, BlurredViewsGetWideTiles) {
     EXPECT_EQ(chosen_tile(texture), wide);
 }
 
-TEST(TileChoice, TheEncoderFollowsIt) {
+TEST(TileChoice, TheEncoderUsesTheChosenTile) {
     MemoryTexture texture = painted_surface({34, 34, 14, 14});
     const Extent4 many{17, 17, 14, 14};
     EXPECT_EQ(chosen_tile(texture), many);
     EXPECT_EQ(tile_of_file(texture), many);
 }
 
-TEST(TileChoice, ViewsThatAreAlikeStayTogether) {
+TEST(TileChoice, SimilarViewsShareTiles) {
     MemoryTexture odd = painted_surface({64, 48, 9, 9});
     EXPECT_EQ(chosen_tile(odd), (Extent4{32, 24, 9, 9}));
 }
 
-// A picture full of detail that moves by 0.7 texels from view to view, as cameras see it.
+// A detailed picture that moves by 0.7 texels from view to view, like the images of a camera grid.
 MemoryTexture camera_grid(const Extent4& extent) {
     std::vector<double> picture(128 * 128);
     Random random(4);
@@ -174,7 +174,7 @@ MemoryTexture camera_grid(const Extent4& extent) {
     });
 }
 
-TEST(TileChoice, CameraGridsGetLargeTilesWhereTheseMayHaveBasePictures) {
+TEST(TileChoice, CameraGridsGetLargeTilesWithBasePictures) {
     MemoryTexture texture = camera_grid({36, 36, 17, 17});
     EncodeOptions options;
     EXPECT_EQ(chosen_tile(texture, options, usual_effort), (Extent4{36, 36, 9, 9}));
@@ -186,7 +186,7 @@ TEST(TileChoice, CameraGridsGetLargeTilesWhereTheseMayHaveBasePictures) {
     EXPECT_EQ(chosen_tile(texture, options, usual_effort), many_views);
 }
 
-TEST(TileChoice, LayersKeepPlacesSmall) {
+TEST(TileChoice, LayersLimitTilesToTheirCandidates) {
     EncodeOptions options;
     options.layers = true;
     MemoryTexture moving = moving_balls({64, 64, 8, 8});
@@ -204,7 +204,7 @@ TEST(TileChoice, ThreadsDoNotMatter) {
     EXPECT_EQ(chosen_tile(texture, options), alone);
 }
 
-// Has a size, but no texels.
+// A texture that refuses to be read.
 class Unreadable : public TexelSource {
 public:
     explicit Unreadable(const Extent4& extent) : desc_{extent, SampleType::unorm8, 3} {}
@@ -229,7 +229,7 @@ TEST(TileChoice, LayersOfTheLargestTexturesKeepTheIndexSmall) {
     EXPECT_EQ(choose({1024, 512, 64, 64}).status().message(), "was read");
 }
 
-TEST(TileChoice, WhoeverAsksForATileGetsIt) {
+TEST(TileChoice, UsesTheRequestedTile) {
     MemoryTexture texture = blurred_views({70, 66, 5, 4});
     EncodeOptions options;
     options.tile_extent = {16, 64, 5, 2};
@@ -247,9 +247,9 @@ TEST(TileChoice, SmallTexturesNeedNoTrial) {
     EXPECT_EQ(tile_of_file(texture), usual);
 }
 
-// Short cuts of quick efforts: only counting gives what a pass counts, and estimates are near what it
-// costs, whatever the threads.
-TEST(QuickSamples, CountAndEstimateWhatAPassDoes) {
+// Quick efforts use shortcuts. count_symbols() equals the counts of a pass, and estimated_costs()
+// is close to its cost, for any number of threads.
+TEST(QuickSamples, CountAndEstimateLikeAPass) {
     MemoryTexture texture = moving_balls({48, 48, 8, 8});
     EncodeOptions options;
     options.effort = quick_effort;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr BlockShape parallax_shape{{24, 24, 5, 5}};
 
-// Waves that move by half a texel a view, of that height about a grey.
+// Waves of amplitude `height` around `grey` that move by half a texel per view.
 TileTexels moving_waves(double grey, double height) {
     TileTexels tile;
     const auto& n = parallax_shape.n;
@@ -28,7 +28,7 @@ TileTexels moving_waves(double grey, double height) {
     return tile;
 }
 
-// A flat tile has no copies to search for, so nothing of the one before may be left.
+// A flat tile skips the search for copies, so results of the tile before must not remain.
 TEST(TileEncoder, KeepsNothingOfTheTileBefore) {
     const TextureDesc desc{{24, 24, 5, 5}, SampleType::unorm8, 3};
     const EffortSettings settings = EffortSettings::of(3);

@@ -1,4 +1,4 @@
-// Levels to bytes and back, and bytes that no encoder writes.
+// Entropy coding of levels, and payloads that no encoder writes.
 #include "codec/entropy/context_grid.h"
 #include "codec/entropy/corrections.h"
 #include "codec/entropy/tile_entropy.h"
@@ -46,7 +46,7 @@ const std::vector<BlockShape> shapes = {
 TEST(TileEntropy, RandomTilesRoundTrip) {
     Random random(21);
     std::size_t segments = 0;
-    ContextGrid grid; // one for all: a tile leaves nothing in it
+    ContextGrid grid; // shared, because tiles must leave it clear
     for (const BlockShape& shape : shapes)
         for (int planes = 1; planes <= max_planes; ++planes)
             for (int round = 0; round < 6; ++round) {
@@ -73,7 +73,7 @@ TEST(TileEntropy, RandomTilesRoundTrip) {
     EXPECT_GE(segments, 5u); // the large tiles exercise the segment table
 }
 
-// Every coded length of every block size comes back, those that the scan order cuts above all.
+// Every coded length round-trips, including those limited by the scan order.
 TEST(TileEntropy, EveryCodedLengthRoundTrips) {
     Random random(22);
     const TileCoding coding(CodingParameters{}, SampleType::unorm8, 1);
@@ -105,7 +105,7 @@ TEST(TileEntropy, EveryCodedLengthRoundTrips) {
         }
 }
 
-// Cuts a block along u and v, then along s and t, into leaves of at most so many texels.
+// Splits a block along u and v, then along s and t, into leaves of at most `texels` texels.
 void add_leaves(const Block& block, int texels, TileLevels& tile) {
     const Split split = block.shape.texels() <= texels           ? Split::none
                         : can_split(block.shape, Split::spatial) ? Split::spatial
@@ -120,7 +120,7 @@ void add_leaves(const Block& block, int texels, TileLevels& tile) {
         add_leaves(children.block[static_cast<std::size_t>(i)], texels, tile);
 }
 
-// The most work of a segment of the tile, coded.
+// The largest work of any segment of the coded tile.
 std::size_t most_work(const TileLevels& tile, const TileCoding& coding) {
     Bytes payload;
     encode_levels(tile, {}, coding, payload);
@@ -153,9 +153,9 @@ TEST(TileEntropy, SegmentsKeepTheWorkLimit) {
     }
 }
 
-// Coefficients of which nearly all are coded: in segments of the usual work they would be more than the table
-// of a large tile counts.
-TEST(TileEntropy, LargeTilesHaveAsManySegmentsAsTheirTableCounts) {
+// Nearly all coefficients are coded. Segments of the usual work would exceed the segment table of a
+// large tile.
+TEST(TileEntropy, SegmentsOfLargeTilesFitTheirTable) {
     Random random(24);
     const TileCoding coding(parameters_with(random, false), SampleType::unorm8, 4);
     const BlockShape shape = shape_of(64, 64, 8, 12);
@@ -176,8 +176,8 @@ TEST(TileEntropy, LargeTilesHaveAsManySegmentsAsTheirTableCounts) {
     EXPECT_LE(most, static_cast<std::size_t>(max_segment_work));
 }
 
-// A tile made to be long: every leaf of 16 texels is coded in full. Merging its segments into one
-// gives a valid stream that only its length makes invalid.
+// One block codes 4096 coefficients in each of four planes. The stream is valid except that a
+// segment exceeds the work limit.
 TEST(TileEntropy, TooMuchWorkIsRefused) {
     const TileCoding coding(CodingParameters{}, SampleType::unorm8, 4);
     const BlockShape shape = shape_of(16, 16, 8, 2);
@@ -220,7 +220,7 @@ TEST(TileEntropy, EmptyPayloadIsBackground) {
     }
 }
 
-// Everything a payload can reach: splitting, levels, reconstruction, texels, corrections.
+// Runs the whole decoder on a payload: segments, levels, reconstruction and corrections.
 class HostileDecoder {
 public:
     HostileDecoder(Random& random, int planes, SampleType type)
@@ -233,7 +233,7 @@ public:
 
     const TileCoding& coding() const { return coding_; }
     bool run(std::span<const std::byte> payload, const BlockShape& shape) {
-        // A copy of exactly the right size, so that the address sanitizer sees a read past its end.
+        // A copy of the exact size lets the address sanitizer detect reads past the end.
         const std::unique_ptr<std::byte[]> exact(new std::byte[payload.size()]);
         std::copy(payload.begin(), payload.end(), exact.get());
         texels_.assign(static_cast<std::size_t>(shape.texels()) * colour_.desc.texel_bytes(),
@@ -258,7 +258,7 @@ private:
     Bytes texels_;
 };
 
-TEST(HostileTile, RandomBytesEndInBounds) {
+TEST(HostileTile, RandomBytesAreHandledSafely) {
     Random random(25);
     int accepted = 0;
     for (int round = 0; round < 3000; ++round) {
@@ -276,7 +276,7 @@ TEST(HostileTile, RandomBytesEndInBounds) {
     EXPECT_LT(accepted, 1500);
 }
 
-TEST(HostileTile, TruncationsAndFlipsEndInBounds) {
+TEST(HostileTile, TruncationsAndFlipsAreHandledSafely) {
     Random random(26);
     int flips = 0, missed_flips = 0, cuts = 0, missed_cuts = 0;
     for (int round = 0; round < 8; ++round) {
@@ -305,12 +305,13 @@ TEST(HostileTile, TruncationsAndFlipsEndInBounds) {
             missed_flips += decoder.run(flipped, shape);
         }
     }
-    // The end state finds nearly all; flips inside raw bits change nothing but a level.
+    // The final coder state detects nearly all damage. Flips of raw bits only change a level.
     EXPECT_LE(missed_cuts, cuts / 50);
     EXPECT_LE(missed_flips, flips / 4);
 }
 
-// Levels of the largest magnitude everywhere, in the coarsest steps: saturates, wraps, is defined.
+// Levels of the largest magnitude with the coarsest steps saturate or wrap without undefined
+// behaviour.
 TEST(HostileTile, LargestLevelsAreDefined) {
     Random random(27);
     for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
@@ -325,7 +326,7 @@ TEST(HostileTile, LargestLevelsAreDefined) {
                            {.split = 0.3, .density = 1, .empty = 0, .full_length = true})
                     .make(shape);
             for (NonZero& nz : tile.nonzeros)
-                nz.level = nz.level < 0 ? -max_level : max_level; // not dependent: any may follow
+                nz.level = nz.level < 0 ? -max_level : max_level; // not dependent: all are allowed
             const ColourCoding colour{
                 {{1, 1, 1, 1}, type, 4}, ColourTransform::ycocg_r, {0, 0, 0, 0}};
             TileDecoder decoder(coding, colour);

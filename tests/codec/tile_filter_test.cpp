@@ -1,5 +1,5 @@
-// The filter of decoded tiles: its arithmetic, its fit, and what it is worth in a file. That decoders
-// agree about it on any tile is tested where they are compared.
+// The filter of decoded tiles: its arithmetic, its fit and its gain. Tests that compare the
+// decoders check that they agree on filtered tiles.
 #include "codec/fit/filter_fit.h"
 #include "codec/kernels/kernels.h"
 #include "codec/reconstruct/tile_filter.h"
@@ -18,7 +18,7 @@ namespace {
 using test::Random;
 
 TEST(TileFilter, SlopesFollowTheStep) {
-    // A share falls to 0 where the difference is reach / 16 steps.
+    // A share falls to 0 at a difference of reach / 16 steps.
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (const double step : {2.0, 10.0, 300.0})
             for (const int reach : {3, 16, 255}) {
@@ -27,13 +27,13 @@ TEST(TileFilter, SlopesFollowTheStep) {
                 const auto end = static_cast<std::uint32_t>(
                     std::lround(reach / 16.0 * step * (1 << value_bits(type))));
                 SCOPED_TRACE(std::to_string(step) + " " + std::to_string(reach));
-                if (end < 8 || end > 4000) // a slope has 16 bits; differences count no further
+                if (end < 8 || end > 4000) // slopes beyond 16 bits, saturated differences
                     continue;
                 EXPECT_LE(filter_share(ring.strength, slope, end + 1 + end / 50), 1);
                 EXPECT_GT(filter_share(ring.strength, slope, end - 1 - end / 50), 0);
                 EXPECT_NEAR(filter_share(ring.strength, slope, end / 2), 50, end < 40 ? 6 : 2);
             }
-    // Of any step: no overflow, no division by nothing.
+    // No step overflows or divides by zero.
     for (unsigned bits = 0; bits < (max_step_exponent + 1u) << 11; bits += 97)
         for (const int strength : {-127, 0, 127})
             EXPECT_LE(filter_slope({static_cast<std::int8_t>(strength), 1},
@@ -45,13 +45,13 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
     Random random(1);
     for (int round = 0; round < 400; ++round) {
         const int n = random.range(1, max_tile_side);
-        const int most = round % 3 == 0 ? 16383 : round % 3 == 1 ? 600 : 40; // of a value
+        const int most = round % 3 == 0 ? 16383 : round % 3 == 1 ? 600 : 40; // largest value
         std::vector<std::int16_t> narrow(4200);
         for (std::int16_t& value : narrow)
             value = static_cast<std::int16_t>(random.range(-most - 1, most));
         const std::vector<std::int32_t> wide(narrow.begin(), narrow.end());
         FilterTaps taps{};
-        const bool usual = random.chance(0.5); // no share reaches 4095, as in nearly all files
+        const bool usual = random.chance(0.5); // like nearly all files: no share reaches 4095
         for (std::size_t ring = 0; ring < filter_rings; ++ring) {
             taps.strength[ring] = random.chance(0.1) ? 0 : random.range(-127, 127);
             const int flattest = usual ? std::abs(taps.strength[ring]) + 1 : 0;
@@ -71,8 +71,8 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
         std::vector<std::int32_t> a(size, 5), b(size, 5), c(size, 5);
         kernels_scalar.filter_view(view, taps, a.data());
         kernels_scalar.filter_wide_view(wide_view, taps, b.data());
-        EXPECT_EQ(a[static_cast<std::size_t>(n)], 5) << "a row that is skipped";
-        if (2 * most + 1 <= 4095) { // else differences count further in halves
+        EXPECT_EQ(a[static_cast<std::size_t>(n)], 5) << "a skipped row changed";
+        if (2 * most + 1 <= 4095) { // otherwise differences of half-float values saturate later
             EXPECT_EQ(a, b);
         }
         kernels_vector.filter_view(view, taps, c.data());
@@ -86,7 +86,7 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
     }
 }
 
-// One plane of unorm8, step 8 codes (128 in values), rings that reach half a step.
+// One unorm8 plane. The step is 8 codes (128 in values), and the rings reach half a step.
 class FilteredTile {
 public:
     explicit FilteredTile(const BlockShape& shape) : coding(parameters(), SampleType::unorm8, 1) {
@@ -109,8 +109,8 @@ public:
     TilePlanes planes;
 };
 
-TEST(TileFilter, TakesStepsOfTheQuantiserAndLeavesEdges) {
-    for (const int height : {20, 63, 65, 1000}) { // of the step between the halves, in values
+TEST(TileFilter, SmoothsQuantiserStepsAndKeepsEdges) {
+    for (const int height : {20, 63, 65, 1000}) { // of the edge, in values
         FilteredTile tile(test::shape_of(9, 7, 3, 2));
         for (int t = 0; t < 2; ++t)
             for (int s = 0; s < 3; ++s)
@@ -129,7 +129,7 @@ TEST(TileFilter, TakesStepsOfTheQuantiserAndLeavesEdges) {
     }
 }
 
-TEST(TileFilter, ConstantsStayAndViewsFlowTogether) {
+TEST(TileFilter, KeepsConstantsAndBlendsViews) {
     FilteredTile tile(test::shape_of(5, 5, 4, 1));
     for (int s = 0; s < 4; ++s)
         for (int v = 0; v < 5; ++v)
@@ -152,7 +152,7 @@ double squared_difference(const TilePlanes& a, const TilePlanes& b) {
     return sum;
 }
 
-TEST(FilterFit, TakesAwayTheErrorThatItPromises) {
+TEST(FilterFit, RemovesMostOfTheNoise) {
     FilteredTile tile(test::shape_of(32, 32, 4, 4));
     Random random(2);
     for (int t = 0; t < 4; ++t)
@@ -172,12 +172,12 @@ TEST(FilterFit, TakesAwayTheErrorThatItPromises) {
     const TileCoding coding(parameters, SampleType::unorm8, 1);
     const double before = squared_difference(source, tile.planes);
     filter_tile(coding, tile.scratch, tile.planes);
-    // Twelve neighbours under noise of the same kind: a mean of 13 leaves a thirteenth.
+    // A mean with twelve equally noisy neighbours would leave a thirteenth of the error.
     EXPECT_LT(squared_difference(source, tile.planes), 0.25 * before);
 }
 
-// The rings are as wide to the left as to the right.
-TEST(FilterFit, SeesTheSameInAMirror) {
+// The filter is symmetric, so mirrored tiles have the same statistics.
+TEST(FilterFit, IsTheSameForMirroredTiles) {
     FilteredTile tile(test::shape_of(13, 8, 3, 3)), mirrored(tile.planes.shape);
     TilePlanes source = tile.planes, mirrored_source = source;
     Random random(4);
@@ -199,14 +199,14 @@ TEST(FilterFit, SeesTheSameInAMirror) {
     }
 }
 
-TEST(FilterFit, NothingWhereNothingIsToMend) {
+TEST(FilterFit, IsOffWhereFilteringCannotHelp) {
     FilteredTile tile(test::shape_of(64, 64, 4, 4));
     Random random(3);
     for (std::int32_t& value : tile.planes.plane[0])
         value = random.range(-4000, 4000);
     const TilePlanes source = tile.planes;
     EXPECT_FALSE(fit_filter(filter_statistics(source, tile.planes, tile.coding)).is_on());
-    // Noise that has nothing to do with its neighbours.
+    // Noise on texels that do not resemble their neighbours cannot be filtered.
     for (std::int32_t& value : tile.planes.plane[0])
         value += random.range(-25, 25);
     EXPECT_FALSE(fit_filter(filter_statistics(source, tile.planes, tile.coding)).is_on());
@@ -221,10 +221,10 @@ test::EncodedFile encode(const EncodeOptions& options) {
     return test::encode_file_of(source, options);
 }
 
-TEST(EncodeFilter, MendsCoarseQuantisation) {
+TEST(EncodeFilter, ImprovesCoarseQuantisation) {
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, 40};
-    options.tools = "-base"; // which is all that this texture needs
+    options.tools = "-base"; // base pictures alone would code this texture
     options.threads = 1;
     const test::EncodedFile filtered = encode(options);
     EXPECT_TRUE(filtered.parameters.filter.is_on());
@@ -237,9 +237,9 @@ TEST(EncodeFilter, MendsCoarseQuantisation) {
     EXPECT_LE(filtered.report.file_bytes, plain.report.file_bytes + 16);
 }
 
-TEST(EncodeFilter, NotAtLowEffortsNorWithAGuarantee) {
+TEST(EncodeFilter, IsOffAtLowEffortsAndUnderErrorBounds) {
     EncodeOptions options;
-    options.effort = 1; // the filter is for tiles that copy
+    options.effort = 1; // this effort neither copies nor filters
     EXPECT_FALSE(encode(options).parameters.filter.is_on());
     options.effort = usual_effort;
     options.rate = {RateTarget::Kind::max_error, 2};

@@ -1,4 +1,4 @@
-// Texels to planes and back.
+// Conversion of texels to planes and back.
 #include "codec/entropy/tile_syntax.h"
 #include "codec/reconstruct/tile_decoder.h"
 #include "tests/support/format_values.h"

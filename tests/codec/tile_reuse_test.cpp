@@ -1,4 +1,4 @@
-// Encoding what was decoded from a file and edited: what was not edited stays.
+// Encoding an edited texture again: unedited tiles of the old file are kept.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "format/container_reader.h"
@@ -20,7 +20,7 @@ using Kind = RateTarget::Kind;
 
 constexpr Extent4 reuse_size{24, 16, 5, 4}, reuse_tile{8, 8, 5, 4}; // 6 tiles
 
-// A file and what it decodes to.
+// A file and its decoded texels.
 struct Old {
     Old(const TextureDesc& desc, const EncodeOptions& options, const std::string& name = "smooth")
         : texels(named_texture(desc, name)), encoded(encode(texels, options)),
@@ -46,7 +46,8 @@ EncodeOptions reusing(const Old& old, int effort = copies_effort) {
     return options;
 }
 
-// Inverts a texel of all views: less would be no loss worth a bit, and the tile would come out the same.
+// Inverts bits of one texel in all views. A smaller change might not be worth any bits, so that the
+// tile would not change.
 void change(MemoryTexture& texture, std::uint32_t u, std::uint32_t v) {
     const TextureDesc& desc = texture.desc();
     const std::size_t count = desc.size[axis_s] * desc.size[axis_t] * desc.texel_bytes();
@@ -55,7 +56,7 @@ void change(MemoryTexture& texture, std::uint32_t u, std::uint32_t v) {
         sample ^= std::byte{0x3F};
 }
 
-// Which tiles of two files have the same bytes.
+// Compares the tiles of two files: '=' for equal bytes, '!' for different ones.
 std::string same_tiles(const Decoder& a, const Decoder& b) {
     std::string same;
     for (std::uint64_t i = 0; i < a.container().tile_count(); ++i) {
@@ -113,8 +114,8 @@ TEST(TileReuse, AnEditChangesItsTileOnly) {
     }
 }
 
-// Of texels on the quantiser's grid those bits that a first generation saves would be lost again.
-TEST(TileReuse, WhatLiesBesideAnEditLosesLittle) {
+// Encoding decoded texels again without reuse would lose quality a second time.
+TEST(TileReuse, TexelsBesideAnEditLoseLittle) {
     Old old(describe(reuse_size), tiled({Kind::quality, 60}), "noise");
     const Bytes before = old.texels.texels;
     change(old.texels, 9, 3);
@@ -130,7 +131,7 @@ TEST(TileReuse, WhatLiesBesideAnEditLosesLittle) {
         3 + difference(original, crop(old.texels, all_again, beside), SampleType::unorm8).psnr);
 }
 
-TEST(TileReuse, KeepsGuaranteesAndStoredTiles) {
+TEST(TileReuse, KeepsLosslessAndStoredTiles) {
     for (const SampleType type : types) {
         Old old(describe(reuse_size, type), tiled({Kind::max_error, 0}, quick_effort), "noise");
         change(old.texels, 20, 15);
@@ -140,7 +141,7 @@ TEST(TileReuse, KeepsGuaranteesAndStoredTiles) {
     }
 }
 
-TEST(TileReuse, TexelsThatDoNotMatterMayChange) {
+TEST(TileReuse, MaskedTexelsMayChange) {
     Old old(describe(reuse_size), tiled({Kind::quality, 60}));
     MemoryTexture mask(describe({24, 16, 1, 1}, SampleType::unorm8, 1),
                        [](int u, int, int, int, int) { return u < 12 ? 1.0 : 0.0; });
@@ -152,7 +153,7 @@ TEST(TileReuse, TexelsThatDoNotMatterMayChange) {
     EXPECT_EQ(encode(old.texels, options).report.kept_tiles, 5u);
 }
 
-TEST(TileReuse, RefusesFilesThatDoNotFit) {
+TEST(TileReuse, RefusesFilesThatCannotBeReused) {
     Old old(describe(reuse_size), tiled({Kind::quality, 60}, quick_effort));
     Bytes file;
     for (const TextureDesc& desc :
@@ -168,7 +169,7 @@ TEST(TileReuse, RefusesFilesThatDoNotFit) {
     EncodeOptions options = reusing(old);
     options.tools = "-copies";
     EXPECT_EQ(encode_memory(old.texels, file, options).status().code(), ErrorCode::bad_argument);
-    // Only a beginning of the file.
+    // A file that is cut off.
     const Bytes beginning(old.encoded.file.begin(), old.encoded.file.end() - 1);
     const auto part = wrap_memory(beginning);
     const auto partial = Decoder::open(*part, {.allow_partial = true});
@@ -189,7 +190,7 @@ TEST(TileReuse, RefusesFilesThatDoNotFit) {
         << report.status().message();
 }
 
-TEST(TileReuse, JournalsAndTheReusedFileItself) {
+TEST(TileReuse, WorksWithAJournalAndOverTheReusedFile) {
     const std::filesystem::path folder = make_test_folder("tile_reuse");
     Old old(describe(reuse_size), tiled({Kind::quality, 60}, quick_effort));
     const std::string path = (folder / "old.tess").string();

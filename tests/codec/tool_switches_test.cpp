@@ -1,4 +1,4 @@
-// Coding tools, one by one.
+// The switches of the coding tools.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/tile_encoder/tool_switches.h"
@@ -15,7 +15,8 @@ using namespace tessera::test::round_trips;
 
 using Kind = RateTarget::Kind;
 
-// Coloured noise, smooth over two texels, that moves half a texel a view along s and one along t.
+// Coloured noise, smooth over two texels, that moves by half a texel per view along s and by one
+// along t.
 MemoryTexture texture_with_parallax(SampleType type) {
     Random random(12);
     std::vector<double> lattice;
@@ -40,7 +41,7 @@ MemoryTexture texture_with_parallax(SampleType type) {
         }};
 }
 
-// Section DATA of a file: what stands before it says how the file was made.
+// Section DATA of a file. Earlier sections record the options, so they differ anyway.
 Bytes data_of(const Bytes& file) {
     const auto source = wrap_memory(file);
     const Result<ContainerReader> reader = ContainerReader::open(*source);
@@ -56,7 +57,7 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
         MemoryTexture texture = texture_with_parallax(type);
         EncodeOptions all = options_for({Kind::quality, 70}, usual_effort);
         all.tile_extent = {16, 16, 4, 4};
-        // Trials of dense tables take most of the time; aligned, these views have nothing to copy.
+        // Trials of dense tables take most of the time. Aligned views would have nothing to copy.
         all.tools = "-dense-tables,-align";
         const Encoded full = encode(texture, all);
         const auto check = [&](const std::string& name) {
@@ -64,9 +65,8 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             options.tools =
                 name == "-dense-tables" ? "+dense-tables,-align" : all.tools + "," + name;
             const Encoded encoded = encode(texture, options);
-            // Whether copies are smoothed and tiles have base pictures is left to trials, a tree may be
-            // right as it is, and this grain is not to be filtered: prediction_test.cpp,
-            // tree_edits_test.cpp, tile_filter_test.cpp.
+            // These tools may have no effect on this texture. prediction_test.cpp,
+            // tree_edits_test.cpp and tile_filter_test.cpp test them.
             if (name != "-smooth" && name != "-base" && name != "-refine" && name != "-filter") {
                 EXPECT_FALSE(data_of(encoded.file) == data_of(full.file)) << name;
             }
@@ -74,7 +74,7 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Difference d = difference(texture.texels, texels, type);
             EXPECT_NEAR(encoded.report.psnr, d.psnr, 1e-9) << name;
             EXPECT_NEAR(encoded.report.psnr, full.report.psnr, 2.5) << name;
-            if (type == SampleType::half16) // threads know no types
+            if (type == SampleType::half16) // one type suffices for the threads
                 return;
             options.threads = 3;
             EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
@@ -86,7 +86,7 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
     }
 }
 
-TEST(Tools, AreSwitchedByWords) {
+TEST(Tools, AreSwitchedByName) {
     const auto is_on = [](const std::string& words, CodingTool tool, bool of_effort) {
         const Result<ToolSwitches> switches = parse_tool_switches(words);
         EXPECT_TRUE(switches) << switches.status().message();
@@ -108,7 +108,7 @@ TEST(Tools, AreSwitchedByWords) {
         << misspelt.message();
 }
 
-TEST(Tools, OnTopOfAnyEffort) {
+TEST(Tools, WorkAtAnyEffort) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
     const auto without = [&](int effort) {
         EncodeOptions options = options_for({Kind::quality, 70}, effort);

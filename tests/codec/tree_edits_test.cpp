@@ -1,4 +1,4 @@
-// Edits of split trees, and what the encoder gains by them.
+// Edits of split trees, and the bytes that they save.
 #include "codec/encoder.h"
 #include "codec/tile_encoder/tree_edits.h"
 #include "format/texture.h"
@@ -19,7 +19,7 @@
 namespace tessera {
 namespace {
 
-// The leaves that the splits of a tile lead to.
+// Collects the leaves of a tile's split tree.
 void collect_leaves(const TileLevels& tile, const Block& block, std::size_t& node,
                     std::vector<Block>& leaves) {
     const auto split = static_cast<Split>(tile.splits.at(node++));
@@ -52,7 +52,7 @@ TileLevels random_tree(test::Random& random, const TileCoding& coding) {
     return tile;
 }
 
-TEST(TreeEdits, SplittingAllAndMergingAllGivesTheTreeBack) {
+TEST(TreeEdits, MergingAllSplitsRestoresTheTree) {
     test::Random random(5);
     const TileCoding coding({}, SampleType::unorm8, 1);
     std::size_t split = 0, merged = 0;
@@ -70,7 +70,7 @@ TEST(TreeEdits, SplittingAllAndMergingAllGivesTheTreeBack) {
 
         std::vector<TreeEdit> back(edited.blocks.size());
         for (const Siblings& siblings : all_siblings(edited)) {
-            // Single texels are not split: their siblings are the tree's own.
+            // These siblings are of the original tree. Their blocks could not be split.
             if (std::find(tile.blocks.begin(), tile.blocks.end(), siblings.parent) ==
                 tile.blocks.end())
                 continue;
@@ -111,7 +111,7 @@ TEST(TreeEdits, SiblingsAreFoundByAnyOfTheirBlocks) {
     EXPECT_GT(found, 500u);
 }
 
-// Shining discs with hard edges before a slanted wall; both move from view to view.
+// Glossy discs with hard edges before a slanted wall. Both move from view to view.
 test::MemoryTexture discs() {
     return test::MemoryTexture(
         {{32, 32, 8, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
@@ -130,7 +130,7 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, 70};
         options.effort = usual_effort;
-        // Of one small texture balancing its mean changes more by chance than what is looked for.
+        // On a small texture balancing the mean varies the size more than refinement saves.
         options.tools = refined ? "-base,-balance,+refine" : "-base,-balance,-refine";
         const auto report = encode_memory(texture, file, options);
         EXPECT_TRUE(report) << report.status().message();
@@ -140,8 +140,8 @@ TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     const double psnr_before = encode(false, plain), psnr = encode(true, refined);
     std::printf("%zu bytes, %.2f dB; refined %zu bytes, %.2f dB\n", plain.size(), psnr_before,
                 refined.size(), psnr);
-    EXPECT_GT(psnr, psnr_before - 0.1); // what is chosen by cost may trade a little of it
-    // A dB is worth a sixth of the bytes and more (6 dB are one bit of each of many levels).
+    EXPECT_GT(psnr, psnr_before - 0.1); // refinement minimises the cost and may lose a little PSNR
+    // A dB is worth more than 15 % of the bytes, because 6 dB are one bit of many levels.
     EXPECT_LT(static_cast<double>(refined.size()),
               static_cast<double>(plain.size()) * (1 + 0.15 * (psnr - psnr_before)));
 }
