@@ -1,4 +1,4 @@
-// Textures by their codes, and what the library and the second decoder make of their files.
+// Textures given by their codes, and comparisons of the library with the second decoder.
 #pragma once
 
 #include "codec/decoder.h"
@@ -27,12 +27,13 @@ inline std::uint16_t half_of_code(int code) {
     return static_cast<std::uint16_t>(code < 0 ? 0x8000 | -code : code);
 }
 
-// Samples by their codes: 0..255, or a half's low 15 bits with its sign.
+// A texture given by codes: 0..255, or the low 15 bits of a half with its sign.
 class CodeTexture : public TexelSource {
 public:
     using Function = std::function<double(double u, double v, double s, double t, int c)>;
 
-    // f's values 0..1 span the codes 0..255, or 0..31743 of the halves; the coordinates are 0..1.
+    // f maps coordinates in 0..1 to values in 0..1, which span the codes 0..255, or 0..31743 of
+    // halves.
     CodeTexture(TextureDesc desc, const Function& f) : desc_(desc) {
         const auto n = desc_.size;
         for (std::uint32_t v = 0; v < n[1]; ++v)
@@ -94,11 +95,11 @@ inline CodeTexture::Function pattern(const std::string& name) {
     };
     if (name == "waves")
         return waves;
-    if (name == "sparse") // one corner has something
+    if (name == "sparse") // zero except in one corner
         return [waves](double u, double v, double s, double t, int c) {
             return u < 0.3 && v < 0.4 ? waves(u, v, s, t, c) : 0.0;
         };
-    // "coloured": noise along one direction of colour, for rotated blocks; opaque
+    // "coloured": opaque noise along one colour direction, which gives rotated blocks
     std::array<double, 3> last{};
     return [engine, last](double, double, double, double, int c) mutable {
         if (c == 3)
@@ -146,7 +147,7 @@ inline Bytes encode(TexelSource& source, RateTarget rate, Extent4 tile_extent,
     options.threads = 1;
     options.effort =
         effort.value_or(texel_count(source.desc().size) < 5000 ? test::copies_effort : 0);
-    options.verify = false; // that is what this test is for
+    options.verify = false; // this test verifies the file
     options.metadata = std::move(metadata);
     Bytes file;
     const Result<EncodeReport> report = encode_memory(source, file, options);
@@ -193,7 +194,8 @@ inline Outcome by_reference(const Bytes& file) {
     return outcome;
 }
 
-// Both accept or both refuse; if they accept, they agree.
+// Expects that both decoders refuse the file, or that both accept it and agree. Returns the outcome
+// of the second decoder.
 inline Outcome expect_agreement(const Bytes& file, const std::string& what) {
     const Outcome library = by_library(file), specification = by_reference(file);
     EXPECT_EQ(library.accepted, specification.accepted)

@@ -1,4 +1,4 @@
-// The library against the second decoder on hand-made and damaged files.
+// Compares the library with the second decoder on hand-made and damaged files.
 #include "format/tile/features.h"
 #include "tests/reference/agreement.h"
 #include "tests/support/decode_cases.h"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-// A file in parts. seal() writes it with one page for all tiles and every checksum right.
+// The parts of a file. seal() writes them with one page for all tiles and with correct checksums.
 struct Parts {
     Bytes header; // 128 bytes
     std::vector<std::pair<std::string, Bytes>> sections;
@@ -34,7 +34,7 @@ struct Parts {
         put(b, b.size(), value, length);
     }
 
-    // Of a file with a single tile.
+    // Splits a file that has a single tile.
     explicit Parts(const Bytes& file) : header(file.begin(), file.begin() + 128) {
         for (std::size_t i = 0; i < number(header, 44, 2); ++i) {
             const std::size_t entry = 128 + 24 * i;
@@ -59,7 +59,7 @@ struct Parts {
     Bytes seal() {
         Bytes data, record;
         put(header, 46, 4096, 2); // page_target, so that one page is enough
-        // k = 0, has_empty, the bits, and every length by its escape.
+        // k = 0, has_empty, the bits, and every length as an escape code.
         std::vector<bool> bits(5, false);
         bits.push_back(true);
         for (const Bytes& tile : tiles)
@@ -133,7 +133,7 @@ Bytes bytes_of(std::initializer_list<int> values) {
     return bytes;
 }
 
-TEST(ReferenceOfForged, HandMadePayloads) {
+TEST(ForgedFiles, HandMadePayloads) {
     for (const int channels : {1, 3}) {
         Parts parts =
             parts_of("noise", {6, 5, 4, 3}, channels, SampleType::unorm8, {Kind::max_error, 1});
@@ -162,7 +162,7 @@ TEST(ReferenceOfForged, HandMadePayloads) {
     }
 }
 
-TEST(ReferenceOfForged, Backgrounds) {
+TEST(ForgedFiles, Backgrounds) {
     for (const int channels : {1, 2, 3, 4}) {
         Parts parts =
             parts_of("waves", {6, 5, 4, 3}, channels, SampleType::half16, {Kind::quality, 60});
@@ -181,8 +181,8 @@ TEST(ReferenceOfForged, Backgrounds) {
     }
 }
 
-// Any byte of the header and of CODE set to special values, with the checksums made right again.
-TEST(ReferenceOfForged, ChangedHeadersAndCodes) {
+// Sets bytes of the header and of CODE to special values and corrects the checksums.
+TEST(ForgedFiles, ChangedHeadersAndCodes) {
     std::mt19937 engine(3);
     int accepted = 0;
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
@@ -199,7 +199,8 @@ TEST(ReferenceOfForged, ChangedHeadersAndCodes) {
                             Parts::put(parts.header, at, value, 1);
                         else
                             Parts::put(parts.section("CODE"), at - 128, value, 1);
-                        // A file whose size is huge: both would try to decode it.
+                        // These bytes are the size. Both decoders would try to decode a huge
+                        // texture.
                         if (at >= 48 && at < 64)
                             continue;
                         accepted += expect_agreement(parts.seal(), std::string(name) + ": byte " +
@@ -211,7 +212,7 @@ TEST(ReferenceOfForged, ChangedHeadersAndCodes) {
     EXPECT_GT(accepted, 1000);
 }
 
-TEST(ReferenceOfForged, SmoothCopiesNeedPredictions) {
+TEST(ForgedFiles, SmoothCopiesNeedPredictions) {
     Parts parts = parts_of("waves", {9, 8, 3, 4}, 3, SampleType::unorm8, {Kind::quality, 70});
     const std::size_t flags = 23;
     const std::uint64_t before = Parts::number(parts.section("CODE"), flags, 1);
@@ -228,16 +229,17 @@ TEST(ReferenceOfForged, SmoothCopiesNeedPredictions) {
     EXPECT_FALSE(with(before | 32, feature_prediction));
 }
 
-// Trees, copies and levels that no encoder chooses, in base pictures that are larger than a block and in large tiles.
-TEST(ReferenceOfForged, PredictedTiles) {
+// Random trees, copies and levels, which no encoder chooses. Some tiles are large, and some base
+// pictures are larger than a block.
+TEST(ForgedFiles, PredictedTiles) {
     for (const DecodeCase& test : predicted_cases()) {
         const Outcome outcome = expect_agreement(test.file, test.name);
         EXPECT_TRUE(outcome.accepted) << test.name << ": " << outcome.error;
     }
 }
 
-// Steps from one end of their range to the other: shifts, limits, overflow.
-TEST(ReferenceOfForged, ChangedSteps) {
+// Steps over their whole range, which test shifts, limits and overflow.
+TEST(ForgedFiles, ChangedSteps) {
     std::mt19937 engine(4);
     int accepted = 0;
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
@@ -258,8 +260,8 @@ TEST(ReferenceOfForged, ChangedSteps) {
     EXPECT_GT(accepted, 1000);
 }
 
-// Bits of tiles, with the checksums made right again: both refuse, or see the same.
-TEST(ReferenceOfForged, ChangedTiles) {
+// Changes tiles and corrects the checksums. Both decoders must refuse or agree.
+TEST(ForgedFiles, ChangedTiles) {
     std::mt19937 engine(5);
     int accepted = 0;
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})

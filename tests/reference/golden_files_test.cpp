@@ -1,4 +1,4 @@
-// Frozen files (tests/golden): what they decode to stays.
+// The frozen files in tests/golden must always decode to the same texels.
 #include "corpus/bake.h"
 #include "tests/reference/agreement.h"
 #include "tests/support/efforts.h"
@@ -19,7 +19,7 @@ std::filesystem::path golden(const std::string& name) {
     return std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;
 }
 
-// Rewrites tests/golden; see its README.md.
+// Rewrites tests/golden, as tests/golden/README.md explains.
 void regenerate_golden() {
     std::ofstream manifest(golden("manifest.txt"));
     const auto write = [&](const std::string& name, TexelSource& source, RateTarget rate,
@@ -45,7 +45,7 @@ void regenerate_golden() {
         write(name, source, rate, tile_extent);
     };
     const SampleType unorm8 = SampleType::unorm8, half16 = SampleType::half16;
-    // A picture that moves by half a texel a view, along v the other way.
+    // A picture that moves by half a texel per view, in opposite directions along u and v.
     CodeTexture views({{24, 24, 5, 5}, unorm8, 3},
                       [](double u, double v, double s, double t, int c) {
                           const double x = 24 * u + 2.5 * s, y = 24 * v - 2.5 * t;
@@ -53,13 +53,14 @@ void regenerate_golden() {
                                  0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
                       });
     write("rgb8_views.tess", views, {Kind::quality, 60}, {24, 24, 5, 5}, usual_effort);
-    // One that moves by two texels and a half; aligned, by half a texel, in tiles that have base pictures.
+    // A picture that moves by two and a half texels per view, or by half a texel in the aligned
+    // grid. Its tiles have base pictures.
     CodeTexture aligned(
         {{40, 36, 4, 3}, unorm8, 3}, [](double u, double v, double s, double t, int c) {
             return test::moving_picture(40 * u - 10 * s + 0.75, 36 * v + 7.5 * t - 1.75, c);
         });
     write("rgb8_aligned.tess", aligned, {Kind::quality, 60}, {24, 24, 4, 3}, usual_effort);
-    // Two halves that move against each other.
+    // Two halves of a picture that move in opposite directions.
     CodeTexture large({{64, 64, 5, 4}, unorm8, 3},
                       [](double u, double v, double s, double t, int c) {
                           const double by = v < 0.5 ? 7.5 : -7.5;
@@ -91,7 +92,7 @@ void regenerate_golden() {
     texture("sparse8.tess", "sparse", {40, 20, 3, 3}, 3, unorm8, {Kind::quality, 40}, {8, 8, 4, 4});
 }
 
-TEST(GoldenFiles, DecodeAsTheyDid) {
+TEST(GoldenFiles, DecodeToTheFrozenTexels) {
     if (std::getenv("TESSERA_REGENERATE_GOLDEN"))
         regenerate_golden();
     std::ifstream manifest(golden("manifest.txt"));

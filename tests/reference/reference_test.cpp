@@ -1,4 +1,5 @@
-// The library against the second decoder, written from FORMAT.md alone, on files of the encoder.
+// Compares the library with the second decoder on encoded files. The second decoder is written from
+// FORMAT.md alone.
 #include "corpus/bake.h"
 #include "tests/reference/agreement.h"
 #include "tests/support/efforts.h"
@@ -80,7 +81,7 @@ TEST(Reference, ScenesOfTheCorpus) {
         expect_decodes(encode(rgba, rate, extents[1]), "RGBA" + describe(rate, extents[1]));
 }
 
-// Views that move by two texels each, one along v by two the other way, are moved back in the grid of tiles.
+// Views move by two texels along u and by two or minus two along v. The grid of tiles undoes this.
 TEST(Reference, AlignedViews) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (const RateTarget& rate :
@@ -95,7 +96,7 @@ TEST(Reference, AlignedViews) {
             }
 }
 
-// Blocks longer than the frequencies that are coded of them.
+// Blocks with more than 32 texels along an axis code only 32 frequencies of it.
 TEST(Reference, TilesOfUpTo64Texels) {
     for (const char* name : {"waves", "coloured", "noise"})
         for (const auto& [size, extent] : {std::pair{Extent4{70, 66, 5, 3}, Extent4{64, 64, 4, 4}},
@@ -112,7 +113,7 @@ TEST(Reference, TilesOfUpTo64Texels) {
     expect_decodes(encode(**source, {Kind::quality, 55}, {64, 64, 4, 4}), "composed, wide tiles");
 }
 
-// Tiles of more than 65,536 texels; golden files and random ones have base pictures in such tiles.
+// Tiles of more than 65,536 texels. Golden files and predicted_cases() cover base pictures in them.
 TEST(Reference, LargeTiles) {
     test::MemoryTexture views = test::moving_views({{64, 64, 5, 4}, SampleType::unorm8, 3}, 1, -1);
     expect_decodes(encode(views, {Kind::quality, 50}, {64, 64, 5, 4}, {}, copies_effort), "views");
@@ -120,7 +121,7 @@ TEST(Reference, LargeTiles) {
     expect_decodes(encode(noise, {Kind::quality, 100}, {48, 30, 8, 8}), "noise");
 }
 
-// Noise at the finest quality: the work of a tile fills several segments, tiles several pages.
+// At the finest quality noise fills several segments per tile and several pages.
 TEST(Reference, TilesOfManySegments) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (const int channels : {3, 4})

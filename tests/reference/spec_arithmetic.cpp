@@ -7,7 +7,7 @@
 
 namespace tessera_reference::spec {
 
-// ------------------------------------------------------------------------------- 4.1 dequantisation
+// ------------------------------------------------------------------------------ 4.1 dequantisation
 
 namespace {
 
@@ -52,7 +52,7 @@ int64_t dequantise(int64_t level, const Scale& scale, int offset) {
     return level < 0 ? -value : value;
 }
 
-// ----------------------------------------------------------------- 4.2, 4.3 basis, inverse transform
+// --------------------------------------------------------------- 4.2, 4.3 basis, inverse transform
 
 namespace {
 
@@ -67,7 +67,7 @@ struct Basis {
     }
 };
 
-// One line: `values` at distance `stride` of each other.
+// Transforms one line of values, which are `stride` apart.
 void inverse_line(int64_t* values, int n, size_t stride) {
     static const Basis basis;
     uint32_t H[64] = {}, L[64] = {}; // modulo 2^32
@@ -107,7 +107,7 @@ void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits)
         value = (value + (int64_t{1} << (bits - 1))) >> bits;
 }
 
-// -------------------------------------------------------------------------------- 4.4 rotated colour
+// ------------------------------------------------------------------------------ 4.4 rotated colour
 
 namespace {
 
@@ -172,7 +172,7 @@ std::array<int64_t, 3> rotate(const Matrix& Q, const std::array<int64_t, 3>& x) 
     return result;
 }
 
-// ------------------------------------------------------------------------------ 4.5 codes and samples
+// --------------------------------------------------------------------------- 4.5 codes and samples
 
 int64_t code_of(uint16_t sample, int sample_type) {
     if (sample_type == 0)

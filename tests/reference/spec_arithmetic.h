@@ -1,4 +1,4 @@
-// Levels to values, values to codes, codes to samples (FORMAT.md 4.1 to 4.5).
+// Conversion of levels to values, codes and samples (FORMAT.md 4.1 to 4.5).
 #pragma once
 
 #include "tests/reference/spec_code.h"
@@ -20,12 +20,12 @@ inline size_t place(const Vector4& at, const Vector4& n) {
     return static_cast<size_t>(((at[3] * n[2] + at[2]) * n[1] + at[1]) * n[0] + at[0]);
 }
 
-// How many frequencies of an axis of n texels are coded.
+// The number of coded frequencies along an axis of n texels.
 inline int coded_frequencies(int n) {
     return std::min(n, 32);
 }
 
-// Calls visit for every place of a tile or block.
+// Calls visit for every position in a tile or block.
 template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
     Vector4 at{};
     for (at[3] = 0; at[3] < size[3]; ++at[3])
@@ -35,7 +35,7 @@ template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
                     visit(at);
 }
 
-// M and x for one number z of frequencies above 0.
+// The scale M, x for coefficients with z frequencies above 0.
 struct Scale {
     int64_t M = 0;
     int x = 0;
@@ -45,13 +45,13 @@ Scale make_scale(const Step& step, int N, int z, int F, bool dependent);
 
 int64_t dequantise(int64_t level, const Scale& scale, int offset);
 
-// `values` by place(); the four passes and the last rounding.
-// Values come out in 2^-(F - bits) of a code.
+// Transforms `values`, which place() indexes, in four passes and rounds them. The results are in
+// units of 2^-(F - bits) of a code.
 void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits);
 
 using Matrix = std::array<std::array<int64_t, 3>, 3>; // [row][column]
 
-// 49 in ascending lexicographic order.
+// The 49 rotations in ascending lexicographic order.
 std::vector<Matrix> make_rotations();
 
 std::array<int64_t, 3> rotate(const Matrix& Q, const std::array<int64_t, 3>& x);
@@ -62,7 +62,7 @@ int64_t clamp_code(int64_t code, int sample_type);
 
 uint16_t sample_of(int64_t code, int sample_type);
 
-// The planes of a texel from the codes of its channels.
+// Converts the codes of a texel's channels to planes.
 std::array<int64_t, 4> to_planes(std::array<int64_t, 4> x, int colour);
 
 std::array<int64_t, 4> from_planes(std::array<int64_t, 4> x, int colour);

@@ -21,7 +21,7 @@ Scan make_scan(const Vector4& n, const std::array<int, 4>& weight) {
                         cost += weight[a] * k[a] * 8 / n[a];
                     scan.push_back({k, cost, 0, place(k, n)});
                 }
-    // The order of the loops is ascending in `where`.
+    // The loops visit coefficients in ascending order of `where`.
     std::stable_sort(scan.begin(), scan.end(),
                      [](const Coefficient& a, const Coefficient& b) { return a.cost < b.cost; });
     scan.resize(std::min<size_t>(scan.size(), 4096));
@@ -48,7 +48,7 @@ const Scan& TileDecoder::scan_of(const Vector4& n) {
     return found != scans_.end() ? found->second : (scans_[n] = make_scan(n, code_.scan_weight));
 }
 
-// 3.4. The tile's base picture, if it can have one and does.
+// 3.4. Reads the tree of the tile's base picture if the tile has one.
 void TileDecoder::read_base_tree(Stream& stream) {
     if (!code_.base_margin || size_[2] * size_[3] < 4)
         return;
@@ -72,7 +72,7 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
     }
     const size_t first = split == 1 ? 0 : 2, second = first + 1;
     require(size[first] > 1 || size[second] > 1, "tile: a split must divide a side");
-    // Part 0 and part 1 of an axis; part 1 of a side of 1 is not there.
+    // Each axis has two halves, 0 and 1. A side of 1 has no half 1.
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
             Vector4 child_begin = begin, child_size = size;
@@ -199,7 +199,7 @@ int amplitude_value(int code) {
 } // namespace
 
 void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length) {
-    // Steps from a neighbour to the coefficient.
+    // The steps lead from a neighbour to the coefficient.
     struct Neighbour {
         Vector4 step;
         int weight;

@@ -21,7 +21,7 @@ uint32_t frequency(int p) {
     return static_cast<uint32_t>(std::clamp(std::lround(exact), 1l, 4095l));
 }
 
-// A table of m symbols from its chain of parameters.
+// Computes a table of m symbols from its chain of parameters.
 Table make_table(std::span<const int> chain, int m) {
     Table c;
     int s = 0;
@@ -96,14 +96,15 @@ Code read_code(Bytes section) {
         require(does_something, "CODE: a filter of strength 0");
     }
 
-    // The differences to the defaults.
+    // The differences from the default parameters.
     Stream stream(section.subspan(at));
     std::vector<int> parameters;
     bool differed = false;
     for (const int default_value : default_parameter_list) {
         int value = default_value;
         const size_t i = parameters.size();
-        // Those of copying blocks: half of zero, magnitude and first_length, and all from prediction on.
+        // The parameters of copying blocks: half of zero, magnitude and first_length, and all from
+        // prediction to the end.
         const bool of_copies = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
                                (i >= 5181 && i < 5298) || i >= 5766;
         const bool of_bases = i >= 5798;
@@ -123,7 +124,7 @@ Code read_code(Bytes section) {
     }
     require(stream.ends_well(), "CODE: the stream must end well");
 
-    // The tables, in the order of the parameters.
+    // The tables follow in the order of the parameters.
     std::span<const int> rest = parameters;
     const auto table = [&](size_t chain, int symbols) {
         const Table result = make_table(rest.first(chain), symbols);

@@ -13,7 +13,7 @@ struct Step {
     int e = 0;
 };
 
-struct Ring { // of the filter
+struct Ring { // one ring of the filter
     int strength = 0, reach = 1;
 };
 
@@ -27,7 +27,7 @@ struct Code {
     bool has_predictions = false;
     bool dependent = false;
     bool smooth_copies = false;
-    std::optional<int> base_margin; // of files with base pictures
+    std::optional<int> base_margin; // set if the file has base pictures
     bool v_against_u = false;
     std::optional<std::array<std::array<Ring, 3>, 2>> filter; // [plane 0, others][ring]
 

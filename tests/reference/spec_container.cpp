@@ -24,7 +24,7 @@ Header read_header(Bytes file) {
 
     Header h;
     h.section_count = u16(file, 44);
-    require(h.section_count <= 64, "header: section_count"); // part 6, number 2: counts as cut
+    require(h.section_count <= 64, "header: section_count"); // part 6, number 2: counts as cut off
     const size_t table_end = header_bytes + h.section_count * section_entry_bytes;
     require(file.size() >= table_end, "section table: cut short");
     uint32_t crc = crc32c(file.first(124));
@@ -70,7 +70,7 @@ Header read_header(Bytes file) {
     const int alpha = u8(file, 71);
     require(alpha == 0 || (alpha <= 2 && h.channels % 2 == 0), "header: alpha");
     const int proxy = u8(file, 72);
-    // 73..76, like unknown values of proxy: the texels decode without them.
+    // Bytes 73..76 and unknown values of proxy do not affect the texels.
     h.level_count = u8(file, 77);
     require(h.level_count >= 1 && h.level_count <= 64, "header: level_count");
     require((h.level_count > 1) == h.has_levels(), "header: level_count and feature 0");

@@ -1,4 +1,4 @@
-// The whole texture (FORMAT.md part 2).
+// Decodes the whole texture (FORMAT.md part 2).
 #include "tests/reference/spec_decoder.h"
 
 #include "tests/reference/spec_index.h"
@@ -11,12 +11,12 @@ namespace tessera_reference {
 namespace spec {
 namespace {
 
-// The first texel of tile i of the n tiles along an axis of D texels.
+// The first texel of tile i if n tiles divide an axis of D texels.
 int tile_begin(uint64_t i, uint64_t D, uint64_t n) {
     return static_cast<int>(i * D / n);
 }
 
-// The file's steps for the tiles of a level (1.4).
+// The coding parameters with the steps of a level (1.4).
 Code code_of_level(Code code, const Level& level) {
     const auto shift = [&level](Step& step) {
         step.e += level.step_shift;
@@ -28,14 +28,14 @@ Code code_of_level(Code code, const Level& level) {
     return code;
 }
 
-// All texels of a level, in the order of part 2.
+// Decodes all texels of a level, in the order of part 2.
 std::vector<std::byte> decode_level(const Header& header, const Code& file_code, const Level& level,
                                     const std::vector<Bytes>& tiles) {
     const Code code = code_of_level(file_code, level);
     uint64_t texel_count = 1;
     for (const uint32_t extent : level.size)
         texel_count *= extent;
-    require(texel_count <= 1ull << 31, "too large for this decoder"); // not a rule of the format
+    require(texel_count <= 1ull << 31, "too large for this decoder"); // not a limit of the format
     std::vector<std::byte> texels(texel_count * header.texel_bytes());
     TileDecoder decoder(header, code);
     size_t number = level.first_tile;
@@ -71,13 +71,13 @@ std::vector<std::byte> decode_level(const Header& header, const Code& file_code,
     return texels;
 }
 
-// How much further along u or v the views at x of n lie in the grid.
+// The offset along u or v, in texels of the grid, of the views at position x of n.
 size_t shift(int alignment, uint32_t x, uint32_t n) {
     return alignment >= 0 ? static_cast<size_t>(alignment) * x
                           : static_cast<size_t>(-alignment) * (n - 1 - x);
 }
 
-// The texels of the texture, from those of its grid.
+// Copies the texels of the texture from those of its grid.
 std::vector<std::byte> without_alignment(const Header& h, const std::vector<std::byte>& grid) {
     std::vector<std::byte> texels;
     const size_t bytes = h.texel_bytes();
@@ -127,7 +127,7 @@ std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t crc) {
         for (std::uint32_t i = 0; i < 256; ++i) {
             std::uint32_t value = i;
             for (int bit = 0; bit < 8; ++bit)
-                value = value >> 1 ^ (value & 1 ? 0x82F63B78 : 0); // 0x1EDC6F41 reflected
+                value = value >> 1 ^ (value & 1 ? 0x82F63B78 : 0); // 0x1EDC6F41, bits reversed
             result[i] = value;
         }
         return result;

@@ -1,9 +1,9 @@
-// A second, plain decoder of the Tessera format, written from format/FORMAT.md alone.
-// It reads the normative tables in format/tables/, too.
+// A second, simple decoder of the Tessera format, written from format/FORMAT.md and the normative
+// tables in format/tables/ alone.
 //
-// It shares no code with the library and takes no shortcuts: the whole file in memory, everything
-// checked, one tile after the other. It exists so that the document and the library can be checked
-// against each other.
+// It serves to check the specification and the library against each other, so it shares no code
+// with the library. It holds the whole file in memory, checks everything and decodes one tile at a
+// time.
 #pragma once
 
 #include <cstddef>
@@ -25,10 +25,11 @@ struct Decoded {
     std::vector<std::vector<std::byte>> coarse; // of levels 1, 2, ...
 };
 
-// The texels of all levels; nothing, and the reason in `error`, for a file that a reader refuses.
+// Decodes the texels of all levels. Returns nothing for an invalid file and puts the reason in
+// `error`.
 std::optional<Decoded> decode(std::span<const std::byte> file, std::string& error);
 
-// CRC32C as FORMAT.md's notation defines it; `crc` continues the CRC of the bytes before.
+// CRC32C as FORMAT.md's notation defines it. `crc` is the CRC of the preceding bytes.
 std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t crc = 0);
 
 } // namespace tessera_reference

@@ -32,7 +32,7 @@ std::vector<Level> read_levels(Bytes section, const Header& header) {
             level.size[a] = u32(entry, 4 * a);
             require(level.size[a] == (header.grid[a] + joined - 1) / joined, "LEVL: size");
             level.n[a] = (level.size[a] + header.tile_extent[a] - 1) / header.tile_extent[a];
-            level.tiles *= level.n[a]; // at most 2^48, as the texels
+            level.tiles *= level.n[a]; // at most 2^48, like the number of texels
         }
         level.first_tile = tiles;
         tiles += level.tiles;
@@ -44,7 +44,7 @@ std::vector<Level> read_levels(Bytes section, const Header& header) {
 
 namespace {
 
-// The tiles of every group, in the order of the groups: first tile and number.
+// The first tile and the number of tiles of each group, in the order of the groups.
 std::vector<std::pair<uint64_t, uint64_t>> make_groups(const std::vector<Level>& levels) {
     std::vector<std::pair<uint64_t, uint64_t>> groups;
     for (size_t i = levels.size(); i-- > 0;)
@@ -57,7 +57,7 @@ std::vector<std::pair<uint64_t, uint64_t>> make_groups(const std::vector<Level>&
 class BitReader {
 public:
     explicit BitReader(Bytes bytes) : bytes_(bytes) {}
-    uint64_t bits(int count) { // first bit in the lowest bit of the first byte
+    uint64_t bits(int count) { // reads the lowest bit of a byte first
         uint64_t value = 0;
         for (int i = 0; i < count; ++i) {
             require(at_ / 8 < bytes_.size(), "index record: cut short");
@@ -66,7 +66,7 @@ public:
         }
         return value;
     }
-    size_t finish() { // zero bits fill the last byte; the number of bytes
+    size_t finish() { // checks that zero bits pad the last byte; returns the bytes read
         while (at_ % 8 != 0)
             require(bits(1) == 0, "index record: padding");
         return at_ / 8;
@@ -77,7 +77,7 @@ private:
     size_t at_ = 0;
 };
 
-// One index record without its checksums: the lengths of n tiles. `used` becomes its bytes.
+// Reads the lengths of n tiles from an index record. `used` becomes its size without checksums.
 std::vector<uint64_t> read_lengths(Bytes record, size_t n, size_t& used) {
     BitReader reader(record);
     const int k = static_cast<int>(reader.bits(5));
@@ -101,7 +101,7 @@ std::vector<uint64_t> read_lengths(Bytes record, size_t n, size_t& used) {
     return lengths;
 }
 
-// The sizes of the pages into which a group's tiles are gathered.
+// The sizes of the pages that hold a group's tiles.
 std::vector<uint64_t> page_sizes(const std::vector<uint64_t>& lengths, uint32_t page_target) {
     std::vector<uint64_t> pages;
     uint64_t p = 0;

@@ -19,7 +19,7 @@ struct Level {
 
 std::vector<Level> read_levels(Bytes section, const Header& header);
 
-// The payload of every tile, by number, all checksums checked.
+// Returns the payload of every tile by its number and verifies all checksums.
 std::vector<Bytes> read_tiles(Bytes file, const Header& header,
                               const std::map<std::string, Section>& sections,
                               const std::vector<Level>& levels);

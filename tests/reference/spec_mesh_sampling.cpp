@@ -39,7 +39,7 @@ Vector leaving(const Vector& d, const Vector& ez) {
     return std::sqrt(dot(flat, flat)) < 1e-12 ? ez : unit(flat);
 }
 
-// Texels i and i + 1 and the weight of the second.
+// Texels `first` and `first` + 1, and the weight of the second.
 struct Pair {
     long first;
     double second_weight;
@@ -129,7 +129,7 @@ namespace {
 
 using Points = std::vector<std::array<double, 2>>;
 
-// What is left of a polygon on one side of an upright or level line: sign * (x - at) >= 0.
+// The part of a polygon on one side of a vertical or horizontal line: sign * (x - at) >= 0.
 Points cut(const Points& polygon, int axis, double sign, double at) {
     Points left;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -152,7 +152,7 @@ Charts::Charts(const std::vector<AtlasTriangle>& triangles, std::uint32_t width,
     std::vector<long> chart(triangles.size());
     for (std::size_t i = 0; i < chart.size(); ++i)
         chart[i] = static_cast<long>(i);
-    for (bool changed = true; changed;) { // until all that touch have one number
+    for (bool changed = true; changed;) { // until all connected triangles have the same number
         changed = false;
         for (std::size_t i = 0; i < triangles.size(); ++i)
             for (std::size_t j = 0; j < triangles.size(); ++j)

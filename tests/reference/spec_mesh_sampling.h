@@ -1,4 +1,4 @@
-// FORMAT.md 5.2, "Sampling on a mesh", written from that text alone.
+// Sampling on a mesh, written from FORMAT.md 5.2 alone.
 #pragma once
 
 #include <array>
@@ -18,15 +18,15 @@ struct Tap {
     double weight;
 };
 
-// (s, t) of the direction d; angular_map is 3 or 4.
+// The position (s, t) of the direction d. angular_map is 3 or 4.
 std::array<double, 2> place_of_direction(int angular_map, const Frame& frame, const Vector& d);
 Vector direction_of_place(int angular_map, const Frame& frame, double s, double t);
 
-// The 16 texels seen at (u, v) from direction d.
+// The 16 texels, with weights, that show (u, v) from direction d.
 std::array<Tap, 16> mesh_taps(const std::uint32_t size[4], int angular_map, const Frame& frame,
                               double u, double v, const Vector& d);
 
-// "Mips": which chart each texel of an atlas shows, and the texels sampled in one mip.
+// The charts that the texels of an atlas show, for "Mips" in FORMAT.md 5.2.
 struct AtlasTriangle {
     std::uint32_t vertices[3];
     double uv[3][2];
@@ -35,7 +35,7 @@ struct AtlasTriangle {
 class Charts {
 public:
     Charts(const std::vector<AtlasTriangle>& triangles, std::uint32_t width, std::uint32_t height);
-    // -1, or the number of the chart's first triangle.
+    // The number of the chart's first triangle, or -1 if the texel shows none.
     long shown_by(unsigned mip, std::uint32_t x, std::uint32_t y) const;
     std::array<std::uint32_t, 2> size(unsigned mip) const;
 
@@ -45,13 +45,13 @@ private:
 };
 
 struct MipTaps {
-    unsigned mip; // that was sampled after all
+    unsigned mip; // the mip that was sampled; 0 if the requested one shows other charts
     std::array<Tap, 16> taps;
 };
 MipTaps mip_taps(const Charts& charts, const std::uint32_t size[4], int angular_map,
                  const Frame& frame, double u, double v, const Vector& d, unsigned mip);
 
-// How often tiles that begin at these texels, along one axis, can be halved.
+// How often tiles can be halved along an axis. `begins` are the first texels of the tiles.
 unsigned mips_of(const std::vector<std::uint32_t>& begins);
 double mip_of_pixel(double a, double b, unsigned mips);
 

@@ -1,4 +1,4 @@
-// How FORMAT.md writes numbers down, and how a file is refused.
+// Numbers as FORMAT.md stores them, and the refusal of files.
 #pragma once
 
 #include <bit>
@@ -20,7 +20,7 @@ using std::uint64_t;
 using std::uint8_t;
 using Bytes = std::span<const std::byte>;
 
-// Why a file is refused.
+// Thrown for a file that is refused.
 struct Refusal {
     std::string reason;
 };
@@ -57,7 +57,7 @@ inline int64_t floor_div(int64_t a, int64_t b) { // b > 0
     return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
-// The numbers as little-endian bytes, for the seeds of checksums.
+// Collects numbers as little-endian bytes, for the seeds of checksums.
 struct Seed {
     std::vector<std::byte> bytes;
     Seed& add(uint64_t value, int length) {

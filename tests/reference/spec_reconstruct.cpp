@@ -1,4 +1,4 @@
-// What is copied, and the values of blocks, the filter, codes (FORMAT.md part 4).
+// Copies, values of blocks, the filter and codes (FORMAT.md part 4).
 #include "tests/reference/spec_tile.h"
 
 #include <algorithm>
@@ -6,7 +6,8 @@
 
 namespace tessera_reference::spec {
 
-// 4.6. What a block copies from lies earlier along the angular splits, so the recursion ends.
+// 4.6. Blocks copy only from blocks that are earlier along the angular splits, so the recursion
+// ends.
 int TileDecoder::depth_of(Block& block) {
     if (block.depth >= 0)
         return block.depth;
@@ -26,7 +27,7 @@ int TileDecoder::depth_of(Block& block) {
     return block.depth = depth;
 }
 
-// The prediction of a texel of the tile that is in a block that copies the base picture.
+// Predicts a texel of a block that copies the base picture.
 std::array<int64_t, 4> TileDecoder::predicted_from_base(const Block& block,
                                                         const Vector4& in_tile) const {
     static const int W[8][6] = {{0, 0, 64, 0, 0, 0},    {1, -5, 62, 8, -2, 0},
@@ -59,7 +60,7 @@ std::array<int64_t, 4> TileDecoder::predicted_from_base(const Block& block,
     return result;
 }
 
-// The prediction of a texel, in place `at` of a block that copies from another view.
+// Predicts the texel at position `at` of a block that copies from another view.
 std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4& at) const {
     std::array<int64_t, 4> sums{};
     const size_t direction = *block.copies_along;
@@ -166,7 +167,7 @@ void TileDecoder::reconstruct(const Block& block) {
     });
 }
 
-// ------------------------------------------------------------------------------------ 4.7 the filter
+// ---------------------------------------------------------------------------------- 4.7 the filter
 
 void TileDecoder::filter() {
     static const std::array<std::array<Vector4, 4>, 3> rings = {{

@@ -13,8 +13,8 @@ Payload read_payload(Bytes bytes, const Header& header, size_t texels) {
     Payload payload;
     payload.corrections.resize(chunk_count);
     payload.segments.push_back({0, {}});
-    std::vector<size_t> lengths;            // of the further segments, in bytes
-    std::vector<size_t> correction_lengths; // in bytes
+    std::vector<size_t> lengths;            // bytes of each segment after the first
+    std::vector<size_t> correction_lengths; // bytes
     size_t at = 0;
     uint32_t mask = 0;
     if (bytes.size() % 2 == 1) {
@@ -99,7 +99,7 @@ void TileDecoder::add_corrections(const Payload& payload) {
     }
 }
 
-// ---------------------------------------------------------------------------- parts 3 and 4 for a tile
+// ------------------------------------------------------------------------ parts 3 and 4 for a tile
 
 std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
     const size_t channels = static_cast<size_t>(header_.channels);

@@ -1,4 +1,4 @@
-// One tile: payload, blocks, texels (FORMAT.md 3 and 4).
+// The payload, blocks and texels of one tile (FORMAT.md 3 and 4).
 #pragma once
 
 #include "tests/reference/spec_arithmetic.h"
@@ -18,7 +18,7 @@ struct Segment {
 
 struct Payload {
     std::vector<Segment> segments;
-    std::vector<std::optional<Bytes>> corrections; // one a chunk
+    std::vector<std::optional<Bytes>> corrections; // one per chunk
 };
 
 struct Coefficient {
@@ -36,21 +36,21 @@ struct Block {
     bool copies_base = false;
     int rotation = -1;                  // -1: plain
     std::optional<size_t> copies_along; // 0 s, 1 t
-    std::array<int, 2> displacement{};  // du, dv, where it copies
+    std::array<int, 2> displacement{};  // du, dv of a copy
     int depth = -1;                     // 4.6; -1: not known yet
     bool copies() const { return copies_along.has_value() || copies_base; }
-    // Levels in scan order, a vector as long as the coded length for each plane.
+    // The levels of each plane in scan order, as many as the coded length.
     std::array<std::vector<int32_t>, 4> levels;
 };
 
-// The magnitude that starts with token q; used by levels and corrections.
+// Reads the rest of the magnitude with token q. Levels and corrections use it.
 int64_t read_magnitude(Stream& stream, int q);
 
 class TileDecoder {
 public:
     TileDecoder(const Header& header, const Code& code) : header_(header), code_(code) {}
 
-    // The samples of the tile, in the order of part 2.
+    // Decodes the samples of a tile, in the order of part 2.
     std::vector<uint16_t> decode(Bytes bytes, const Vector4& size);
 
 private:
@@ -83,18 +83,19 @@ private:
     Vector4 size_{};
     std::vector<Block> blocks_;
     int64_t nodes_ = 0;
-    bool last_block_copied_ = false; // of those with a prediction symbol
+    bool last_block_copied_ = false; // counts only blocks with a prediction symbol
     bool has_base_ = false, last_copied_base_ = false;
     int last_base_displacement_ = 0;
     Vector4 base_size_{};
     std::array<std::vector<int64_t>, 4> base_values_;
     std::array<std::array<std::array<int, 2>, 2>, 2>
-        displacement_{}; // [direction][last, the one before]
+        displacement_{}; // [direction][last, second to last]
     bool predicted_tile_ = false;
-    std::array<std::vector<int64_t>, 4> plane_values_; // by place() in the tile
-    // Per plane: codes of the amplitudes of the coefficients decoded so far, by place(); -1 before.
+    std::array<std::vector<int64_t>, 4> plane_values_; // indexed by place() in the tile
+    // Per plane, by place(): amplitude codes of the coefficients; -1 until a coefficient is
+    // decoded.
     std::array<std::vector<int>, 4> amplitude_;
-    // Codes, texel by texel as part 2 numbers them, channels adjacent.
+    // Codes in the texel order of part 2, with adjacent channels.
     std::vector<int64_t> codes_;
 };
 

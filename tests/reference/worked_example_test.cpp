@@ -1,5 +1,5 @@
-// format/EXAMPLE.md explains tests/golden/example.tess. Its bytes, its trace of the entropy coder and
-// its texels are those of the file.
+// format/EXAMPLE.md explains tests/golden/example.tess. The tests check that its bytes, its trace
+// of the entropy coder and its texels match the file.
 #include "tests/reference/agreement.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Bytes example_file() {
     return {bytes.begin(), bytes.end()};
 }
 
-// The rows of the page's tables that `pattern` matches.
+// The table rows of the page that match `pattern`.
 std::vector<std::smatch> rows(const std::string& page, const std::regex& pattern) {
     return {std::sregex_iterator(page.begin(), page.end(), pattern), {}};
 }
@@ -48,7 +48,7 @@ TEST(WorkedExample, TracesTheStreamOfTheTile) {
     const std::string page = read_text("format/EXAMPLE.md");
     const Bytes file = example_file();
     ASSERT_GE(file.size(), 6u);
-    const Bytes payload(file.end() - 6, file.end()); // of the only tile that has one
+    const Bytes payload(file.end() - 6, file.end()); // of the only tile that is not empty
     std::size_t at = 0;
     std::uint32_t x = 0;
     const auto refill = [&] {
@@ -60,7 +60,7 @@ TEST(WorkedExample, TracesTheStreamOfTheTile) {
     };
     refill();
     refill();
-    // | what | c[i] | r | c[i + 1] | value | x | for symbols; raw bits have their number in place of r.
+    // Rows of symbols: | what | c[i] | r | c[i + 1] | value | x |. For raw bits r is their number.
     const std::regex row_pattern(
         R"(\n\| [^|]+\| *(\d*) *\| (\d+)( raw)? \| *(\d*) *\| (\d+) \| ([0-9A-F]{8}) \|)");
     const auto trace = rows(page, row_pattern);
