@@ -1,4 +1,5 @@
-# Renders Blender's own cube by tools/scripts/blender_views.py, tiny, both ways, and encodes what comes.
+# Renders Blender's default cube with tools/scripts/blender_views.py, as planar views and as a sphere,
+# and encodes both.
 #   cmake -DROOT=. -DTESSERA=tessera -DBLENDER=blender -DOUT=folder -P check_blender_views.cmake
 function(run)
     execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)

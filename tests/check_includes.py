@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Fails where a source names what no header that it reaches declares.   check_includes.py ROOT
+"""Fails if a source uses a name that no header that it includes declares.   check_includes.py ROOT
 
-The tests build many sources as one (CMAKE_UNITY_BUILD), where such a source still compiles; users build
-them one by one. Names are our types, and those of the standard library below,
-which none of its other headers is sure to bring along.
+Such a source may compile in a unity build (CMAKE_UNITY_BUILD), which the tests use, but not on its own, as users
+build it. Checked are the project's types and the names of the standard library below. Only the header given there is
+certain to declare such a name.
 """
 import os
 import re
@@ -47,7 +47,7 @@ def read_sources(root):
 
 
 def reached(path, includes, known):
-    """Our headers and the standard ones that a file includes, itself or by headers of ours."""
+    """The project's and the standard headers that a file includes, directly or through headers of the project."""
     if path not in known:
         known[path] = set()
         for ours, theirs in includes.get(path, []):
@@ -67,7 +67,7 @@ def main():
             homes.setdefault(name, path)
     known, failures = {}, []
     for path, text in sorted(code.items()):
-        # Parts of the sources that include them; programs that include what is installed; wrong on purpose.
+        # .inl files are parts of other sources, consumers include installed headers, and fixtures have errors on purpose.
         if path.endswith(".inl") or path.startswith(("tests/consumers/", "tests/fixtures/")):
             continue
         seen = reached(path, includes, known) | {path}

@@ -1,8 +1,8 @@
-# Fails when a file includes what it should not see. The rules:
+# Fails if a file includes a header that it must not see. The rules:
 #   1. A module sees the modules below it (sees_*).
-#   2. A header directly in format/, codec/ or decoder_glsl/ is public; one in a folder below is its
-#      module's own business: tools see public headers of other modules only, and so do corpus and
-#      public headers themselves. (codec and decoder_glsl are built on format's insides.)
+#   2. A header directly in format/, codec/ or decoder_glsl/ is public. A header in a folder below is
+#      internal. tools and corpus must not include internal headers of these modules, and public
+#      headers must not include any. codec and decoder_glsl may include format's internal headers.
 #   3. The folders of a module see themselves and those before them in the order of folders_*. Files
 #      directly in a module's folder see all of it. tools/lab, the laboratory, comes last, so that no
 #      folder of the product sees it.
@@ -21,14 +21,14 @@ set(folders_codec kernels search_kernels tile texels entropy reconstruct decode 
 set(folders_decoder_glsl shaders batch cache gl residency draw)
 set(folders_corpus surface model trace model_surface)
 set(folders_tools support http picture texture_io scenes view web server page verbs lab)
-set(built_on_insides codec decoder_glsl) # of format
+set(built_on_insides codec decoder_glsl) # may include internal headers of format
 set(public_modules format codec decoder_glsl)
 if(NOT DEFINED most_public_headers)
     set(most_public_headers 20)
 endif()
 
-# Where `file`, a path such as codec/encode/encoder.cpp, stands: its folder's number in its module's
-# order; -1 directly in the module.
+# The index of the folder of `file`, such as codec/encode/encoder.cpp, in its module's order of
+# folders; -1 for a file directly in the module.
 function(rank_of file variable)
     string(REPLACE "/" ";" parts ${file})
     list(LENGTH parts depth)

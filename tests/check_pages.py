@@ -19,7 +19,7 @@ import os
 import re
 import sys
 
-# Pages whose lines are not yet wrapped. To be emptied.
+# Pages that may have long lines.
 NOT_YET_WRAPPED = """
 README.md CHANGELOG.md CONTRIBUTING.md codec/DECISIONS.md codec/README.md corpus/README.md
 corpus/paper_comparison.md decoder_glsl/README.md tests/README.md tests/RELIABILITY.md tests/golden/README.md

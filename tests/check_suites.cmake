@@ -1,4 +1,4 @@
-# Fails unless the suites of the gtest program PROGRAM are SUITES, those that ctest runs.
+# Fails unless the suites of the gtest program PROGRAM are SUITES, which ctest runs.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE failed)
 if(failed)
     message(FATAL_ERROR "${PROGRAM} cannot list its tests: ${failed}")

@@ -1,8 +1,8 @@
 #!/bin/bash
-# Lines of format/ and codec/ that their tests reach, by folder, as clang counts them:
-#   tests/coverage.sh [TEST_FILTER]     builds in build-coverage; needs clang and llvm (14 cannot compile the
-#     tests; CLANG_VERSION: what their names end in, default -19) and jq
-# Then the lines of one file that none reaches, with a 0 in the second column:
+# Prints per folder how many lines of format/ and codec/ their tests reach, as counted by clang:
+#   tests/coverage.sh [TEST_FILTER]     builds in build-coverage; needs clang, llvm and jq
+# CLANG_VERSION is the suffix of the programs' names, by default -19. Version 14 cannot compile the
+# tests. Afterwards this shows the lines of one file, with a 0 beside those that no test reaches:
 #   cd build-coverage && llvm-cov-19 show bin/format_tests -object bin/codec_tests \
 #       -instr-profile=all.profdata ../format/container/index.cpp
 set -euo pipefail

@@ -1,8 +1,8 @@
-# What tests/mutate.py builds: libraries file by file, so that a mutant is one small compilation; the tests,
-# which stay as they are, in groups.
+# Build options for tests/mutate.py. Libraries are compiled file by file, so that a mutant needs one
+# small compilation. Tests do not change, so they are compiled in groups.
 set(CMAKE_UNITY_BUILD ON)
 set(CMAKE_BUILD_TYPE Debug)
-set(CMAKE_CXX_FLAGS_DEBUG "-O1") # without it the tests take five times as long; with the libraries' -O3 compiling does
+set(CMAKE_CXX_FLAGS_DEBUG "-O1") # -O0 makes tests five times slower, -O3 compiling
 find_program(MOLD mold)
 if(MOLD)
     set(CMAKE_EXE_LINKER_FLAGS -fuse-ld=mold)

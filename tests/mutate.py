@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Tests of the tests: changes one operator, bound or constant of format/ or codec/ at a time and sees whether
-the fast tests notice. tests/mutate.py BUILD COUNT [--seed N] [--only PREFIX...] [--tests format_tests]
+"""Tests the tests: changes one operator, bound or constant of format/ or codec/ at a time and checks whether the fast
+tests fail. tests/mutate.py BUILD COUNT [--seed N] [--only PREFIX...] [--tests format_tests]
 
-BUILD is a build folder of this tree with tests, best one where a mutant is one small compilation:
+BUILD is a build folder of this tree with tests. With these options a mutant needs one small compilation:
   cmake -S . -B build-mutate -G Ninja -DCMAKE_PROJECT_INCLUDE=$PWD/tests/mutate.cmake
-Mutants are drawn by seed; each is built incrementally, tried by the fast tests, and taken back. Fast is what
-took less than --fast seconds without any change, in BUILD/TARGET.times, which is made where it is not there
-(four minutes). A mutant that does not compile counts as none, one whose tests take three times the usual CPU
-time is caught. What was found is kept in BUILD/mutants.txt, and a mutant that is there is not tried again
-unless it survived and --again is given; so it may be stopped. Prints each, and a last line with the sums; nothing
-else may change the tree meanwhile. Cheap where ccache is used: what is taken back is compiled already."""
+The seed decides which mutants are drawn. Each one is built incrementally, tested and reverted. Fast tests take at most
+--fast seconds without any change. BUILD/TARGET.times has their times and is written if it is missing, which takes four
+minutes. A mutant that does not compile is not counted. One whose tests take three times the usual CPU time is caught.
+Results are kept in BUILD/mutants.txt, so the script may be stopped and started again. A mutant listed there is tested
+again only if it survived and --again is given. Prints each mutant and a last line with the totals. Nothing else may
+change the tree during a run. ccache saves compiling the reverted sources again."""
 import argparse
 import pathlib
 import random
@@ -31,13 +31,13 @@ NUMBER = r"(?<![\w.\"'])(\d+)(?![\w.\"'])"
 
 
 def code_of(line):
-    """The line without comment and strings, of the same length."""
+    """The line with comments and strings replaced by spaces."""
     line = re.sub(r'"(\\.|[^"\\])*"', lambda m: " " * len(m.group()), line)
     return re.sub(r"//.*", lambda m: " " * len(m.group()), line)
 
 
 def places():
-    """All (file, line, begin, end, new text) in order."""
+    """All possible changes, in order: (file, line, begin, end, new text)."""
     found = []
     for folder in ("format", "codec"):
         for path in sorted((ROOT / folder).rglob("*.cpp")):
@@ -45,7 +45,7 @@ def places():
                 code = code_of(line)
                 if code.lstrip().startswith(("#", "template", "*")) or "static_assert" in code:
                     continue
-                generic = re.search(r"\w<[^<>]*>", code)  # a template's brackets are no comparison
+                generic = re.search(r"\w<[^<>]*>", code)  # a template's brackets are not comparisons
                 for pattern, new in SWAPS:
                     if generic and pattern[-1] != " " and ("<" in pattern or ">" in pattern):
                         continue
@@ -56,7 +56,7 @@ def places():
 
 
 def run(command, seconds, cpu_seconds=resource.RLIM_INFINITY):
-    """Whether it ended well, in time."""
+    """Whether the command succeeded in time."""
     try:
         return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=seconds, cwd=ROOT,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds,) * 2)
@@ -70,7 +70,7 @@ def build(folder, target):
 
 
 def times_of(folder, target):
-    """Seconds that each test takes without any change, by "Suite.Name"."""
+    """The seconds that each test takes without any change, by "Suite.Name"."""
     kept = pathlib.Path(folder) / f"{target}.times"
     if not kept.exists():
         made = subprocess.run([f"{folder}/bin/{target}"], stdout=subprocess.PIPE, text=True, cwd=ROOT)
@@ -81,7 +81,7 @@ def times_of(folder, target):
 
 
 def suites_for(path, target):
-    """The suites of the test file of that name, and of those that include its header."""
+    """The suites of the test file with the same name and of the test files that include the header."""
     header = f'#include "{path.with_suffix(".h").relative_to(ROOT)}"'
     found = set()
     for test in (ROOT / "tests" / target.removesuffix("_tests")).glob("*_test.cpp"):
@@ -92,7 +92,7 @@ def suites_for(path, target):
 
 
 def groups(path, target, times):
-    """The tests of the file, then the quick ones of the others, then the rest: what they are, and their names."""
+    """Groups of tests (name, tests): those of the file, then the quick ones of the others, then the rest."""
     own = suites_for(path, target)
     of_file = [t for t in times if t.split(".")[0] in own]
     others = [t for t in times if t not in of_file]
@@ -101,11 +101,11 @@ def groups(path, target, times):
 
 
 def try_mutant(folder, times, path):
-    """"void", "SURVIVED" or "caught by" what. The quickest tests come first; what is linked is only what is needed so
-    far."""
+    """"void" if the mutant does not compile, "SURVIVED", or "caught by" and a name. Runs the quickest tests first and
+    links only the programs that it needs."""
     is_of_codec = path.relative_to(ROOT).parts[0] == "codec"
     for target in times:
-        if is_of_codec and target == "format_tests":  # it links nothing of codec/
+        if is_of_codec and target == "format_tests":  # it does not link codec/
             continue
         if not build(folder, target):
             return "void"
@@ -114,7 +114,7 @@ def try_mutant(folder, times, path):
             if tests and not run([f"{folder}/bin/{target}", "--gtest_filter=" + ":".join(tests), "--gtest_fail_fast"],
                                  10 * seconds, int(seconds)):
                 return f"caught by {target}, {name}"
-    if path.parent.name == "c_api":  # whose tests are a program in C
+    if path.parent.name == "c_api":  # a program in C tests these files
         if not build(folder, "c_api_test") or not run([f"{folder}/bin/c_api_test", f"{folder}/c_api.tess"], 60):
             return "caught by c_api_test"
     return "SURVIVED"
@@ -125,12 +125,12 @@ def main():
     parser.add_argument("build")
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", nargs="+", default=[""], help="files that begin so, such as format/container")
+    parser.add_argument("--only", nargs="+", default=[""], help="prefixes of the files to change")
     parser.add_argument("--tests", choices=TARGETS, nargs="+", default=TARGETS)
-    parser.add_argument("--fast", type=float, default=1, help="seconds that a fast test takes at most")
-    parser.add_argument("--again", action="store_true", help="try what survived once more")
+    parser.add_argument("--fast", type=float, default=1, help="the longest time of a fast test in seconds")
+    parser.add_argument("--again", action="store_true", help="test surviving mutants again")
     a = parser.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # the mutant is taken back first
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # reverts the mutant first
     folder = str(pathlib.Path(a.build).resolve())
     times = {}
     for target in a.tests:

@@ -1,9 +1,9 @@
 # tessera_tests(MODULE [SLOW file...] [THREADS file...] [WITHOUT file...] USES library...)
 #
-# All of MODULE/*_test.cpp as one program, MODULE_tests, and one ctest test a file, MODULE.file: one
-# process a file, so that its fixtures are made once. Labels: the module; `slow` for files in SLOW, which
-# tools/test.sh --fast leaves out; `threads` for those in THREADS, which --sanitize thread runs. Files in
-# WITHOUT are left out of this build.
+# Builds MODULE/*_test.cpp as one program, MODULE_tests, and adds one ctest test per file,
+# MODULE.file. A file's tests run in one process and create their fixtures once. Labels: the module;
+# `slow` for files in SLOW, which tools/test.sh --fast skips; `threads` for files in THREADS, which
+# --sanitize thread runs. Files in WITHOUT are not built.
 set(test_timeout 600) # seconds
 if(TESSERA_SANITIZE)
     set(test_timeout 3000)
@@ -17,11 +17,12 @@ function(tessera_tests module)
     endforeach()
     set(program ${module}_tests)
     add_executable(${program} ${files} support/main.cpp)
-    # Six times the usual number of files in one, where folders are compiled as one: half of it is headers.
+    # In unity builds 48 files are compiled together instead of 8, because headers are half of the
+    # work.
     set_target_properties(${program} PROPERTIES UNITY_BUILD_BATCH_SIZE 48)
     target_link_libraries(${program} PRIVATE ${ARG_USES} GTest::gtest tessera_build)
-    # Tests are compiled more often than they are run; what is to be fast is in the libraries.
-    # GTest's macros are ifs: -Wdangling-else means them.
+    # -O1 compiles faster, and the code that must be fast is in the libraries.
+    # -Wdangling-else warns about GTest's macros, which expand to if statements.
     target_compile_options(${program} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1> -Wno-dangling-else)
 
     set(all_suites)
@@ -30,7 +31,7 @@ function(tessera_tests module)
         tessera_suites_of(${file} suites)
         foreach(suite IN LISTS suites)
             if(suite IN_LIST all_suites)
-                message(FATAL_ERROR "${file}: there is a suite ${suite} in another file of ${module}")
+                message(FATAL_ERROR "${file}: another file of ${module} has a suite ${suite}, too")
             endif()
         endforeach()
         list(APPEND all_suites ${suites})
@@ -40,7 +41,7 @@ function(tessera_tests module)
         set(labels ${module})
         if(name IN_LIST ARG_SLOW)
             list(APPEND labels slow)
-            set_tests_properties(${module}.${name} PROPERTIES COST 100) # begins first
+            set_tests_properties(${module}.${name} PROPERTIES COST 100) # starts early
         endif()
         if(name IN_LIST ARG_THREADS)
             list(APPEND labels threads)
@@ -49,7 +50,7 @@ function(tessera_tests module)
     endforeach()
     foreach(name IN LISTS ARG_SLOW ARG_THREADS)
         if(NOT TEST ${module}.${name} AND NOT name IN_LIST ARG_WITHOUT)
-            message(FATAL_ERROR "${module}: no ${name}.cpp, which is said to be slow or to have threads")
+            message(FATAL_ERROR "${module}: no ${name}.cpp, which SLOW or THREADS names")
         endif()
     endforeach()
     add_test(NAME ${module}.all_suites_are_run
@@ -57,7 +58,7 @@ function(tessera_tests module)
                      -P ${CMAKE_CURRENT_SOURCE_DIR}/check_suites.cmake)
 endfunction()
 
-# The gtest suites of a source file, from its text.
+# Finds the gtest suites in the text of a source file.
 function(tessera_suites_of file variable)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
     file(STRINGS ${file} lines REGEX "^TEST(_F)?\\(")

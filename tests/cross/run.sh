@@ -1,17 +1,19 @@
 #!/bin/bash
-# The decoder and the encoder on another processor, or from another compiler: builds in build-cross-ARCH, runs
-# the tests that take seconds, and compares what it makes of the golden files and of some textures with what is
-# frozen (tests/golden), and of damaged files with what this machine's build makes of them (same_bytes.cpp).
-#   tests/cross/run.sh ARCH   aarch64, s390x (big-endian): under qemu, by Debian's packages
+# Tests the decoder and the encoder on another processor or with another compiler. It builds in
+# build-cross-ARCH and runs same_bytes and the tests that take seconds. The golden files and some encodes
+# must give the frozen results in tests/golden. Damaged files must give the same results as in a native
+# build.
+#   tests/cross/run.sh ARCH   aarch64 or s390x (big-endian): runs under qemu with these packages of
+#                             Debian, where aarch64 is called arm64:
 #                               dpkg --add-architecture s390x
 #                               apt install g++-s390x-linux-gnu qemu-user-static \
 #                                   libzstd-dev:s390x libdraco-dev:s390x libgtest-dev:s390x
-#                             (arm64 for aarch64); clang: this processor, by clang++
-# TESTS: gtest filter for both programs, default all that take seconds; "": none.
+#                             clang: this processor with clang++
+# TESTS: gtest filter for both programs. The default runs all tests that take seconds, "" runs none.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 arch=${1:?ARCH, as the head of this file says}
-# Without the machinery around the codec; the libraries' -O3 stays for the compiler, and is dear elsewhere.
+# Builds only the libraries and their tests. Only clang uses -O3, which is slow to compile for qemu.
 common=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DTESSERA_TESTS=ON -DTESSERA_TOOLS=OFF -DTESSERA_GPU=OFF
         -DTESSERA_SHARED=OFF -DTESSERA_HTTP=OFF -DTESSERA_WEB=OFF)
 run=()
@@ -44,7 +46,7 @@ build-cross-native/bin/same_bytes tests/golden > build-cross-native/made.txt
 head -n "$(wc -l < tests/golden/manifest.txt)" "$folder/made.txt" | diff tests/golden/manifest.txt -
 tail -n "$(wc -l < tests/golden/encodings.txt)" "$folder/made.txt" | diff tests/golden/encodings.txt -
 diff build-cross-native/made.txt "$folder/made.txt"
-echo "$arch: the same as here: $(wc -l < "$folder/made.txt") files"
+echo "$arch: $(wc -l < "$folder/made.txt") results equal those of the native build"
 [ -z "$filter" ] || for tests in format_tests codec_tests; do
     "${run[@]}" "$folder/bin/$tests" --gtest_brief=1 --gtest_filter="$filter"
 done

@@ -1,8 +1,9 @@
-// What this machine and this compiler make of the same textures and files, one line each, to compare with what
-// others do (run.sh): the golden files' texels as in their manifest, what is shown of damaged copies of them, then
-// encoded files as in encodings.txt, which is made so:
-//   same_bytes tests/golden encode > tests/golden/encodings.txt
-//   same_bytes GOLDEN_FOLDER [decode|encode]   only that; decode is short enough for valgrind
+// Prints results that must be the same on every machine and with every compiler, one per line: the
+// texels of the golden files as in their manifest, the texels of damaged copies of them, and encoded
+// files as in encodings.txt. run.sh compares them.
+//   same_bytes GOLDEN_FOLDER [decode|encode]   prints all results, or only one kind
+//   same_bytes tests/golden encode > tests/golden/encodings.txt   writes the table again
+// decode is short enough for valgrind.
 #include "codec/decoder.h"
 #include "tests/support/encodings.h"
 #include "tests/support/fnv1a.h"
@@ -53,7 +54,8 @@ void decode_golden(const std::string& folder) {
     }
 }
 
-// A bit of it flipped at a time: what the tiles' own bytes let through is decoded, the rest is filled.
+// Decodes copies with one flipped bit each. Damage that checksums detect is filled, other damage is
+// decoded.
 void decode_damaged(const std::string& folder, const std::string& name, int copies) {
     std::ifstream in(folder + "/" + name, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
@@ -97,7 +99,7 @@ int main(int argc, char** argv) {
     const std::string only = argc == 3 ? argv[2] : "";
     if (argc < 2 || argc > 3 || (argc == 3 && only != "decode" && only != "encode"))
         return 2;
-    std::setvbuf(stdout, nullptr, _IOLBF, 0); // a crash keeps what was before
+    std::setvbuf(stdout, nullptr, _IOLBF, 0); // a crash keeps the earlier lines
     if (only != "encode") {
         decode_golden(argv[1]);
         for (const std::string& name : golden_names(argv[1]))

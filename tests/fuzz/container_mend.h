@@ -1,4 +1,5 @@
-// Makes all checksums of a damaged file right again, and what follows from its header, for the targets that open files.
+// For targets that open files: corrects the checksums of a damaged file and the fields that depend
+// on its header.
 #pragma once
 
 #include "format/container/index.h"
@@ -14,8 +15,9 @@
 
 namespace tessera::fuzz {
 
-// Makes texture and grid of tiles go together where views are aligned: the texture's sides, so that tiles stay
-// what they are, or the grid's, where no texture has that alignment there.
+// Makes the sizes of the texture and of the grid consistent with the alignment of the views. It
+// changes the texture, so that tiles stay valid, or the grid if that is too small for the
+// alignment.
 inline void mend_grid(FileHeader& header, const SectionEntry& entry, std::span<std::byte> file) {
     if (!header.alignment.any() || entry.name() != "LEVL" || entry.length < level_entry_bytes)
         return;
@@ -43,7 +45,7 @@ inline void mend_head(Bytes& file) {
         SectionEntry entry = load_section(std::span(file).subspan(at).first<section_entry_bytes>());
         if (entry.crc == 0 || entry.offset > file.size() ||
             entry.length > file.size() - entry.offset)
-            continue; // DATA and INDX have their own
+            continue; // DATA and INDX have checksums of their own
         mend_grid(header, entry, file);
         entry.crc = crc32c(std::span(file).subspan(entry.offset, entry.length));
         const auto stored = store_section(entry);
@@ -53,7 +55,7 @@ inline void mend_head(Bytes& file) {
     test::seal_header(file);
 }
 
-// The record of a group, at `at` in the file: its own checksum, then those of its pages that are there.
+// Corrects the checksums of a group's record and of those of its pages that the file holds.
 inline void mend_record(Bytes& file, std::span<std::byte> record, const GroupKey& key) {
     const auto mend_own = [&] {
         Bytes seed;
@@ -101,7 +103,7 @@ inline void mend_groups(Bytes& file) {
     }
 }
 
-// Aligns the views of a file in another way, by less than 16 texels each or by anything.
+// Changes the alignment of a file's views, to -16..15 texels or to any value.
 inline void align_views(std::span<std::byte> file, unsigned random) {
     if (file.size() < header_bytes)
         return;

@@ -1,5 +1,5 @@
-// A file through the C interface, by calls that the input's first bytes choose: in any order, with sizes
-// that do not fit, on what opening gave, which may be nothing.
+// A file through the C interface. The first bytes of the input choose the calls and their sizes,
+// which may be wrong. The calls come in any order, even if the file could not be opened.
 #include "codec/encoder.h"
 #include "codec/tessera.h"
 #include "tests/fuzz/container_mend.h"
@@ -28,7 +28,7 @@ void call(unsigned which, tessera_decoder* decoder) {
             tessera_box_bytes(&texture, begin, end, &bytes) != TESSERA_OK || bytes > texels.size())
             return;
         const int error = tessera_decode_box(decoder, begin, end, texels.data(), bytes, nullptr);
-        require(error == TESSERA_OK || *tessera_last_error() != 0, "an error without a sentence");
+        require(error == TESSERA_OK || *tessera_last_error() != 0, "an error without a message");
         return;
     }
     case 2: {
@@ -42,7 +42,7 @@ void call(unsigned which, tessera_decoder* decoder) {
         for (std::size_t i = 0; i <= tessera_metadata_count(decoder) && i < 100; ++i)
             if (tessera_metadata_at(decoder, i, &key, &value, nullptr) == TESSERA_OK)
                 require(std::strcmp(tessera_metadata_value(decoder, key), value) == 0,
-                        "a value that is not its key's");
+                        "a key whose value depends on the function");
         return;
     }
     case 4: {
@@ -106,7 +106,7 @@ void run(const std::uint8_t* data, std::size_t size) {
         return;
     tessera_decoder* decoder = nullptr;
     const int error = tessera_open_memory(data + calls, size - calls, nullptr, &decoder);
-    require((error == TESSERA_OK) == (decoder != nullptr), "a decoder of a failed open");
+    require((error == TESSERA_OK) == (decoder != nullptr), "the error contradicts the decoder");
     for (std::size_t i = 0; i < calls; ++i)
         call(data[i], decoder);
     tessera_close(decoder);

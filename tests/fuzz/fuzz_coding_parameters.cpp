@@ -1,4 +1,5 @@
-// Section CODE: refused, or parameters in range that survive being written again.
+// Section CODE must be refused or give valid parameters, which do not change when written and read
+// again.
 #include "format/tile/coding_parameters.h"
 #include "tests/fuzz/fuzz_target.h"
 

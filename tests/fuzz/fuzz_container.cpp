@@ -1,4 +1,4 @@
-// A whole file: opened, validated, every part of it that is small enough decoded.
+// A whole file is validated and opened, and parts of it are decoded.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "format/container_reader.h"
@@ -9,7 +9,7 @@
 namespace tessera::fuzz::container {
 namespace {
 
-// Texels of aligned views are those that lie at their places in the grid.
+// The texels of aligned views must equal those at their positions in the grid.
 void check_places(const Decoder& decoder, const Box4& box, const Bytes& texels) {
     const AlignedViews views = decoder.container().aligned_views();
     const Box4 whole = Box4::whole(views.grid_size());
@@ -20,7 +20,7 @@ void check_places(const Decoder& decoder, const Box4& box, const Bytes& texels) 
     if (!decoder.decode_grid_box(whole, grid, {1, Integrity::page, {}, {}}))
         return;
     views.copy_from_grid(whole, grid, box, expected, decoder.desc().texel_bytes());
-    require(texels == expected, "aligned views have other texels than their grid");
+    require(texels == expected, "aligned views and their grid have different texels");
 }
 
 void read_box(const Decoder& decoder, const Box4& box) {
@@ -35,7 +35,7 @@ void read_everything(const Bytes& file) {
     const std::vector<Finding> findings = validate_container(*source);
     const Result<ContainerReader> container = ContainerReader::open(*source);
     if (!container) {
-        require(!findings.empty(), "a file that does not open has no findings");
+        require(!findings.empty(), "a file that cannot be opened has no findings");
         return;
     }
     for (std::uint32_t group = 0; group < std::min(container->group_count(), 8u); ++group)
@@ -55,7 +55,7 @@ void read_everything(const Bytes& file) {
     read_box(*decoder, box);
 }
 
-// Whose views can be aligned by up to 12 and 30 texels.
+// A file whose views may be aligned by up to 12 and 30 texels.
 Bytes far_aligned_seed() {
     test::MemoryTexture texture =
         test::named_texture({{25, 31, 3, 2}, SampleType::unorm8, 3}, "smooth");

@@ -1,8 +1,8 @@
 // Runs a fuzz target without libFuzzer:
-//   fuzz_corpora TARGET                    a fixed pseudo-random corpus: random bytes and damaged seeds
-//   fuzz_corpora TARGET --corpus DIR       that, and the inputs in a folder, if there is one
+//   fuzz_corpora TARGET                    runs a fixed corpus of random bytes and damaged seeds
+//   fuzz_corpora TARGET --corpus DIR       the same, and the files of a folder, if it exists
 //   fuzz_corpora TARGET --write-seeds DIR  writes the seeds
-//   fuzz_corpora TARGET FILE...            those inputs, for instance a crash that libFuzzer stored
+//   fuzz_corpora TARGET FILE...            runs these files, such as a crash that libFuzzer stored
 #include "tests/fuzz/fuzz_target.h"
 
 #include <algorithm>

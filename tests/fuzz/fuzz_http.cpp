@@ -1,5 +1,5 @@
-// What servers and clients say: heads of answers, Content-Range, ranges and names that are asked for. The
-// first line is a path, the second a range, the rest a head.
+// Text from HTTP servers and clients. The first line of the input is a requested path, the second a
+// range or a Content-Range, and the rest is the head of a response and its body.
 #include "tests/fuzz/fuzz_target.h"
 #include "tools/http/http_receivers.h"
 #include "tools/http/http_response.h"
@@ -25,7 +25,7 @@ void check_content_range(std::string_view text) {
         require(range->first <= range->last, "a range that ends before it begins");
 }
 
-// Whatever the head, a receiver takes what fits its buffer or refuses.
+// For any head a receiver must refuse the body or stay within its buffer.
 void receive(const HttpHead& head, std::span<const std::byte> body) {
     const HttpVersion version{file_bytes, "\"v\"", ""};
     Bytes out(10);

@@ -1,4 +1,5 @@
-// An index record under a key from the input's first bytes: refused, or positions inside DATA.
+// An index record must be refused or give positions inside DATA. The first bytes of the input are
+// its key.
 #include "format/container/index.h"
 #include "format/io/bytes.h"
 #include "format/io/crc32c.h"
@@ -47,7 +48,7 @@ void run(const std::uint8_t* data, std::size_t size) {
     const GroupKey key = key_of(input);
     Bytes record(input.begin() + key_bytes, input.end());
     for (const bool mended : {false, true}) {
-        if (mended && record.size() > 4) { // a checksum that fits lets the fuzzer past it
+        if (mended && record.size() > 4) { // a correct checksum, so that the body is tested too
             Bytes seed;
             append_le(seed, key.identity);
             append_le(seed, key.group);

@@ -1,4 +1,4 @@
-// Section prxy: refused, or a mesh in range that can be drawn.
+// Section prxy must be refused or give a mesh with valid values.
 #include "format/surface_mesh.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/meshes.h"
@@ -19,17 +19,18 @@ void check(const SurfaceMesh& mesh) {
     require(!mesh.triangles.empty(), "a mesh without triangles");
     const std::size_t vertices = mesh.positions.size();
     require(mesh.uv.size() == vertices && mesh.normals.size() == vertices,
-            "lists of other lengths");
+            "vertex lists of different lengths");
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t corner : triangle)
-            require(corner < vertices, "a corner that is no vertex");
+            require(corner < vertices, "a corner without a vertex");
     const std::vector<glm::vec3> tangents = mesh_tangents(mesh);
     for (std::size_t i = 0; i < vertices; ++i) {
         const glm::vec2& uv = mesh.uv[i];
         require(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1, "uv outside 0..1");
-        require(std::abs(glm::length(mesh.normals[i]) - 1) < 1e-5f, "a normal's length");
-        require(std::abs(glm::length(tangents[i]) - 1) < 1e-5f, "a tangent's length");
-        require(std::abs(glm::dot(tangents[i], mesh.normals[i])) < 1e-5f, "a tangent's angle");
+        require(std::abs(glm::length(mesh.normals[i]) - 1) < 1e-5f, "a normal without unit length");
+        require(std::abs(glm::length(tangents[i]) - 1) < 1e-5f, "a tangent without unit length");
+        require(std::abs(glm::dot(tangents[i], mesh.normals[i])) < 1e-5f,
+                "a tangent not perpendicular to the normal");
     }
 }
 

@@ -1,4 +1,5 @@
-// Section meta, and the words of a description: refused, or text that survives being written again.
+// Section meta and the text of a description must be refused or stay the same when written and read
+// again.
 #include "format/container/syntax.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tools/support/description_text.h"
@@ -7,7 +8,7 @@
 namespace tessera::fuzz::metadata {
 namespace {
 
-// "field" and "value", with '=' between, as a line of text.
+// Sets a description's field from the text "field=value".
 void describe(std::string_view line) {
     const std::size_t equals = line.find('=');
     if (equals == line.npos)
@@ -19,9 +20,9 @@ void describe(std::string_view line) {
         return;
     Description again;
     for (const auto& [field, text] : description_to_text(description))
-        require(set_description_field(again, field, text).ok(), "a field's own words are refused");
+        require(set_description_field(again, field, text).ok(), "the text of a field is refused");
     require(description_to_text(again) == description_to_text(description),
-            "a description changes when it is said again");
+            "a description changes when read from its text");
 }
 
 } // namespace
@@ -43,12 +44,12 @@ void run(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     describe(text);
     for (const char c : printable(std::string(text)))
-        require(static_cast<unsigned char>(c) >= 32 && c != 127, "a control is printed");
+        require(static_cast<unsigned char>(c) >= 32 && c != 127, "a control character is printed");
     const auto metadata = unpack_metadata(input);
     if (!metadata)
         return;
     const auto packed = pack_metadata(*metadata);
-    require(packed.ok(), "what was read cannot be written");
+    require(packed.ok(), "metadata that were read cannot be written");
     const auto again = unpack_metadata(*packed);
     require(again.ok() && *again == *metadata, "metadata change when written again");
 }

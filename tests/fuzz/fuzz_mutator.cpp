@@ -1,5 +1,5 @@
-// What libFuzzer asks of a target, the only one of its program: its function, a mutator that mends checksums, and
-//   fuzz_x --write-seeds DIR
+// The functions that libFuzzer calls in a program with one target. The mutator corrects checksums.
+//   fuzz_x --write-seeds DIR   writes the seeds
 #include "tests/fuzz/fuzz_target.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
                                                std::size_t most, unsigned seed) {
     using namespace tessera::fuzz;
-    constexpr unsigned left_damaged = 8, altered = 16; // one in so many
+    constexpr unsigned left_damaged = 8, altered = 16; // one in so many inputs
     const Target& target = targets().front();
     const bool alters = target.alter != nullptr && seed % altered == 1;
     if (!alters)

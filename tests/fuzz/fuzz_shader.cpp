@@ -1,9 +1,11 @@
-// The decoder's shaders as C++ (tests/support/shader_machine.h) on payloads that nothing has checked, against
-// the CPU's decoder; or, with bit 7 of the first byte, on batches whose words are changed, too.
+// Runs the decoder's shaders as C++ (tests/support/shader_machine.h) on unchecked payloads and
+// compares the results with the CPU decoder. With bit 7 of byte 0 it also changes words of the
+// batch, and then checks only that the shaders end and stay inside their buffers.
 //
-// Input: byte 0: setting (3 bits), corrections, folded, predictions (and then no corrections), a bit
-// that means nothing, changed; byte 1: grid; byte 2: number of tiles - 1; then in the second mode a count and as many changes (u16 word, u32 value);
-// then the payloads, each but the last behind its u16 length.
+// Input: byte 0: setting (bits 0 to 2), corrections (3), folded (4), predictions, which exclude
+// corrections (5), unused (6), changed (7); byte 1: grid; byte 2: number of tiles - 1; if
+// `changed`, a count and as many changes (u16 word, u32 value); the payloads, each except the last
+// preceded by its u16 length.
 #include "format/io/bytes.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/format_values.h"
@@ -19,8 +21,8 @@ namespace {
 
 using test::ShaderOracle;
 
-// Texture and largest tile: odd sides, sides of 1, more than one chunk of corrections, long sides, a base picture
-// that is cut in four.
+// Sizes of texture and tile: odd sides, sides of 1, several chunks of corrections, long sides, and
+// a base picture that is split into four.
 struct Grid {
     Extent4 size, tile;
 };
@@ -57,7 +59,7 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     return parameters;
 }
 
-// `first`: byte 0 of an input.
+// `first` is byte 0 of an input.
 ShaderOracle& oracle(unsigned first, unsigned grid) {
     const unsigned setting = first & 7u;
     const bool predictions = (first & 32u) != 0, corrections = !predictions && (first & 8u) != 0;
@@ -73,7 +75,7 @@ ShaderOracle& oracle(unsigned first, unsigned grid) {
     return *found;
 }
 
-// Takes the input apart, front to back; what is not there is 0.
+// Reads the input in order. Missing bytes are 0.
 class Input {
 public:
     explicit Input(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -94,7 +96,7 @@ private:
     std::span<const std::byte> bytes_;
 };
 
-// A case as it is written into an input.
+// The fields of an input.
 struct Case {
     unsigned first = 0, grid = 0;
     std::vector<std::pair<std::uint16_t, std::uint32_t>> changes;
@@ -157,7 +159,7 @@ std::vector<Bytes> seeds() {
         if (i % 4 == 0) // a stored tile
             made.payloads[0].resize(static_cast<std::size_t>(file.shape_of_tile(0).texels()) *
                                     file.reader().desc().texel_bytes());
-        // Header fields and records, by values that lie near others or far off.
+        // The changes hit header fields and records, with small or arbitrary values.
         for (unsigned k = 0; k < i % 5; ++k)
             made.changes.push_back(
                 {static_cast<std::uint16_t>(random.range(0, 63)),
@@ -168,7 +170,7 @@ std::vector<Bytes> seeds() {
 }
 
 void run(const std::uint8_t* data, std::size_t size) {
-    // Longer ones only take longer.
+    // Longer inputs take longer without testing more.
     Input input({reinterpret_cast<const std::byte*>(data), std::min<std::size_t>(size, 16384)});
     const std::uint32_t first = input.take(1);
     const std::uint32_t grid = input.take(1) % grids.size();

@@ -1,5 +1,6 @@
-// A fuzz target is one file that registers itself. With fuzz_mutator.cpp and libFuzzer it is a fuzzer; all of
-// them and fuzz_driver.cpp are the program of tests on a fixed pseudo-random corpus.
+// A fuzz target is a file that registers itself. With fuzz_mutator.cpp and libFuzzer it is a
+// fuzzer. All targets together with fuzz_driver.cpp are a test program that runs a fixed
+// pseudo-random corpus.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +18,20 @@ namespace tessera::fuzz {
 using Bytes = std::vector<std::byte>;
 
 struct Target {
-    std::string_view name; // of its file
+    std::string_view name; // the name of its file
     // Valid inputs, which the driver damages and --write-seeds stores for libFuzzer.
     std::vector<Bytes> (*seeds)();
     void (*run)(const std::uint8_t* data, std::size_t size);
-    // Makes all checksums of a damaged input right again, so that what lies behind them is met, too. nullptr: inputs
-    // have no checksums.
+    // Corrects the checksums of a damaged input, so that the data that they protect are tested,
+    // too. nullptr if inputs have no checksums.
     void (*mend)(Bytes& input) = nullptr;
-    // Changes what damage to single bytes hits too rarely, by the bits of `random`. nullptr: there is nothing of
-    // that kind.
+    // Makes changes, chosen by the bits of `random`, that damage to single bytes makes too rarely.
+    // nullptr if none are needed.
     void (*alter)(Bytes& input, unsigned random) = nullptr;
-    int rounds = 4000; // of the driver; fewer where libraries and files make them slow
+    int rounds = 4000; // of the driver; fewer for slow targets
 };
 
-// Those of the program.
+// The targets of the program.
 inline std::vector<Target>& targets() {
     static std::vector<Target> all;
     return all;
@@ -40,7 +41,7 @@ struct Registered {
     explicit Registered(const Target& target) { targets().push_back(target); }
 };
 
-// Stores the seeds in a folder.
+// Writes the seeds to a folder.
 inline void write_seeds(const Target& target, const std::string& folder) {
     int number = 0;
     for (const Bytes& seed : target.seeds())
@@ -54,7 +55,7 @@ inline Bytes bytes_of(std::string_view text) {
     return {bytes, bytes + text.size()};
 }
 
-// Ends the process, so that both libFuzzer and ctest notice.
+// Aborts on failure, which both libFuzzer and ctest report.
 inline void require(bool condition, const char* what) {
     if (condition)
         return;

@@ -1,5 +1,5 @@
-// One tile's payload under a few codings: split, entropy decoding, reconstruction, corrections.
-// The first byte of the input picks the coding and the tile's shape.
+// Decodes the payload of one tile: segments, levels, reconstruction and corrections. The first byte
+// of the input chooses the coding and the tile's shape.
 #include "codec/reconstruct/tile_decoder.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/format_values.h"
@@ -11,7 +11,8 @@
 namespace tessera::fuzz::tile {
 namespace {
 
-// The last two: a base picture that is cut in four, and more texels than a tile with corrections may have.
+// The last two have a base picture that is split into four, and more texels than a tile with
+// corrections may have.
 constexpr std::array<std::array<std::uint8_t, 4>, 7> shapes = {{{7, 5, 3, 2},
                                                                 {8, 8, 8, 8},
                                                                 {32, 32, 8, 8},
@@ -20,7 +21,7 @@ constexpr std::array<std::array<std::uint8_t, 4>, 7> shapes = {{{7, 5, 3, 2},
                                                                 {64, 9, 2, 2},
                                                                 {64, 64, 5, 4}}};
 
-constexpr int settings_count = 12; // the last four with predictions
+constexpr int settings_count = 12; // the last four have predictions
 
 struct Setting {
     std::unique_ptr<TileCoding> coding;
@@ -59,7 +60,7 @@ const std::vector<Setting>& settings() {
                               true};
             made.push_back(std::move(setting));
         }
-        // Decoders borrow what no longer moves.
+        // Decoders keep references to the codings, so these must not move any more.
         for (Setting& setting : made)
             setting.decoder = std::make_unique<TileDecoder>(*setting.coding, setting.colour);
         return made;
@@ -106,7 +107,7 @@ void run(const std::uint8_t* data, std::size_t size) {
         return;
     const Setting& setting = settings()[data[0] % settings_count];
     const BlockShape shape = shape_of_input(data[0]);
-    // A copy of the exact size, so that the address sanitizer sees a read past the end.
+    // A copy of the exact size lets the address sanitizer detect reads past the end.
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
     const std::vector<std::byte> payload(bytes + 1, bytes + size);
     std::vector<std::byte> texels(static_cast<std::size_t>(shape.texels()) *

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# All fuzz targets, for MINUTES in all: tests/fuzz/run.sh MINUTES [TARGET...]
-# Builds them in build-fuzz with clang and address and undefined sanitizers. Inputs that reach something new are kept
-# in build-fuzz/corpus/TARGET, crashes in build-fuzz/crashes. SAVE=1 adds what is new to the corpora here.
+# Runs all fuzz targets, or those named, for MINUTES in total:
+#   tests/fuzz/run.sh MINUTES [TARGET...]
+# It builds them in build-fuzz with clang and the sanitizers address and undefined. Inputs that reach new
+# code are kept in build-fuzz/corpus/TARGET, and crashes in build-fuzz/crashes. SAVE=1 adds new inputs to
+# tests/fuzz/corpus.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 minutes=${1:?MINUTES}
@@ -35,7 +37,8 @@ for target in "${targets[@]}"; do
     edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -1)
     echo "$target: ${runs:-0} runs, ${edges:-?} edges$(grep -m1 -o 'SUMMARY: .*' "$log" | sed 's/^/, /' || true)"
     if [ "${SAVE:-0}" = 1 ]; then
-        # The fewest small inputs that reach other code; with counts of how often there would be many more.
+        # Keeps a minimal set of small inputs that reach different code. With counters it would be
+        # much larger.
         nice -n 19 "$build/bin/$target" -set_cover_merge=1 -use_counters=0 -max_len=600 "$saved" "$work" \
             > /dev/null 2>&1 || true
     fi

@@ -1,8 +1,8 @@
-// Measures rate, distortion, speed and access cost, and writes a row for each to results.csv:
+// Measures rate, distortion, speed and access cost, and writes a row per encode to results.csv:
 //   regression PEERS.rgb results.csv [--quick]
-// PEERS.rgb is the unpacked composed_128x64x32x32.rgb of the rivals' figures. Bits, PSNR and errors
-// are exact and compared by the caller; speeds are printed for people (shared machines: ratios
-// count).
+// PEERS.rgb is composed_128x64x32x32.rgb, the texture of the comparisons with other codecs. Sizes,
+// PSNR and errors are reproducible, and the caller compares them. Speeds depend on the machine's
+// load, so only ratios within a run count.
 #include "codec/encoder.h"
 #include "format/texture.h"
 #include "tests/regression/textures.h"
@@ -28,7 +28,7 @@ struct Row {
     EncodeReport report;
     double encode_mbs, decode_mbs;
     std::size_t texel_reads;
-    std::uint64_t texel_bytes; // of the last read, the tile
+    std::uint64_t texel_bytes; // of the last read, which is the tile
 };
 
 Result<Row> measure(const Texture& texture, const std::string& label, RateTarget rate, int effort) {

@@ -1,4 +1,4 @@
-// The textures that regression and ablation measure, whole in memory.
+// The textures that regression and ablation measure. They are held in memory.
 #pragma once
 
 #include "corpus/bake.h"
@@ -15,7 +15,7 @@ struct Texture {
     std::vector<std::byte> texels;
 };
 
-// The unpacked composed_128x64x32x32.rgb of the rivals' figures.
+// Loads composed_128x64x32x32.rgb, the texture of the comparisons with other codecs.
 inline Result<Texture> load_peers(const char* path) {
     TextureDesc desc{{128, 64, 32, 32}, SampleType::unorm8, 3};
     std::vector<std::byte> texels(desc.box_bytes(Box4::whole(desc.size)));
@@ -26,7 +26,7 @@ inline Result<Texture> load_peers(const char* path) {
     return Texture{"peers_composed_128x64x32x32", desc, std::move(texels)};
 }
 
-// Bakes a scene once, so that every row sees the same texels at no cost.
+// Bakes a scene into memory, so that it is baked only once for all rows.
 inline Result<Texture> bake(const std::string& scene, const Extent4& size) {
     auto baked = corpus::make_baked_source(scene, size, 16, 1);
     if (!baked)

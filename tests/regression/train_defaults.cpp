@@ -1,5 +1,5 @@
-// Prints format/tables/default_parameters.inc for the symbols of some .tess files, each file weighing the
-// same. Used when the contexts change:
+// Prints format/tables/default_parameters.inc as fitted to the symbols of .tess files, all of equal
+// weight. It is used when the contexts change:
 //   train_defaults a.tess b.tess ... > format/tables/default_parameters.inc
 #include "codec/decoder.h"
 #include "codec/fit/table_fit.h"
@@ -17,7 +17,7 @@ namespace {
 
 struct ParameterArray {
     const char* name;
-    int end;  // of its parameters
+    int end;  // index after its last parameter
     int line; // length of its last dimension
 };
 constexpr ParameterArray arrays[] = {
@@ -35,7 +35,7 @@ constexpr ParameterArray arrays[] = {
     {"from_base[2][1]", base_displacement_offset, 1},
     {"base_displacement[8]", parameter_count, displacement_tokens - 1}};
 
-// Symbol counts of one file.
+// Counts the symbols of one file.
 Result<Statistics> statistics_of(const char* path) {
     Result<std::unique_ptr<ByteSource>> source = open_file(path);
     if (!source)
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     }
     std::vector<std::byte> fitted;
     for (std::size_t p = 0; p < parameter_count; ++p) {
-        // A few imagined counts at the old value keep rare contexts sensible.
+        // A few additional counts at the old value keep rare contexts near it.
         const double old = 1.0 / (1.0 + std::exp2((default_parameters()[p] - 32) / 3.0));
         const double stop = stops[p] + 4 * old, go = goes[p] + 4 * (1 - old);
         const long nearest = std::lround(32 + 3 * std::log2(go / stop));
