@@ -72,7 +72,7 @@ TEST(Alignment, IsTheOppositeOfTheParallax) {
 }
 
 // Motion along the swapped axes shows that s and t are exchanged.
-TEST(Alignment, NoticesViewsThatAreTransposed) {
+TEST(Alignment, DetectsTransposedViews) {
     const auto looks_transposed = [](MemoryTexture texture, const EncodeOptions& options) {
         Bytes file;
         const auto report = encode_memory(texture, file, options);

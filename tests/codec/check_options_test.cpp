@@ -177,7 +177,7 @@ TEST(CheckOptions, AcceptEveryToolOfTheHelp) {
     EXPECT_GE(count, 10u);
 }
 
-TEST(CheckOptions, RefuseAMaskThatDoesNotFit) {
+TEST(CheckOptions, RefuseMasksOfTheWrongSize) {
     test::MemoryTexture wrong({{40, 20, 6, 4}, SampleType::unorm8, 1},
                               [](int, int, int, int, int) { return 1.0; });
     EncodeOptions options;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace tessera::test::random_codes;
 
-TEST(Corrections, KeepTheirGuaranteeAndRoundTrip) {
+TEST(Corrections, KeepTheErrorBoundAndRoundTrip) {
     Random random(28);
     for (const SampleType type : {SampleType::unorm8, SampleType::half16})
         for (const int error : {0, 1, 2, 3, 4, 5, 100, 254, 255, 4000, 65535})

@@ -172,7 +172,7 @@ TEST(SameBytes, ForAnyNumberOfThreads) {
 
 // Tile encoders reuse scratch memory, and the number of threads decides which tile came before. In
 // nearly empty tiles some trellis states cannot be reached.
-TEST(SameBytes, WhateverTileCameBefore) {
+TEST(SameBytes, ForAnyPrecedingTile) {
     const TextureDesc desc = describe({32, 32, 8, 8}, SampleType::half16);
     Random random(3);
     MemoryTexture texture(desc, [&](int u, int v, int s, int t, int c) {

@@ -91,7 +91,7 @@ TileLevels chain(int views, int copying) {
     return tile;
 }
 
-TEST(CopyDepths, GrowAlongAChainWhateverTheOrderOfBlocks) {
+TEST(CopyDepths, GrowAlongAChainForAnyOrderOfBlocks) {
     for (const int views : {2, 5, 9, 16}) {
         const TileLevels tile = chain(views, views - 1);
         const CopyDepths depths = copy_depths(tile.shape, tile.blocks, tile.predictions);
@@ -172,7 +172,7 @@ test::MemoryTexture noisy_moving_picture(std::uint32_t side = 32) {
             }};
 }
 
-TEST(EncodeCopies, AreSmoothedWhereATrialFindsThatItPays) {
+TEST(EncodeCopies, AreSmoothedIfATrialShowsAGain) {
     test::MemoryTexture source =
         noisy_moving_picture(48); // with a side of 32 the size of the tables varies as much
     EncodeOptions options;

@@ -243,7 +243,7 @@ TEST_F(SearchPaths, MomentsAreEqual) {
         search_kernels_avx2.add_quads(x.data(), count, a.data(), b.data());
         ASSERT_EQ(std::memcmp(a.data(), sums.data(), places * sizeof(float)), 0) << count;
         ASSERT_EQ(std::memcmp(b.data(), squares.data(), places * sizeof(float)), 0) << count;
-        for (std::size_t i = 0; i < places; ++i) { // each four values as a row
+        for (std::size_t i = 0; i < places; ++i) { // every four values as a row
             float sum = 1, square = 2;
             search_kernels_scalar.add_row(x.data() + 4 * i, 4, &sum, &square);
             ASSERT_EQ(sum, sums[i]) << count;

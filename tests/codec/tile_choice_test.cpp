@@ -186,7 +186,7 @@ TEST(TileChoice, CameraGridsGetLargeTilesWithBasePictures) {
     EXPECT_EQ(chosen_tile(texture, options, usual_effort), many_views);
 }
 
-TEST(TileChoice, LayersLimitTilesToTheirCandidates) {
+TEST(TileChoice, LayersUseTheirOwnCandidates) {
     EncodeOptions options;
     options.layers = true;
     MemoryTexture moving = moving_balls({64, 64, 8, 8});

@@ -29,7 +29,7 @@ TileTexels moving_waves(double grey, double height) {
 }
 
 // A flat tile skips the search for copies, so results of the tile before must not remain.
-TEST(TileEncoder, KeepsNothingOfTheTileBefore) {
+TEST(TileEncoder, IsIndependentOfThePreviousTile) {
     const TextureDesc desc{{24, 24, 5, 5}, SampleType::unorm8, 3};
     const EffortSettings settings = EffortSettings::of(3);
     ColourCoding colour;

@@ -1,6 +1,6 @@
 // Prints results that must be the same on every machine and with every compiler, one per line: the
-// texels of the golden files as in their manifest, the texels of damaged copies of them, and encoded
-// files as in encodings.txt. run.sh compares them.
+// texels of the golden files as in their manifest, the texels of damaged copies of them, and
+// encoded files as in encodings.txt. run.sh compares them.
 //   same_bytes GOLDEN_FOLDER [decode|encode]   prints all results, or only one kind
 //   same_bytes tests/golden encode > tests/golden/encodings.txt   writes the table again
 // decode is short enough for valgrind.

@@ -60,7 +60,7 @@ const std::vector<Setting>& settings() {
                               true};
             made.push_back(std::move(setting));
         }
-        // Decoders keep references to the codings, so these must not move any more.
+        // Decoders refer to the codings and colours, so they are created last.
         for (Setting& setting : made)
             setting.decoder = std::make_unique<TileDecoder>(*setting.coding, setting.colour);
         return made;
