@@ -1,4 +1,4 @@
-// The C interface without the encoder: errors, versions, decoding.
+// The part of the C interface that needs no encoder: errors, versions, decoding.
 #include "codec/c_api/c_api_support.h"
 
 #include "codec/decoder.h"
@@ -19,13 +19,13 @@ struct tessera_decoder {
             metadata.push_back(&entry);
     }
     Decoder decoder;
-    std::vector<const Metadata::value_type*> metadata; // by number
+    std::vector<const Metadata::value_type*> metadata; // in the order of tessera_metadata_at
 };
 
 namespace {
 
 thread_local std::string last_error;
-thread_local std::string callback_error; // what a callback said before it failed
+thread_local std::string callback_error; // set by a callback before it fails
 
 class CallbackBytes : public ByteSource {
 public:
@@ -113,7 +113,7 @@ Status decode_box(const Decoder& decoder, const Box4& box, std::span<std::byte> 
         if (progress)
             progress("decode", 1, 1);
     }
-    // Who asks to stop at the last tile is told so, too.
+    // A request to stop during the last tile still counts.
     return watch.is_stopped() ? Status(ErrorCode::runtime, "interrupted") : Status();
 }
 
@@ -136,13 +136,13 @@ int report(const Status& status) noexcept {
             last_error.clear();
         }
     }
-    // tessera_error has no number for it, and callers know this one.
+    // tessera_error has no number for over_budget.
     return status.code() == ErrorCode::over_budget ? TESSERA_UNSUPPORTED
                                                    : static_cast<int>(status.code());
 }
 
 int report_out_of_memory() noexcept {
-    last_error = "out of memory"; // short enough to need none
+    last_error = "out of memory"; // short enough to need no allocation
     return TESSERA_RUNTIME;
 }
 
@@ -252,7 +252,7 @@ void tessera_set_callback_error(const char* sentence) {
     try {
         callback_error = sentence != nullptr ? sentence : "";
     } catch (...) {
-        callback_error.clear(); // then the code has to speak for itself
+        callback_error.clear(); // the error code remains
     }
 }
 
@@ -342,7 +342,7 @@ int tessera_open_source(const tessera_byte_source* source, const tessera_open_op
             return missing("source");
         TESSERA_TRY_ASSIGN(const tessera_byte_source wanted,
                            take_struct(source, {}, "tessera_byte_source"));
-        // First, so that whatever fails now closes the source.
+        // Created first, so that any error from here on closes the source.
         auto bytes = std::make_unique<CallbackBytes>(wanted);
         if (wanted.read == nullptr)
             return missing("read of tessera_byte_source");

@@ -1,4 +1,4 @@
-// The C interface to the encoder.
+// The part of the C interface that needs the encoder.
 #include "codec/c_api/c_api_support.h"
 
 #include "codec/encoder.h"
@@ -74,7 +74,8 @@ Result<Description> make_description(const tessera_description* given) {
     return description;
 }
 
-// Calls take(key, value) for each of the entries. Errors: bad_argument (a null pointer), and take's.
+// Calls take(key, value) for each entry. Errors: bad_argument for a null pointer, and those of
+// take.
 template <class Take>
 Status for_each_entry(const tessera_key_value* entries, std::size_t count, const char* what,
                       const Take& take) {
@@ -100,7 +101,7 @@ tessera_encode_options default_options() {
     return options;
 }
 
-// The options of one call, and what they refer to.
+// The options of one call and the objects that they refer to.
 class Call {
 public:
     static Result<std::unique_ptr<Call>> make(const tessera_encode_options* given) {
@@ -180,13 +181,13 @@ tessera_encode_report make_report(const EncodeReport& r, const TextureDesc& desc
     return report;
 }
 
-// `encode` is the call of one of the encoder's functions.
+// Calls encode(texels, options), which is one of the encoder's functions, and writes the report.
 template <class Encode>
 Status run(const tessera_texel_source* source, const tessera_encode_options* options,
            tessera_encode_report* report, const Encode& encode) {
     TESSERA_TRY_ASSIGN(const std::unique_ptr<TexelSource> texels, make_source(source, "source"));
     TESSERA_TRY_ASSIGN(const std::unique_ptr<Call> call, Call::make(options));
-    if (report != nullptr) // before the work, not after it
+    if (report != nullptr) // checked before the work starts
         TESSERA_TRY(check_struct_size(report->struct_size, "tessera_encode_report"));
     const Result<EncodeReport> reached = encode(*texels, call->options());
     if (!reached.ok())
@@ -196,7 +197,7 @@ Status run(const tessera_texel_source* source, const tessera_encode_options* opt
                                            "tessera_encode_report");
 }
 
-// Bytes that free() frees.
+// A growing buffer of bytes that can be freed with free().
 class Buffer {
 public:
     Buffer() = default;

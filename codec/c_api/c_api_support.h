@@ -1,4 +1,4 @@
-// What both halves of the C interface share: errors, structures that grow, callbacks.
+// What both parts of the C interface share: errors, versioned structures, callbacks.
 #pragma once
 
 #include "codec/decoder.h"
@@ -25,11 +25,11 @@ inline Status missing(const char* what) {
     return bad(std::string(what) + " is a null pointer");
 }
 
-// The code for the caller; the message becomes that of this thread. Never throws.
+// Returns the error code for the caller and stores the message for this thread. Never throws.
 int report(const Status& status) noexcept;
 int report_out_of_memory() noexcept;
 
-// Runs `body`, a function that returns a Status, and lets no exception out.
+// Runs `body`, a function that returns a Status, and lets no exception escape.
 template <class Body> int guarded(const Body& body) noexcept {
     try {
         return report(body());
@@ -46,13 +46,14 @@ template <class Body> int guarded(const Body& body) noexcept {
     }
 }
 
-// ---- Callbacks: what they return becomes a Status
+// ---- Callbacks
 
-// Forgets what an earlier callback of this thread said.
+// Clears the message of an earlier callback on this thread.
 void forget_callback_error() noexcept;
 Status callback_failed(const char* which, int code);
 
-// `call` is the call of a callback. Callbacks written in C++ may throw; that ends here.
+// Turns what `call`, which calls a callback, returns into a Status. A callback written in C++ may
+// throw.
 template <class Call> Status status_of_callback(const char* which, const Call& call) {
     forget_callback_error();
     int code = 0;
@@ -64,7 +65,7 @@ template <class Call> Status status_of_callback(const char* which, const Call& c
     return code == 0 ? Status() : callback_failed(which, code);
 }
 
-// A lock for callbacks that want one call at a time, and none for others.
+// A lock for callbacks that must be called one at a time. It does nothing for others.
 class TurnLock {
 public:
     explicit TurnLock(bool one_at_a_time) : is_on_(one_at_a_time) {}
@@ -77,7 +78,7 @@ private:
     std::mutex mutex_;
 };
 
-// The callbacks of one call by which it tells how far it is and is told to stop.
+// The progress and cancelled callbacks of one call.
 class Watch {
 public:
     Watch(tessera_progress_function progress, tessera_cancelled_function cancelled, void* user)
@@ -89,7 +90,7 @@ public:
     std::function<bool()> cancelled_function();
     // Whether a callback has asked to stop.
     bool is_stopped() const { return stopped_; }
-    // An error that came of being stopped, as what it is.
+    // Gives an error that results from stopping its own code.
     Status explain(const Status& status) const;
 
 private:
@@ -103,7 +104,7 @@ private:
 
 // ---- Structures that begin with struct_size
 
-// Larger ones were not initialised.
+// A larger struct_size means that the structure was not initialised.
 constexpr std::size_t largest_struct = 1u << 16;
 
 inline Status check_struct_size(std::size_t size, const char* name) {
@@ -113,7 +114,8 @@ inline Status check_struct_size(std::size_t size, const char* name) {
                "_init first");
 }
 
-// Fills the structure of `size` bytes at `to` with `value`, the rest of a larger one with zeros.
+// Writes `value` to the structure of `size` bytes at `to`; the rest of a larger structure becomes
+// 0.
 template <class T> void put_struct(T* to, std::size_t size, T value) {
     value.struct_size = size;
     std::memset(static_cast<void*>(to), 0, size);
@@ -125,7 +127,7 @@ template <class T> void init_struct(T* to, std::size_t size, const T& defaults) 
         put_struct(to, size, defaults);
 }
 
-// What a function has found out, for a caller whose structure may be of another version.
+// Writes a result to the caller's structure, which may be of another version.
 template <class T> Status give_struct(T* to, const T& value, const char* name) {
     if (to == nullptr)
         return missing(name);
@@ -135,11 +137,11 @@ template <class T> Status give_struct(T* to, const T& value, const char* name) {
     return {};
 }
 
-// What a caller wants: the fields that both sides know, and defaults for those that it does not.
+// Reads the caller's structure: fields that both sides know, and defaults for those that it lacks.
 template <class T> Result<T> take_struct(const T* from, T defaults, const char* name) {
     if (from == nullptr)
         return defaults;
-    std::size_t size = 0; // read alone: the structure may end anywhere after it
+    std::size_t size = 0; // read separately: the structure may end right after it
     std::memcpy(&size, from, sizeof size);
     TESSERA_TRY(check_struct_size(size, name));
     const auto* bytes = reinterpret_cast<const unsigned char*>(from);
@@ -154,9 +156,9 @@ template <class T> Result<T> take_struct(const T* from, T defaults, const char* 
     return defaults;
 }
 
-// ---- Numbers that stand for an enum, and textures
+// ---- Enums and textures
 
-// The enum's value, if `number` is one from 0 to `last`.
+// Converts `number` to an enum whose values are 0 to `last`.
 template <class Enum> Result<Enum> take_enum(std::int32_t number, Enum last, const char* name) {
     if (number < 0 || number > static_cast<std::int32_t>(last))
         return bad(std::string(name) + " is " + std::to_string(number) + ", outside 0.." +
@@ -164,9 +166,9 @@ template <class Enum> Result<Enum> take_enum(std::int32_t number, Enum last, con
     return static_cast<Enum>(number);
 }
 
-// Type and channels only.
+// Takes only the type and the channels.
 Result<TextureDesc> take_samples(const tessera_texture& texture);
-// All of it, checked.
+// Takes and checks all members.
 Result<TextureDesc> take_texture(const tessera_texture& texture);
 
 // ---- Open files

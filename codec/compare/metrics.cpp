@@ -17,17 +17,17 @@
 namespace tessera {
 namespace {
 
-// BT.709 luma weights times 10,000: exact in integers.
+// BT.709 luma weights times 10,000, so that sums are exact integers.
 constexpr std::int64_t luma_r = 2126, luma_g = 7152, luma_b = 722, luma_one = 10000;
 
 constexpr std::uint64_t max_view_texels = 1ull << 26;
-// Boxes of work: the codec's default tiles, so that none is decoded twice.
+// The unit of work has the size of the codec's default tiles, so that no tile is decoded twice.
 constexpr Extent4 work_extent{32, 32, 8, 8};
-// Views lie this many floats further apart than they are long: without it a power of two puts the
-// same texel of all views into one set of the cache.
+// Padding between views. Without it, a side that is a power of two puts the same texel of all views
+// into one cache set.
 constexpr std::size_t view_padding = 16;
 
-// The codec's policy for what is no number.
+// Replaces NaN and infinities as the codec does.
 std::uint16_t finite_half(std::uint16_t half, std::uint64_t& replaced) {
     if ((half & 0x7C00) != 0x7C00)
         return half;
@@ -40,8 +40,8 @@ std::uint16_t finite_half(std::uint16_t half) {
     return finite_half(half, ignored);
 }
 
-// pu21_encode, interpolated between 1024 points per octave: a power costs too much per sample.
-// The error is below 1e-4 of the 0..600 scale.
+// pu21_encode, interpolated between 1024 points per octave, because std::pow costs too much per
+// sample. The error is below 1e-4 on the scale of 0..600.
 class Pu21Table {
 public:
     Pu21Table() : points_((last_ >> shift_) - (first_ >> shift_) + 2) {
@@ -74,7 +74,7 @@ float pu21_of_half(std::uint16_t half) {
     return pu21_table()(half_to_float(half) * static_cast<float>(luminance_of_one));
 }
 
-// log2(max(x, log2_floor)) of every half.
+// log2(max(x, log2_floor)) of a half.
 double log2_of_half(std::uint16_t half) {
     static const std::vector<float> table = [] {
         std::vector<float> t(65536);
@@ -87,7 +87,7 @@ double log2_of_half(std::uint16_t half) {
     return table[half];
 }
 
-// What SSIM looks at: 8-bit luma rounded to a step, or the PU21 code of BT.709 luminance.
+// The value that SSIM compares: 8-bit luma rounded to a step, or the PU21 code of BT.709 luminance.
 float structure_value(const TextureDesc& desc, const std::byte* texel) {
     if (desc.type == SampleType::unorm8) {
         const auto at = [&](int c) { return std::to_integer<std::int64_t>(texel[c]); };
@@ -117,7 +117,7 @@ std::vector<float> gaussian_window(std::uint32_t extent) {
     return window;
 }
 
-// The four windowed means that SSIM needs, one row of each.
+// One row of each of the four windowed means that SSIM needs.
 struct MomentRows {
     explicit MomentRows(std::size_t width) : a(width), b(width), squares(width), products(width) {}
     void clear() {
@@ -127,12 +127,12 @@ struct MomentRows {
     std::vector<float> a, b, squares, products; // squares: a^2 + b^2
 };
 
-// `a` and `b` have 0 in the middle of their range: variances do not care, floats do.
+// `a` and `b` are centred on 0: that leaves variances unchanged and makes floats more precise.
 void filter_row(const float* __restrict a, const float* __restrict b,
                 const std::vector<float>& window, MomentRows& out) {
     const std::size_t width = out.a.size();
     out.clear();
-    // The compiler only vectorises what it is told not to overlap.
+    // The compiler vectorises only with the promise that these do not overlap.
     float* __restrict mean_a = out.a.data();
     float* __restrict mean_b = out.b.data();
     float* __restrict squares = out.squares.data();
@@ -167,7 +167,7 @@ double sum_of_row(const MomentRows& m, float offset, float c1, float c2) {
     double sum = 0;
     for (std::size_t x = 0; x < m.a.size(); ++x) {
         const float a = m.a[x] + offset, b = m.b[x] + offset;
-        // Rounded alike to the covariance: equal pictures give exactly 1.
+        // Rounded in the same way as the covariance, so that equal pictures give exactly 1.
         const float variances = m.squares[x] - (m.a[x] * m.a[x] + m.b[x] * m.b[x]);
         const float covariance = m.products[x] - m.a[x] * m.b[x];
         const float luminance = (2 * a * b + c1) / (a * a + b * b + c1);
@@ -182,8 +182,9 @@ template <class Body> Status for_each_index(std::size_t count, unsigned threads,
         workers, count, [&](int, std::size_t i) { return body(i); }, [](std::size_t) {});
 }
 
-// Extents of a slab: a cell of views, of all places. Cells are multiples of 8 where they can be,
-// which are tiles of the codec, so that few tiles are decoded twice.
+// The extents of a slab: some views, with all (u, v) positions. The number of views along s and t
+// is a multiple of 8 where possible, like that of the codec's tiles, so that few tiles are decoded
+// twice.
 Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
     Extent4 e = desc.size;
     const auto fits = [&] { return desc.box_bytes(Box4::whole(e)) <= budget; };
@@ -197,7 +198,7 @@ Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
         while (!fits() && n > 1)
             n = (n + 1) / 2;
     }
-    for (int axis : {axis_v, axis_u}) { // views too large for memory: parts of one view
+    for (int axis : {axis_v, axis_u}) { // views that are too large for memory are cut
         auto& n = e[static_cast<std::size_t>(axis)];
         while (!fits() && n > work_extent[axis_u])
             n = (n + 1) / 2;
@@ -205,8 +206,8 @@ Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
     return e;
 }
 
-// One comparison: slab after slab, errors first, then the structure of the views gathered on the
-// way.
+// One comparison. It computes the errors slab by slab, and then the SSIM of the views gathered on
+// the way.
 class Comparer {
 public:
     Comparer(TexelSource& a, TexelSource& b, const CompareOptions& options)
@@ -218,7 +219,7 @@ public:
 
     Result<Comparison> run() {
         const TileGrid slabs(desc_.size, slab_extent(desc_, options_.slab_bytes));
-        // Slabs are cut inside a view only for budgets smaller than a view.
+        // Slabs are cut inside a view only if the budget is smaller than a view.
         result_.has_ssim &= slabs.count()[axis_u] == 1 && slabs.count()[axis_v] == 1;
         for (std::uint64_t i = 0; i < slabs.tiles(); ++i)
             TESSERA_TRY(add_slab(slabs.box(i)));
@@ -261,7 +262,7 @@ private:
             }
             return add_box(slab, box, sums[i]);
         }));
-        for (const ErrorSums& part : sums) // in order, whoever computed them
+        for (const ErrorSums& part : sums) // in a fixed order, so that results do not depend on threads
             result_.errors.merge(part);
         return {};
     }
@@ -281,7 +282,7 @@ private:
         return {};
     }
 
-    // Texels of `box` into pictures of one view each, in the order s, t of the slab.
+    // Copies the texels of `box` into one picture per view, in the order s, t of the slab.
     void gather(const Box4& slab, const Box4& box, const std::byte* texel,
                 std::vector<float>& planes) const {
         const std::size_t view = view_stride(), row = desc_.size[axis_u];
@@ -486,7 +487,7 @@ double ssim(std::span<const float> a, std::span<const float> b, std::uint32_t wi
     const auto offset = static_cast<float>(peak / 2);
     const auto c1 = static_cast<float>(0.01 * peak * 0.01 * peak);
     const auto c2 = static_cast<float>(0.03 * peak * 0.03 * peak);
-    // Rows filtered across, as many as the window is high, and what they add up to.
+    // A ring of rows filtered across, as many as the window is high, and their weighted sum.
     std::vector<MomentRows> ring(down.size(), MomentRows(columns));
     MomentRows sums(columns);
     std::vector<float> line_a(width), line_b(width);

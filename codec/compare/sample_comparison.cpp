@@ -14,7 +14,7 @@ namespace {
 
 constexpr Extent4 sample_extent{32, 32, 8, 8}; // the codec's default tiles
 
-// Errors of some tiles of two textures.
+// Computes the errors of some tiles of two textures.
 class SampleComparer {
 public:
     SampleComparer(TexelSource& a, TexelSource& b, const TileGrid& grid,
@@ -26,7 +26,7 @@ public:
         const bool anywhere = a_.locality() == Locality::any && b_.locality() == Locality::any;
         TESSERA_TRY(anywhere ? add_all() : add_in_turn());
         Comparison result(a_.desc());
-        for (const ErrorSums& part : sums_) // in order, whoever computed them
+        for (const ErrorSums& part : sums_) // in a fixed order, so that results do not depend on threads
             result.errors.merge(part);
         result.tiles = grid_.tiles();
         result.compared_tiles = tiles_.size();
@@ -43,7 +43,7 @@ private:
             workers, tiles_.size(), [&](int, std::size_t i) { return add(i); }, [](std::size_t) {});
     }
 
-    // Sources that are walked in slabs are given a slab a tile: slow, but it holds no more.
+    // Sources that are walked in slabs get one slab per tile, which is slow but bounds memory.
     Status add_in_turn() {
         for (std::size_t i = 0; i < tiles_.size(); ++i) {
             TESSERA_TRY(a_.begin_slab(grid_.box(tiles_[i])));

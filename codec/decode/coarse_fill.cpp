@@ -126,7 +126,7 @@ Result<CoarseFill::Texels> CoarseFill::tile_texels(std::size_t level, std::uint6
     const std::lock_guard lock(mutex_);
     const std::uint64_t size = texels != nullptr ? texels->size() : 0;
     if (bytes_ + size > most_bytes) {
-        tiles_.clear(); // boxes are asked for in order: what came before is mostly done with
+        tiles_.clear(); // boxes are read in order, so earlier tiles are mostly done with
         bytes_ = 0;
     }
     if (tiles_.emplace(tile, texels).second)
@@ -155,7 +155,7 @@ void CoarseFill::note(std::uint64_t tile) {
 
 FillReport CoarseFill::report() const {
     const std::lock_guard lock(mutex_);
-    const AlignedViews views = container_.aligned_views(); // only tiles of level 0 are noted
+    const AlignedViews views = container_.aligned_views(); // only tiles of level 0 are counted
     FillReport report;
     for (const auto& [tile, missing] : filled_) {
         ++(missing ? report.missing_tiles : report.damaged_tiles);

@@ -1,4 +1,4 @@
-// Coarse levels in place of tiles of level 0 that cannot be had.
+// Shows coarse levels in place of tiles of level 0 that are missing or damaged.
 #pragma once
 
 #include "codec/decoder.h"
@@ -12,45 +12,46 @@
 
 namespace tessera {
 
-// The codings of a file's levels, finest first. Errors: invalid_file.
+// The coding parameters of a file's levels, finest first. Errors: invalid_file.
 Result<std::vector<std::unique_ptr<TileCoding>>> level_codings(const ContainerReader& container);
 
-// Thread-safe. Keeps some decoded tiles of coarse levels, at most 32 MiB of them.
+// Thread-safe. Keeps up to 32 MiB of decoded tiles of coarse levels.
 class CoarseFill {
 public:
-    // All outlive it.
+    // All arguments must outlive it.
     CoarseFill(const ContainerReader& container, const ColourCoding& colour,
                const std::vector<std::unique_ptr<TileCoding>>& codings,
                const DecodeOptions& options)
         : container_(container), colour_(colour), codings_(codings), options_(options) {}
 
-    // Whether `error`, that of loading or decoding `tile`, is one that the options let pass.
+    // Whether the options allow filling `tile` after this error in loading or decoding it.
     bool may_fill(std::uint64_t tile, const Status& error) const;
 
-    // Texels `box` of level 0, interpolated from the finest level that is there; the background where
-    // none is. Errors: those of reading that may not be filled.
+    // The texels `box` of level 0, interpolated from the finest coarser level that is available, or
+    // the background if none is. Errors: those of tiles that may not be filled.
     Status fill(const Box4& box, std::span<std::byte> out) { return interpolate(0, box, out); }
 
-    // Texels `box` of level `level`, which lies inside it; tiles that cannot be had are interpolated
-    // like those of fill(). Brings the tiles together where requests are dear. Errors: as fill().
+    // The texels `box`, which must lie inside level `level`. Tiles that are not available are
+    // interpolated as in fill(). Fetches tiles together where each request is expensive. Errors: as
+    // fill().
     Status texels_of(std::size_t level, const Box4& box, std::span<std::byte> out);
 
-    // The texels of a tile of any level, as stored. Errors: those of loading and decoding it, naming it.
+    // Decodes a tile of any level. Errors: those of loading and decoding it, naming the tile.
     Status decode(std::uint64_t tile, std::vector<std::byte>& texels) const;
-    // The same errors without the texels: what decodes to levels has texels.
+    // The same errors as decode(), but computes no texels: decoding cannot fail after the levels.
     Status check(std::uint64_t tile) const;
 
-    // Remembers a tile of level 0 that was filled.
+    // Counts a tile of level 0 as filled.
     void note(std::uint64_t tile);
     FillReport report() const;
 
 private:
-    // Calls use(decoder, payload, shape) -> Status for the tile; names it in errors.
+    // Calls use(decoder, payload, shape) -> Status for a tile and adds its name to errors.
     template <class Use> Status with_payload(std::uint64_t tile, const Use& use) const;
     using Texels = std::shared_ptr<const std::vector<std::byte>>;
     Status interpolate(std::size_t level, const Box4& box, std::span<std::byte> out);
     bool is_kept(std::uint64_t tile) const;
-    // Null: the tile cannot be had.
+    // Null if the tile is not available and may be filled.
     Result<Texels> tile_texels(std::size_t level, std::uint64_t number);
     void fill_background(std::span<std::byte> out) const;
 
@@ -59,10 +60,10 @@ private:
     const std::vector<std::unique_ptr<TileCoding>>& codings_;
     const DecodeOptions options_;
 
-    mutable std::mutex mutex_; // of all below
+    mutable std::mutex mutex_; // guards the members below
     std::map<std::uint64_t, Texels> tiles_;
     std::uint64_t bytes_ = 0;              // of tiles_
-    std::map<std::uint64_t, bool> filled_; // whether the tile had not been received
+    std::map<std::uint64_t, bool> filled_; // value: whether the tile had not been received
 };
 
 } // namespace tessera

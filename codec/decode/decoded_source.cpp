@@ -1,4 +1,4 @@
-// A decoded file, or one of its levels, as a source of texels.
+// Makes a decoded file, or one of its levels, a source of texels.
 #include "codec/decoder.h"
 #include "format/io/claim_cache.h"
 
@@ -9,11 +9,11 @@
 namespace tessera {
 namespace {
 
-// Where requests are dear: brings the tiles of a slab ahead of those who read it more or less in
-// order, twice as many each time. A reader that jumps about gets what it asks for and no more.
+// Where each request is expensive, fetches tiles of a slab ahead of readers that proceed roughly in
+// order, twice as many each time. A reader that jumps gets only what it reads.
 class SlabAhead {
 public:
-    // Boxes are those of `views`.
+    // `views` defines the coordinates of boxes.
     SlabAhead(const ContainerReader& container, const AlignedViews& views)
         : container_(container), views_(views) {}
 
@@ -23,7 +23,7 @@ public:
         ready_end_ = ahead_ = 0;
     }
 
-    // Returns when the tiles of `box` have been brought. Errors: those of prefetch().
+    // Returns when the tiles of `box` have been fetched. Errors: those of prefetch().
     Status want(const Box4& box) {
         const std::lock_guard lock(mutex_);
         const std::vector<std::uint64_t> wanted = touched(box);
@@ -55,24 +55,25 @@ private:
     const AlignedViews views_;
     std::mutex mutex_;
     std::vector<std::uint64_t> tiles_; // of the slab
-    std::size_t ready_end_ = 0;        // of them: those before have been brought, or passed over
-    std::size_t ahead_ = 0;            // tiles
+    std::size_t ready_end_ = 0; // tiles before this index were fetched or passed over
+    std::size_t ahead_ = 0; // how many tiles to fetch ahead
 };
 
-// Boxes of aligned views cut through many tiles, and so do the next ones: what was decoded last stays, a row of
-// tiles of a thousand texels along u or so.
+// A cache of decoded tiles. A box of aligned views cuts through many tiles, and so do the boxes
+// after it. The cache holds about a row of tiles for a thousand texels along u.
 class DecodedTiles {
 public:
     // `decoder` must outlive it. `views` are those of its file.
     DecodedTiles(const Decoder& decoder, const AlignedViews& views)
         : decoder_(decoder), views_(views) {}
 
-    // Precondition: `box` lies inside the texture and `out` has its size. Errors: those of decode_grid_box().
+    // Precondition: `box` lies inside the texture and `out` has its size. Errors: as
+    // decode_grid_box().
     Status read(const Box4& box, std::span<std::byte> out, const ReadOptions& options) {
         const TileGrid& grid = decoder_.container().grid();
         for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
             const Box4 tile_box = grid.box(tile);
-            // Of empty tiles one texel is kept for all.
+            // One texel is kept for all empty tiles.
             TESSERA_TRY_ASSIGN(
                 const auto texels,
                 decoder_.container().is_empty(tile)
@@ -85,7 +86,7 @@ public:
 
 private:
     using Texels = std::vector<std::byte>;
-    static constexpr std::uint64_t of_empty_tiles = ~std::uint64_t{0}; // no tile has that number
+    static constexpr std::uint64_t of_empty_tiles = ~std::uint64_t{0}; // not the number of a tile
 
     Result<ClaimCache<Texels>::Value> decoded(std::uint64_t key, const Box4& grid_box,
                                               const ReadOptions& options) {
@@ -106,7 +107,7 @@ private:
 
 class DecodedSource : public TexelSource {
 public:
-    // Boxes are those of `views`: the file's own, or the grid as a texture.
+    // `views` defines the coordinates of boxes: the file's own views, or the grid as a texture.
     DecodedSource(const Decoder& decoder, const AlignedViews& views)
         : decoder_(decoder), is_grid_(!views.any()), desc_(decoder.desc()),
           ahead_(decoder.container(), views), tiles_(decoder, views) {
@@ -122,19 +123,19 @@ public:
         const bool inside = is_inside(box, desc().size) && out.size() == desc().box_bytes(box);
         if (decoder_.container().wants_prefetch() && inside)
             TESSERA_TRY(ahead_.want(box));
-        const ReadOptions options{1, Integrity::page, {}, {}}; // its callers are threads already
+        const ReadOptions options{1, Integrity::page, {}, {}}; // its callers run in threads already
         if (is_grid_)
             return decoder_.decode_grid_box(box, out, options);
         return inside ? tiles_.read(box, out, options)
-                      : decoder_.decode_box(box, out, options); // says what is wrong
+                      : decoder_.decode_box(box, out, options); // reports the error
     }
 
 private:
     const Decoder& decoder_;
-    const bool is_grid_; // texels lie where the grid of tiles has them
+    const bool is_grid_; // coordinates are those of the grid of tiles
     TextureDesc desc_;
     SlabAhead ahead_;
-    DecodedTiles tiles_; // where they do not
+    DecodedTiles tiles_; // used only if !is_grid_
 };
 
 class DecodedLevel : public TexelSource {

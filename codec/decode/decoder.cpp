@@ -13,7 +13,7 @@
 namespace tessera {
 
 struct Decoder::State {
-    std::unique_ptr<ByteSource> source; // of `container`, where the decoder owns it
+    std::unique_ptr<ByteSource> source; // null if the caller owns it
     ContainerReader container;
     ColourCoding colour;
     std::vector<std::unique_ptr<TileCoding>> codings; // of the levels, finest first
@@ -27,7 +27,7 @@ struct Worker {
     std::vector<std::byte> texels, payload;
 };
 
-// As many as `threads` asks for and `tiles` have use for.
+// As many workers as `threads` allows and `tiles` can use.
 std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const TileCoding& coding,
                                  const ColourCoding& colour) {
     const std::size_t count = std::clamp<std::size_t>(tiles, 1, thread_count(threads));
@@ -37,8 +37,8 @@ std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const Tile
     return workers;
 }
 
-// Texels that a slab may have: fewer than the memory for `most` where it gathers places, as what
-// stays in a cache is gathered in a fifth less time; but never less than a tile's places.
+// The largest number of texels in a slab. Slabs of Locality::places that fit into a cache are
+// gathered in a fifth less time, but a slab has at least the positions of one tile.
 std::uint64_t slab_texels(const TileGrid& grid, Locality locality, std::uint64_t most) {
     if (locality != Locality::places)
         return most;
@@ -103,7 +103,7 @@ Status decode_payload(const ContainerReader& container, std::uint64_t tile, cons
     return worker.decoder.decode(bytes.bytes, tile_shape(box), worker.texels);
 }
 
-// Decodes one tile into worker.texels, or fills it where that is allowed.
+// Decodes one tile into worker.texels, or fills it if the options allow it.
 Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
                    const Box4& box, Integrity integrity, Worker& worker) {
     worker.texels.resize(container.desc().box_bytes(box));
@@ -116,9 +116,9 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
                                to_string(box) + ")");
 }
 
-// Decodes one tile and copies what of it lies in `box`. Aligned views may leave most places of the grid to nothing:
-// of empty tiles, which take no bytes of a file, one texel is decoded for all, lest they take longer than what is
-// asked for.
+// Decodes one tile and copies its part of `box`. Aligned views may leave most of the grid empty. An
+// empty tile takes no bytes, so one texel is decoded for all of it; otherwise empty tiles could
+// take longer than the requested texels.
 Status decode_part(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
                    const AlignedViews& views, const Box4& box, std::span<std::byte> out,
                    Integrity integrity, Worker& worker) {
@@ -175,7 +175,7 @@ Status Decoder::decode_views(const AlignedViews& views, const Box4& box, std::sp
             options.progress("decode", static_cast<double>(done),
                              static_cast<double>(tiles.size()));
     };
-    // Tiles that are read past their pages have no use for pages that are brought ahead.
+    // Integrity::tile does not read pages, so fetching pages ahead would be useless.
     const bool by_pages = options.integrity == Integrity::page;
     TilesAhead ahead(container, by_pages ? tiles : std::vector<std::uint64_t>());
     for (std::size_t done = 0; done < tiles.size();) {
@@ -199,8 +199,8 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
     TESSERA_TRY(check_inside(container, box, desc().size));
     const TileGrid& grid = container.grid();
     const AlignedViews views = container.aligned_views();
-    // A tile has a little of each of many rows of aligned views: slabs are as large as may be, and gathered
-    // here before they are written.
+    // With aligned views, each tile holds parts of many rows. Slabs are therefore as large as
+    // possible and gathered here before they are written.
     const bool gathers = views.any();
     const Locality locality =
         gathers && sink.locality() == Locality::any ? Locality::places : sink.locality();

@@ -1,6 +1,6 @@
 // Contexts of a block's coefficients (FORMAT.md 3.4), kept by scattering.
 //
-// Most coefficients are zero, so each non-zero one adds itself to its later neighbours, and a zero
+// Most coefficients are zero, so each non-zero one adds itself to its later neighbours and a zero
 // costs one load. The grid spans the frequencies of a scan plus a border of one.
 #pragma once
 
@@ -16,18 +16,18 @@
 
 namespace tessera {
 
-// The magnitude that is coded for a level. Levels count in half steps in files with dependent
-// quantisation, where the two nearest to 0 of both quantisers share magnitude 1.
+// The magnitude that is coded for a level. Files with dependent quantisation count levels in half
+// steps, and the two levels nearest to 0 of both quantisers share magnitude 1.
 constexpr std::int32_t coded_magnitude(std::int32_t level, bool dependent) {
     return (std::abs(level) + (dependent ? 1 : 0)) >> (dependent ? 1 : 0);
 }
-// How far a level lies from 0, in half steps.
+// The distance of a level from 0 in half steps.
 constexpr std::uint32_t amplitude_of_level(std::int32_t level, bool dependent) {
     return static_cast<std::uint32_t>(std::abs(level)) << (dependent ? 0 : 1);
 }
 
-// The cells, as a loop copies them to keep all of it in registers. Valid until the grid's next begin().
-// What is marked is to be undone before that: forgotten one by one, or all cells cleared.
+// The cells of a grid. Loops use a copy, whose members stay in registers. A copy is valid until the
+// grid's next begin(). All marks must be undone before that, one by one or by clearing all cells.
 class ContextCells {
 public:
     int neighbours(const ScanContext& at) const {
@@ -37,8 +37,8 @@ public:
         return cross_classes_of_codes[cell_[at.place] >> sum_bits];
     }
 
-    // A coefficient of this amplitude was coded there. Neighbours along one axis count twice,
-    // the diagonals of the planes (u,s), (v,t) and the forward ones of (u,v), (s,t) once.
+    // Marks a coefficient of this amplitude. Neighbours along an axis get it twice; diagonal ones
+    // in the planes (u,s) and (v,t) and forward ones in (u,v) and (s,t) get it once.
     void mark(const ScanContext& at, std::uint32_t amplitude) const {
         const auto once = static_cast<std::uint16_t>(amplitude_of(amplitude_code(amplitude)));
         const auto twice = static_cast<std::uint16_t>(2 * once);
@@ -49,13 +49,13 @@ public:
         for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
             cell[diagonal] = static_cast<std::uint16_t>(cell[diagonal] + once);
     }
-    // An earlier plane has a coefficient of this amplitude there.
+    // Marks a coefficient of this amplitude in an earlier plane.
     void mark_cross(const ScanContext& at, std::uint32_t amplitude) const {
         std::uint16_t& cell = cell_[at.place];
         const int sum = add_cross(cell >> sum_bits, amplitude);
         cell = static_cast<std::uint16_t>((cell & sum_mask) | (sum << sum_bits));
     }
-    // Undoes mark() at that place, and what reached the same cells from others.
+    // Clears all cells that mark() at this position has reached, with what other positions added.
     void forget(const ScanContext& at) const {
         std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
@@ -63,9 +63,9 @@ public:
              {0, u, v, s, t, u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
             cell[reached] = 0;
     }
-    // Undoes mark_cross() at that place, and what mark() of others added there.
+    // Clears the cell of mark_cross(), with what other positions added.
     void forget_cross(const ScanContext& at) const { cell_[at.place] = 0; }
-    // Code of the sum of an amplitude with the one of code `cross`.
+    // The code of the sum of `amplitude` and the amplitude with code `cross`.
     static int add_cross(int cross, std::uint32_t amplitude) {
         return amplitude_code(amplitude_of(cross) + amplitude_of(amplitude_code(amplitude)));
     }
@@ -75,7 +75,8 @@ protected:
     std::array<int, 4> stride_{};
 
 private:
-    // A cell: the weighted sum, at most (4 * 2 + 8) * 192, and the code of the earlier planes' sum.
+    // A cell holds the weighted sum, at most (4 * 2 + 8) * 192, and above it the code of the sum of
+    // earlier planes.
     static constexpr int sum_bits = 12;
     static constexpr unsigned sum_mask = (1u << sum_bits) - 1;
     static_assert((2 * double_neighbours + scan_neighbours - double_neighbours) *
@@ -88,19 +89,19 @@ public:
     ContextGrid() = default;
     ContextGrid(const ContextGrid&) = delete;
     ContextGrid& operator=(const ContextGrid&) = delete;
-    ContextGrid(ContextGrid&&) = default; // the cells stay where they are
+    ContextGrid(ContextGrid&&) = default; // cell_ stays valid
     ContextGrid& operator=(ContextGrid&&) = default;
 
-    // For blocks of this order. All that was marked before has been forgotten.
+    // Prepares for blocks with this scan order. All marks must have been undone.
     void begin(const ScanOrder& order) {
         stride_ = order.grid_stride;
         memory_.resize(std::max(memory_.size(), order.grid_cells));
         cell_ = memory_.data();
     }
 
-    // Undoes what mark() did for a plane's levels, all among the first `length` coefficients, and mark_cross()
-    // for those that for_each_earlier(visit) visits: one by one, or all cells, where that is quicker, and then
-    // true.
+    // Undoes the marks of a plane's `levels`, all within the first `length` coefficients, and of
+    // the earlier planes' levels that for_each_earlier(visit) visits. If clearing all cells is
+    // faster, it does that and returns true.
     template <class ForEachEarlier>
     bool undo(const ScanOrder& order, int length, std::span<const NonZero> levels,
               const ForEachEarlier& for_each_earlier) {

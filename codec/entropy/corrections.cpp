@@ -14,7 +14,7 @@ std::int32_t load_code(const std::byte* at, SampleType type) {
     return sample_code(load_sample(at, type), type);
 }
 
-// Contexts of a chunk's multipliers: those one step back in s, t and u, and the channel before.
+// The contexts of a chunk's multipliers: those one step back in s, t and u, and the channel before.
 class ChunkContexts {
 public:
     ChunkContexts(const CorrectionMap& map, const BlockShape& shape, int channels,
@@ -51,7 +51,7 @@ std::vector<Chunk> chunks_of(const BlockShape& shape) {
     return chunks;
 }
 
-// visit(context, multiplier) in coding order.
+// Calls visit(context, multiplier) in coding order.
 template <class Visit>
 void walk_chunk(const CorrectionMap& map, const BlockShape& shape, int channels, const Chunk& chunk,
                 Visit visit) {
@@ -99,7 +99,7 @@ void apply_corrections(const CorrectionMap& map, const TextureDesc& desc, int er
         if (map[i] == 0)
             continue;
         std::byte* at = texels.data() + i * bytes;
-        // Multipliers are below 2^17 in any sane file; clamped so that the product cannot overflow.
+        // Larger multipliers, which a hostile file may have, give the same clamped result.
         const std::int32_t k = std::clamp(map[i], -65536, 65536);
         const std::int64_t code = load_code(at, desc.type) + std::int64_t{k} * step;
         store_sample(

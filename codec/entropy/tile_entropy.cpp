@@ -102,7 +102,7 @@ int block_work(const TileLevels& tile, std::size_t block, int planes) {
     return work;
 }
 
-// Two neighbours among segments are more work together than one may be: so many there are at most.
+// An upper bound of the number of segments: two adjacent ones together exceed most_work.
 constexpr int segments_bound(int work, int most_work) {
     return 2 * work / most_work + 1;
 }
@@ -114,7 +114,7 @@ static_assert(segments_bound(most_work_of_tile(max_corrected_texels), usual_segm
 static_assert(segments_bound(most_work_of_tile(max_tile_texels), max_segment_work) <=
               most_segments(max_tile_texels));
 
-// First block of each segment; filled greedily.
+// The first block of each segment. Segments are filled greedily.
 std::vector<std::size_t> cut_segments(const TileLevels& tile, int planes, int most_work) {
     int total = static_cast<int>(tile.splits.size());
     for (std::size_t block = 0; block < tile.blocks.size(); ++block)
@@ -152,7 +152,8 @@ void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics&
     StatisticsVisitor visitor{statistics};
     TileWalker walker(coding, visitor);
     walker.walk_tree(tile);
-    // Segments forget colours; with one segment for all, counts of a long tile are a little off.
+    // Each segment forgets the colours of the one before. Counting a long tile as one segment makes
+    // its colour counts slightly inexact.
     for (std::size_t block = 0; block < tile.blocks.size(); ++block)
         walker.walk_block(tile, block);
 }

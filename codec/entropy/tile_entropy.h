@@ -1,4 +1,4 @@
-// Levels of a tile <-> its payload bytes (FORMAT.md part 3).
+// Converts the levels of a tile to payload bytes and back (FORMAT.md part 3).
 #pragma once
 
 #include "codec/tile/tile_coding.h"
@@ -16,11 +16,11 @@ namespace tessera {
 
 class ContextGrid;
 
-// The smallest codable length that is at least `length`; lengths have three significant bits, and
-// `limit` (that of the scan order) cuts the last one.
+// The smallest length that can be coded and is at least `length`. Lengths have three significant
+// bits; `limit`, the length of the scan order, caps the result.
 int round_up_coded_length(int length, int limit);
 
-// How often each outcome of each parameter's decision occurred; adds up across tiles.
+// How often the decision of each parameter was to stop and to go on. Adds up across tiles.
 struct Statistics {
     std::array<std::uint64_t, parameter_count> stops{}, goes{};
 
@@ -28,7 +28,7 @@ struct Statistics {
     void decide(int parameter, bool go) {
         ++(go ? goes : stops)[static_cast<std::size_t>(parameter)];
     }
-    // A symbol of an alphabet whose decisions have `length` parameters from `offset` on.
+    // Counts a symbol of an alphabet whose decisions have `length` parameters from `offset` on.
     void chain(int offset, int length, int symbols, int symbol) {
         for (int i = 0; i < symbol; ++i)
             decide(offset + std::min(i, length - 1), true);
@@ -38,20 +38,20 @@ struct Statistics {
 };
 void count_symbols(const TileLevels& tile, const TileCoding& coding, Statistics& statistics);
 
-// Work of a segment that an encoder aims at. One thread of a GPU decodes a segment, and the longest
-// one is what a frame waits for: 8,000 instead of the 16,000 that the format allows costs 0.2 % of
-// the bytes at 38 dB, 5,000 would cost 0.5 %.
+// The work per segment that an encoder aims at. One thread of a GPU decodes one segment, and a
+// frame waits for the longest. 8,000 instead of the format's limit of 16,000 costs 0.2 % of the
+// bytes at 38 dB; 5,000 would cost 0.5 %.
 constexpr int usual_segment_work = 8000;
 
-// Appends the payload; segments longer than `segment_work` hold one block only, but for tiles that would
-// have more segments than their table counts: these have longer ones. `corrections` holds one stream per
-// chunk of correction_chunk texels, empty ones allowed, or nothing at all.
+// Appends the payload of a tile to `out`. A segment exceeds `segment_work` only if it has a single
+// block, or if the tile would need more segments than its table can count. `corrections` holds one
+// stream, which may be empty, per chunk of correction_chunk texels, or no stream at all.
 void encode_levels(const TileLevels& tile, std::span<const std::vector<std::byte>> corrections,
                    const TileCoding& coding, std::vector<std::byte>& out,
                    int segment_work = usual_segment_work);
 
-// Decodes all levels of a tile. Errors: invalid_file, with the segment. On any bytes it ends and
-// stays in bounds. Replaces `out`. `grid`: scratch, kept from tile to tile.
+// Decodes all levels of a tile and replaces `out`. Terminates and stays in bounds on any bytes.
+// `grid` is scratch memory that is kept between tiles. Errors: invalid_file, naming the segment.
 Status decode_levels(const PayloadParts& parts, const BlockShape& shape, const TileCoding& coding,
                      ContextGrid& grid, TileLevels& out);
 

@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-// Decodes one tile. Every loop is bounded by the format's limits, whatever the bytes say.
+// Decodes one tile. The limits of the format bound every loop, whatever the bytes are.
 class LevelDecoder {
 public:
     LevelDecoder(const TileCoding& coding, ContextGrid& grid, TileLevels& out)
@@ -80,7 +80,7 @@ private:
                                  leaf);
     }
 
-    // False for copies that are too deep.
+    // False if copies depend on copies more than max_copy_depth deep.
     bool order_copies() {
         if (!copies_anything(out_.predictions) && out_.base_blocks == 0) {
             out_.forget_copies();
@@ -170,8 +170,9 @@ private:
         return is_well;
     }
 
-    // Decodes `length` coefficients; the count_ that are not zero go to found_. False for a level out of
-    // range. Nearly all of the time of parsing goes into zeros: what they need is local.
+    // Decodes `length` coefficients. The first count_ entries of found_ get those that are not
+    // zero. False if a level is out of range. Parsing spends nearly all its time on zeros, so the
+    // loop keeps what they need in local variables.
     template <bool dependent, int p_class>
     [[gnu::noinline]] bool decode_coefficients(int length, bool copies, const ScanOrder& order) {
         constexpr unsigned by_cross =
@@ -181,7 +182,6 @@ private:
             return coding_.tables.zero.data() + zero_parameter(copies, quantiser, p_class, 0, 0, 0);
         };
         const std::uint16_t* const zeros[quantisers] = {zeros_of(0), zeros_of(1)};
-        // The first plane has no others before it: its cross is 0.
         const ScanContext* const contexts = order.context.data();
         const ContextCells cells = grid_;
         RansDecoder rans = rans_;
@@ -191,7 +191,7 @@ private:
         for (int i = 0; i < length; ++i) {
             const ScanContext& context = contexts[i];
             const int neighbours = i == 0 ? size_class(order.shape) : cells.neighbours(context);
-            const int cross = p_class == 0 ? 0 : cells.cross(context);
+            const int cross = p_class == 0 ? 0 : cells.cross(context); // no planes before the first
             const int quantiser = quantiser_of(state);
             if (!rans.bit(
                     zeros[quantiser][unsigned(cross) * by_cross + context.position * by_position +
@@ -222,7 +222,7 @@ private:
     ContextGrid& grid_;
     TileLevels& out_;
     RansDecoder rans_;
-    std::array<NonZero, max_coded_length> found_; // of a plane, the first count_
+    std::array<NonZero, max_coded_length> found_; // the first count_ are those of the current plane
     std::size_t count_ = 0;
     RecentShapes shapes_;
     ColourMemory last_colour_;

@@ -1,9 +1,11 @@
-// The order of a tile's symbols, written once for everything that walks it on the encoder's side:
-// counting, coding, estimating. A Visitor gets
+// The order of a tile's symbols, written once for all code of the encoder that walks them:
+// counting, coding and estimating. A Visitor has the functions
+//
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
 //   displacement(class, token), base(has one), from_base(block before does, copies),
 //   base_displacement(token), first_length(context, token), other_length(previous, token),
-//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token), raw(value, bits)
+//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token),
+//   raw(value, bits)
 #pragma once
 
 #include "codec/entropy/context_grid.h"
@@ -24,12 +26,12 @@ constexpr int length_raw_bits(int token) {
     return token <= 1 ? 0 : token == 2 ? 1 : 2;
 }
 
-// Of displacements.
+// The token of a difference between displacements.
 inline int difference_token(int difference) {
     return static_cast<int>(std::bit_width(static_cast<unsigned>(std::abs(difference))));
 }
 
-// Magnitudes 1..4 are tokens 0..3; token 3 + g covers 2^g magnitudes from 2^g + 3.
+// Magnitudes 1..4 have tokens 0..3. Token 3 + g covers the 2^g magnitudes from 2^g + 3 on.
 struct MagnitudeToken {
     int token = 0;
     int raw_bits = 0;
@@ -43,7 +45,7 @@ inline MagnitudeToken magnitude_token(std::int32_t magnitude) {
     return {3 + group, group, offset - (1u << group)};
 }
 
-// The raw bits behind a magnitude token; at most 16 fit one step of the coder.
+// Codes the raw bits that follow a magnitude token. One step of the coder takes at most 16 bits.
 template <class Coder> void put_magnitude_raw(Coder& coder, const MagnitudeToken& token) {
     if (token.raw_bits > 16)
         coder.raw(token.raw >> 16, token.raw_bits - 16);
@@ -51,7 +53,7 @@ template <class Coder> void put_magnitude_raw(Coder& coder, const MagnitudeToken
         coder.raw(token.raw & 0xFFFFu, std::min(token.raw_bits, 16));
 }
 
-// Magnitude of a token, reading its raw bits.
+// Reads the raw bits that follow a token and returns the magnitude.
 inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
     if (token < 4)
         return token + 1;
@@ -61,10 +63,10 @@ inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
     return static_cast<std::int32_t>((1u << group) + raw + 3);
 }
 
-// What a segment remembers of its blocks' colours.
+// What a segment remembers of the colours of its blocks.
 struct ColourMemory {
-    bool rotated = false;  // the last coloured block was
-    int last_rotation = 1; // colour of the last rotated block; 1 before the first
+    bool rotated = false; // whether the last block with a colour symbol was rotated
+    int last_rotation = 1; // colour of the last rotated block, or 1
 
     int kind_of(int colour) const { return colour == 0 ? 0 : colour == last_rotation ? 1 : 2; }
     void remember(int colour) {
@@ -79,7 +81,7 @@ template <class Visitor> class TileWalker {
 public:
     TileWalker(const TileCoding& coding, Visitor& visitor) : coding_(coding), visitor_(visitor) {}
 
-    // A segment forgets the colours of the one before.
+    // Each segment starts without the colours of the one before.
     void begin_segment() { last_colour_ = ColourMemory{}; }
 
     void walk_tree(const TileLevels& tile) {
@@ -102,7 +104,7 @@ public:
             const PlaneLevels* levels =
                 &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
             const int length = levels[plane].coded_length;
-            // What the scan order's end cut is coded as it was before the cut.
+            // A length that the end of the scan order cut is coded as it was before the cut.
             const int uncut = round_up_coded_length(length, max_coded_length);
             const int token = length_token(uncut);
             if (plane == 0)
@@ -191,7 +193,7 @@ private:
         walk_difference(token, difference);
     }
 
-    // The raw bits behind a token.
+    // Codes the raw bits that follow a token.
     void walk_difference(int token, int difference) {
         if (token == 0)
             return;
@@ -200,7 +202,7 @@ private:
         visitor_.raw(difference < 0, 1);
     }
 
-    // Codes the last plane of `planes`; the earlier ones give the cross contexts.
+    // Codes the last plane of `planes`. The earlier ones give the cross contexts.
     void walk_plane(const TileLevels& tile, bool copies, std::span<const PlaneLevels> planes,
                     const ScanOrder& order) {
         const int length = planes.back().coded_length;
@@ -253,7 +255,7 @@ private:
     ContextGrid grid_;
     ColourMemory last_colour_;
     PredictionMemory predictions_;
-    std::size_t leaf_ = 0; // of the tree walk
+    std::size_t leaf_ = 0; // index of the next leaf in walk_tree()
 };
 
 } // namespace tessera

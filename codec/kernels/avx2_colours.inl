@@ -1,9 +1,10 @@
-// Included by kernels_avx2.cpp: 8-bit RGB from planes and back, eight texels of eight images at once.
+// Included by kernels_avx2.cpp. Converts planes to 8-bit RGB and back, eight texels of eight images
+// at once.
 
 namespace tessera {
 namespace {
 
-// Eight texels of one row as 0x00BBGGRR.
+// Eight texels of one plane row, each as 0x00BBGGRR.
 __m256i rgb_lanes(const PlaneSet& in, int at) {
     const auto load = [&](int plane) {
         return _mm256_srai_epi32(
@@ -23,7 +24,7 @@ __m256i rgb_lanes(const PlaneSet& in, int at) {
         red, _mm256_or_si256(_mm256_slli_epi32(green, 8), _mm256_slli_epi32(clamp(b), 16)));
 }
 
-// The low three bytes of eight lanes, contiguous.
+// Stores the low three bytes of each of the eight lanes contiguously.
 void store_24_bytes(unsigned char* to, __m256i texels) {
     const __m256i bytes = _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
                                            0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
@@ -48,7 +49,7 @@ void store_ycocg8_avx2(const PlaneSet& in, int texels, int images, unsigned char
     store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
 }
 
-// Eight texels of eight images. Planes' rows of an image lie `texels` apart.
+// Loads eight texels of eight images. Consecutive images lie `texels` values apart in a plane.
 void load_ycocg8_square(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3], int at) {
     __m256i rgb[8], codes[3][8];
@@ -64,8 +65,8 @@ void load_ycocg8_square(const unsigned char* in, int texels, int images,
 void load_ycocg8_avx2(const unsigned char* in, int texels, int images,
                       const std::int32_t background[3], std::int32_t* const plane[3]) {
     const int whole_texels = texels & ~7, whole_images = images & ~7;
-    // Two squares side by side fill lines of the cache: images often lie 4096 bytes apart, which leaves
-    // room for few lines.
+    // Two adjacent squares fill whole cache lines. Images often lie 4096 bytes apart, so only a few
+    // of their lines fit into the cache at a time.
     for (int x = 0; x < whole_texels; x += 16)
         for (int i = 0; i < whole_images; i += 8)
             for (int side = x; side < x + 16 && side < whole_texels; side += 8)

@@ -1,9 +1,10 @@
-// Included by kernels_avx2.cpp: values put where they belong, copies of views and of base pictures.
+// Included by kernels_avx2.cpp. Stores blocks and computes copies from views and from base
+// pictures.
 
 namespace tessera {
 namespace {
 
-// rounded_value() of eight.
+// rounded_value() of eight values.
 struct Rounding {
     explicit Rounding(int shift)
         : half(_mm256_set1_epi32(1 << shift >> 1)), count(_mm_cvtsi32_si128(shift)) {}
@@ -14,7 +15,8 @@ struct Rounding {
     const __m128i count;
 };
 
-// Calls value(r, i, load) for every eight values of a target; load(address) gives those that it needs.
+// Calls value(r, i, load) for each group of eight values of a target. The callee reads its operands
+// with load(address), which is masked at the end of a row.
 template <class Value> void put_vectors(const RowsTarget& to, Value value) {
     const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
     const int whole = to.n & ~(lanes - 1);
@@ -73,7 +75,7 @@ __m256i sum_of(__m256i a, __m256i b) {
     return _mm256_add_epi32(a, b);
 }
 
-// The filters of copy_weights, their common factors left out.
+// The filters of copy_weights, divided by their common factors.
 void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const RowsTarget& to) {
     const auto put = [&](auto value) {
         put_vectors(to,
@@ -82,7 +84,7 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
     const auto pair = [](const std::int32_t* at, int step, auto load) {
         return sum_of(load(at), load(at + step));
     };
-    // Six times the pair along one axis, and those beside it along the other.
+    // Six times the pair along one axis plus the two pairs next to it along the other axis.
     const auto smooth_pair = [&](int along, int across) {
         put([=](const std::int32_t* at, auto load) {
             const __m256i twice = _mm256_slli_epi32(pair(at, along, load), 1);
@@ -117,7 +119,8 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
     }
 }
 
-// Calls put(i, sum, load) for every eight sums of six neighbours, `step` apart, of n.
+// Calls put(i, sum, load) for each group of eight of the n values. Each sum weights six values that
+// lie `step` apart.
 template <class Put>
 void sum_six_taps(const std::int32_t* from, int step, int phase, int n, __m256i last_mask,
                   Put put) {
@@ -132,7 +135,7 @@ void sum_six_taps(const std::int32_t* from, int step, int phase, int n, __m256i 
                     return _mm256_maskload_epi32(at, last_mask);
                 }));
     };
-    if (phase == 0) // whole texels, a third of all
+    if (phase == 0) // whole texels: a third of all copies
         return sum_all([&](const std::int32_t* at, auto load) {
             return _mm256_slli_epi32(load(at + base_taps_before * step), 6);
         });

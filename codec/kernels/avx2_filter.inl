@@ -1,13 +1,14 @@
-// Included by kernels_avx2.cpp: the filter behind a tile's copies, 16 values at once, and its margins.
+// Included by kernels_avx2.cpp. Applies the tile filter to 16 values at once and pads views for it.
 
 namespace tessera {
 namespace {
 
-// How the filter's sums are kept: in 16 bits where all rings' products fit; else in 32, two neighbours'
-// products summed by one multiply-add.
+// How the filter keeps its sums. narrow: in 16 bits, if the products of all rings fit. wide: in 32
+// bits; one multiply-add sums the products of two neighbours. bounded: like wide, but differences
+// are clamped before their shares are computed.
 enum class FilterSums { narrow, wide, bounded };
 
-// Sixteen values of a row at once. Differences fit 16 bits, their shares 7.
+// Filters sixteen values of a row at once. Differences fit 16 bits and their shares 7 bits.
 class FilterRings {
 public:
     explicit FilterRings(const FilterTaps& taps) {
@@ -34,11 +35,11 @@ public:
             rings_[i].slope = _mm256_slli_epi16(rings_[i].slope, 4);
     }
 
-    // Bounded where there is a ring whose share of the largest difference that counts is not 0, or whose
-    // slope is steep: then differences have to be bounded before their shares are taken.
+    // bounded if any ring has a steep slope or a share above 0 at the largest difference.
     FilterSums sums() const { return sums_; }
 
-    // 16 filtered values of a view, by their halves; load(p) gives those that stand as far behind p.
+    // Sixteen filtered values of a view as two vectors. load(p) gives the sixteen values that lie
+    // at the same offset from p as the wanted ones from in.centre.
     struct Filtered {
         __m256i half[2];
     };
@@ -46,7 +47,7 @@ public:
     Filtered filter(const FilterView<std::int16_t>& in, Load load) const {
         const __m256i own = load(in.centre);
         __m256i narrow = _mm256_set1_epi16(128);
-        __m256i low = _mm256_set1_epi32(128), high = low; // halves of each 128 bits
+        __m256i low = _mm256_set1_epi32(128), high = low; // each holds half of both 128-bit lanes
         for (int i = 0; i < count_; ++i) {
             const Ring& ring = rings_[i];
             const std::int16_t* const* const taps = in.from + ring.first;
@@ -80,7 +81,7 @@ public:
                  _mm256_add_epi32(widened<1>(own), _mm256_permute2x128_si256(low, high, 0x31))}};
     }
 
-    // n values from `at` on.
+    // Filters n values, starting `at` values into the view.
     template <FilterSums sums>
     void filter_row(const FilterView<std::int16_t>& in, int at, int n, std::int32_t* out) const {
         for (int u = 0; u < n; u += 16) {
@@ -93,7 +94,7 @@ public:
         }
     }
 
-    // At most 8 values of each of two rows, `stride` apart.
+    // Filters at most 8 values of each of two rows that lie `stride` apart.
     template <FilterSums sums>
     void filter_two_rows(const FilterView<std::int16_t>& in, int at, int stride, const int n[2],
                          std::int32_t* out) const {
@@ -107,13 +108,13 @@ public:
 
 private:
     struct Ring {
-        int first;                 // of its taps
-        __m256i most, slope, sign; // sign: differences are taken from the neighbours, the wrong way
+        int first; // index of its first tap
+        __m256i most, slope, sign; // sign: the strength's, negated: differences are own minus neighbour
     };
 
-    static constexpr std::uint32_t narrow_room = (1 << 15) - 128; // 128: what rounds
-    // At least what the products of four differences with their shares sum up to: of a difference x the share
-    // is below most + 1 - x slope / 2^12.
+    static constexpr std::uint32_t narrow_room = (1 << 15) - 128; // minus the 128 that rounds
+    // An upper bound of the sum over four neighbours of difference times share. The share of a
+    // difference x is below most + 1 - x slope / 2^12.
     static std::uint32_t largest_sum(std::uint32_t most, std::uint32_t slope) {
         return ((most + 1) * (most + 1) << 12) / slope + 1;
     }
@@ -130,7 +131,7 @@ private:
         return _mm256_cvtepi16_epi32(_mm256_extracti128_si256(x, half));
     }
 
-    // The first n of 8.
+    // Stores the first n of eight values.
     static void put(__m256i x, int n, std::int32_t* out) {
         if (n >= lanes)
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), x);
@@ -147,7 +148,7 @@ template <FilterSums sums>
 void filter_view_by(const FilterRings& rings, const FilterView<std::int16_t>& in,
                     std::int32_t* out) {
     const auto skips = [&](int row) { return (in.skip >> row & 1) != 0; };
-    // Half vectors at the ends of rows go two together.
+    // The ends of two rows share one vector if they fit into half a vector each.
     const int rest = in.n % 16, n = rest <= lanes ? in.n - rest : in.n;
     if (n > 0)
         for (int v = 0; v < in.rows; ++v)
@@ -177,7 +178,7 @@ void filter_view_avx2(const FilterView<std::int16_t>& in, const FilterTaps& taps
     }
 }
 
-// Sixteen values at once, in order: what is written past a row is written again by the next one.
+// Processes rows in order: what is written past the end of a row is overwritten by the next row.
 RowSet pad_rows_avx2(const std::int32_t* values, std::int32_t limit,
                      const PaddedRows<std::int16_t>& to) {
     RowSet zero = 0;

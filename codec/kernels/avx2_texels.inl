@@ -1,5 +1,5 @@
-// Included where there is AVX2, by the kernels of decoding and of the search: squares of eight 8-bit RGB texels
-// by eight images.
+// Included by the AVX2 kernels of decoding and of the search. Loads squares of eight 8-bit RGB
+// texels by eight images.
 
 namespace tessera {
 namespace {
@@ -21,20 +21,20 @@ inline void transpose(__m256i r[8]) {
     }
 }
 
-// Eight texels of 24 bytes as 0x00BBGGRR.
+// Loads 24 bytes as eight texels 0x00BBGGRR.
 inline __m256i load_24_bytes(const unsigned char* from) {
     const auto half = [](const unsigned char* at) {
         return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
     };
     const __m256i both = _mm256_inserti128_si256(_mm256_castsi128_si256(half(from)), half(from + 8),
-                                                 1); // the last four from byte 4 on
+                                                 1); // the last four texels begin at byte 4 of it
     return _mm256_shuffle_epi8(both, _mm256_setr_epi8(0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10,
                                                       11, -1, 4, 5, 6, -1, 7, 8, 9, -1, 10, 11, 12,
                                                       -1, 13, 14, 15, -1));
 }
 
-// From rows of eight images of a texel each, 0x00BBGGRR, to rows of eight texels of an image: Y, Co, Cg less the
-// background's (FORMAT.md 4.5).
+// In: eight rows, each with one texel of eight images as 0x00BBGGRR. Out: for each of Y, Co and Cg,
+// eight rows with eight texels of one image, minus the background (FORMAT.md 4.5).
 inline void ycocg_square(const __m256i rgb[8], const std::int32_t background[3],
                          __m256i codes[3][8]) {
     const __m256i byte = _mm256_set1_epi32(255);

@@ -1,5 +1,5 @@
-// Included by kernels_avx2.cpp: the passes of the inverse transform, eight columns or values at once, two
-// frequencies a multiply-add (see pair_table.inl).
+// Included by kernels_avx2.cpp. The passes of the inverse transform, eight columns or values at
+// once. Each multiply-add handles two frequencies (see pair_table.inl).
 
 namespace tessera {
 namespace {
@@ -9,7 +9,8 @@ __m256i clamp_lanes(__m256i x) {
                             _mm256_set1_epi32(-limit));
 }
 
-// Two lanes of high (low) parts, the first in the lower halves.
+// The high (or low) parts of two vectors of coefficients, those of `a` in the lower 16 bits of each
+// lane.
 __m256i pack_high(__m256i a, __m256i b) {
     const __m256i first = _mm256_srai_epi32(a, low_bits), second = _mm256_srai_epi32(b, low_bits);
     return _mm256_blend_epi16(first, _mm256_slli_epi32(second, 16), 0xAA);
@@ -27,7 +28,7 @@ __m256i combine_lanes(__m256i high, __m256i low, __m256i dc) {
         _mm256_add_epi32(_mm256_add_epi32(high, carry), _mm256_slli_epi32(dc, 4)), 4);
 }
 
-// Columns i .. i + 7, or those of the first mask.
+// Transforms eight columns. load_any(k) reads frequency k of them; store(x, value) writes output x.
 template <class Load, class Store>
 void inverse_columns(const PairTable& table, int support, int n, Load load_any, Store store) {
     const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
@@ -75,7 +76,7 @@ void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support,
         return;
     }
     for (int begin = 0; begin < inner; begin += lanes) {
-        // The last columns are done with some that were done before.
+        // The last vector overlaps the one before it, so that it is full.
         const int i = begin + lanes <= inner ? begin : inner - lanes;
         inverse_columns(
             table, support, n,

@@ -16,7 +16,7 @@ bool avx2_available() {
 namespace {
 
 KernelPath choose_path() {
-#ifndef __wasm__ // has no environment
+#ifndef __wasm__ // WebAssembly has no environment
     const char* wish = std::getenv("TESSERA_SIMD");
     if (wish != nullptr && std::string_view(wish) == "scalar")
         return KernelPath::scalar;
@@ -35,7 +35,7 @@ KernelPath kernel_path() {
 
 const Kernels& kernels() {
 #ifdef __wasm__
-    return kernels_vector; // the only ones that the module then holds
+    return kernels_vector; // the only path that is linked into the module
 #else
     static const Kernels& chosen = kernel_path() == KernelPath::avx2     ? kernels_avx2
                                    : kernel_path() == KernelPath::vector ? kernels_vector

@@ -1,5 +1,6 @@
-// Included by kernels_scalar.cpp, kernels_vector.cpp and kernels_avx2.cpp, each built with its own flags.
-// No standard library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
+// Included by kernels_scalar.cpp, kernels_vector.cpp and kernels_avx2.cpp, each compiled with its
+// own flags. No standard library functions may be used here: the linker might pick an inline
+// function that was compiled for AVX2 and use it everywhere.
 #include "codec/kernels/kernels.h"
 
 #include "format/tile/base_picture.h"
@@ -8,7 +9,8 @@
 namespace tessera {
 namespace {
 
-// x = high * 2^11 + low keeps both partial sums of a pass inside 32 bits (FORMAT.md 4.3).
+// Splitting x into high * 2^11 + low keeps both partial sums of a pass within 32 bits (FORMAT.md
+// 4.3).
 constexpr int low_bits = 11;
 constexpr std::int32_t low_mask = (1 << low_bits) - 1;
 constexpr std::int32_t limit = 1 << 26;
@@ -17,7 +19,7 @@ inline std::int32_t clamped(std::int32_t x) {
     return x < -limit ? -limit : x > limit - 1 ? limit - 1 : x;
 }
 
-// Wrapping sums: signed overflow would be undefined, and a hostile tile may cause it.
+// The sums wrap: a hostile tile may cause overflow, which would be undefined for signed integers.
 inline std::int32_t combine(std::uint32_t high, std::uint32_t low) {
     constexpr std::uint32_t half = 1u << (basis_bits - 1);
     const auto carry =
@@ -31,7 +33,7 @@ inline std::uint32_t wide(std::int32_t x) {
 
 constexpr int lanes = 8;
 
-// Up to `lanes` outputs of a row; width 0 takes the number from `count`.
+// Computes up to `lanes` outputs of a row: `width` of them, or `count` if width is 0.
 template <int width>
 inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, const std::int32_t* b,
                       int n, int count) {
@@ -61,7 +63,7 @@ void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int suppo
     }
 }
 
-// Outputs x and n - 1 - x share their products: basis rows are even or odd about the middle.
+// Outputs x and n - 1 - x share their products because basis rows are even or odd about the middle.
 template <int width>
 inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
                         const std::int32_t* b, int count) {
@@ -91,7 +93,7 @@ inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, 
     }
 }
 
-// Columns from `begin` on.
+// Transforms the columns from `begin` to the last.
 void inverse_planes_part(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
                          int begin) {
     const std::int32_t* b = basis(n);
@@ -106,7 +108,7 @@ void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int 
     inverse_planes_part(in, out, support, n, inner, 0);
 }
 
-// `width` coefficients from place i on, most of which are 0.
+// Rotates `width` coefficients from index i on. Most are 0.
 template <int width>
 inline void unrotate_some(std::int32_t* const planes[3], int i, const std::int32_t m[3][3]) {
     std::int32_t any = 0;
@@ -144,12 +146,12 @@ void unrotate(std::int32_t* const planes[3], int count, const RotationMatrix& ma
         unrotate_some<1>(planes, i, m);
 }
 
-// floor((x + half) / 2^shift), half = 2^(shift - 1); or x for shift 0.
+// floor((x + 2^(shift - 1)) / 2^shift), or x for shift 0.
 inline std::int32_t rounded_value(std::int32_t x, int shift) {
     return (x + (1 << shift >> 1)) >> shift;
 }
 
-// Calls value(r, i) for all of a target.
+// Writes value(r, i) to every position of a target.
 template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
     const std::int32_t least = -to.limit, most = to.limit - 1;
     for (int r = 0; r < to.rows; ++r) {
@@ -163,7 +165,7 @@ template <class Value> inline void put_rows(const RowsTarget& to, Value value) {
     }
 }
 
-// Calls row(in, out) for the n[0] values of each row of a block.
+// Calls row(in, out) for each row of n[0] values of a block.
 template <class Row>
 inline void for_each_block_row(const std::int32_t* in, const BlockTarget& to, Row row) {
     for (int t = 0; t < to.n[3]; ++t)
@@ -188,7 +190,7 @@ inline unsigned char to_byte(std::int32_t x) {
     return static_cast<unsigned char>(x < 0 ? 0 : x > 255 ? 255 : x);
 }
 
-// Texels and images [begin, end) of store_ycocg8.
+// store_ycocg8 for a range of texels and a range of images.
 void store_ycocg8_part(const PlaneSet& in, int texels, int images, int texel_begin, int texel_end,
                        int image_begin, int image_end, unsigned char* out) {
     for (int x = texel_begin; x < texel_end; ++x)
@@ -211,7 +213,7 @@ void store_ycocg8(const PlaneSet& in, int texels, int images, unsigned char* out
     store_ycocg8_part(in, texels, images, 0, texels, 0, images, out);
 }
 
-// Texels and images [begin, end) of load_ycocg8.
+// load_ycocg8 for a range of texels and a range of images.
 void load_ycocg8_part(const unsigned char* in, int texels, int images, int texel_begin,
                       int texel_end, int image_begin, int image_end,
                       const std::int32_t background[3], std::int32_t* const plane[3]) {
@@ -232,7 +234,8 @@ void load_ycocg8(const unsigned char* in, int texels, int images, const std::int
     load_ycocg8_part(in, texels, images, 0, texels, 0, images, background, plane);
 }
 
-// FORMAT.md 4.6, by copy_filter(): weights in rows j - 1, j, j + 1 of texels i - 1, i, i + 1.
+// Filters of FORMAT.md 4.6 in the order of copy_filter(): the weights of texels i - 1, i, i + 1 in
+// rows j - 1, j, j + 1.
 constexpr std::int32_t copy_weights[8][3][3] = {
     {{0, 0, 0}, {0, 4, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 2, 2}, {0, 0, 0}},
     {{0, 0, 0}, {0, 2, 0}, {0, 2, 0}}, {{0, 0, 0}, {0, 1, 1}, {0, 1, 1}},
@@ -241,7 +244,7 @@ constexpr std::int32_t copy_weights[8][3][3] = {
 
 template <std::int32_t weight> inline std::int32_t weighted(const std::int32_t* row, int i) {
     if constexpr (weight == 0)
-        return 0; // the texel need not exist
+        return 0; // the texel may not exist
     else
         return weight * row[i];
 }
@@ -283,7 +286,7 @@ inline const std::int8_t* base_weights(int phase) {
     return base_filter[static_cast<unsigned>(phase)].data();
 }
 
-// sums[i] += weight j times from[i + j * step], for all six.
+// sums[i] += the six values from[i + j * step], each times weights[j].
 inline void add_taps(const std::int32_t* from, int step, const std::int8_t* weights, int n,
                      std::int32_t* sums) {
     for (int j = 0; j < base_taps; ++j)
@@ -364,7 +367,7 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
         out[u] = centre[u] + ((sums[u] + 128) >> 8);
 }
 
-// Calls row(centre, from, out) for the rows that are not skipped.
+// Calls row(centre, from, out) for each row that is not skipped.
 template <class Value, class Row>
 inline void for_each_filtered_row(const FilterView<Value>& in, std::int32_t* out, Row row) {
     for (int v = 0; v < in.rows; ++v) {

@@ -1,5 +1,5 @@
-// Built with -mavx2 where the compiler can (see CMakeLists.txt). Where nothing is said here the portable loops
-// serve as they are, vectorised by the compiler.
+// Compiled with -mavx2 where the compiler supports it (see CMakeLists.txt). The kernels that are
+// not replaced here are the portable loops, vectorised by the compiler.
 #include "codec/kernels/kernels.inl"
 #include "codec/kernels/pair_table.inl"
 
@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// Lanes below `count`.
+// A mask of the lanes below `count`.
 __m256i lane_mask(int count) {
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);

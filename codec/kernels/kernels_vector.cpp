@@ -1,5 +1,5 @@
-// Vectors of 128 bits in the compiler's own notation, for NEON, WebAssembly and SSE2. The portable loops
-// serve as they are, vectorised by the compiler, but for the two that it cannot see through.
+// 128-bit vectors in the compiler's own notation, for NEON, WebAssembly and SSE2. The compiler
+// vectorises the portable loops by itself except for the ones that are replaced here.
 #include "codec/kernels/kernels.inl"
 #include "codec/kernels/pair_table.inl"
 
@@ -15,7 +15,7 @@ namespace tessera {
 namespace {
 
 typedef std::int32_t Int4 __attribute__((vector_size(16)));
-typedef std::uint32_t UInt4 __attribute__((vector_size(16))); // sums that wrap
+typedef std::uint32_t UInt4 __attribute__((vector_size(16))); // for sums that wrap
 typedef std::int16_t Short8 __attribute__((vector_size(16)));
 typedef std::uint16_t UShort8 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
@@ -33,10 +33,10 @@ template <class Vector> inline Vector most(Vector a, Vector b) {
     return a > b ? a : b;
 }
 
-// The byte of a lane that holds what is below 256.
+// The byte of a 32-bit lane that holds its low 8 bits.
 constexpr int low_byte = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? 3 : 0;
 
-// Sixteen values as bytes, those outside 0..255 as the nearer end.
+// Sixteen values as bytes, clamped to 0..255.
 inline Byte16 saturated(Int4 a, Int4 b, Int4 c, Int4 d) {
 #ifdef __wasm_simd128__
     return (Byte16)wasm_u8x16_narrow_i16x8(wasm_i16x8_narrow_i32x4((v128_t)a, (v128_t)b),
@@ -77,7 +77,7 @@ inline Colours colours_of(const PlaneSet& in, int at, int texels) {
             saturated(blue[0], blue[1], blue[2], blue[3])};
 }
 
-// Twelve bytes of each of four texels: red, green and blue of four images.
+// Twelve bytes for each of four texels: red, green and blue of four images.
 inline void interleave(const Colours& in, Byte16 out[4]) {
     const Byte16 first = __builtin_shufflevector(in.red, in.green, 0, 16, 4, 20, 8, 24, 12, 28, 1,
                                                  17, 5, 21, 9, 25, 13, 29);
@@ -94,7 +94,7 @@ inline void interleave(const Colours& in, Byte16 out[4]) {
 }
 
 void store_ycocg8_vector(const PlaneSet& in, int texels, int images, unsigned char* out) {
-    constexpr int line = 16; // texels that one line of the cache brings
+    constexpr int line = 16; // texels in one cache line
     const int whole_texels = texels & ~3, whole_images = images & ~7;
     for (int begin = 0; begin < whole_texels; begin += line)
         for (int i = 0; i < whole_images; i += 8)
@@ -116,10 +116,12 @@ void store_ycocg8_vector(const PlaneSet& in, int texels, int images, unsigned ch
     store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
 }
 
-// What a difference of each size takes off a ring's full share, and what is left of it.
+// The share that is left for each difference: a ring's full share minus what a difference of that
+// size removes.
 inline Short8 shares_of(Short8 d, UShort8 largest, UShort8 full, UShort8 slope) {
 #ifdef __wasm_simd128__
-    // size * slope = 2 size * (slope >> 1) + size * (slope & 1): in pairs that fit 16 bits with a sign.
+    // size * slope = 2 size * (slope >> 1) + size * (slope & 1), as pairs of factors that fit
+    // signed 16 bits.
     const v128_t size = wasm_u16x8_min(wasm_i16x8_abs((v128_t)d), (v128_t)largest);
     const v128_t twice = wasm_i16x8_shl(size, 1);
     const v128_t pair =
@@ -141,7 +143,7 @@ inline Short8 shares_of(Short8 d, UShort8 largest, UShort8 full, UShort8 slope) 
 }
 
 #ifdef TESSERA_PAIR_PRODUCTS
-// Of the two 16-bit halves of each lane, the products' sum.
+// The sum of the products of the two 16-bit halves of each lane.
 inline Int4 pair_products(Int4 a, Int4 b) {
 #ifdef __wasm_simd128__
     return (Int4)wasm_i32x4_dot_i16x8((v128_t)a, (v128_t)b);
@@ -151,7 +153,7 @@ inline Int4 pair_products(Int4 a, Int4 b) {
 }
 #endif
 
-// sums, the first four and the others: += a p + b q.
+// Adds a p + b q to eight sums: sums[0] holds the first four, sums[1] the others.
 inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
 #ifdef TESSERA_PAIR_PRODUCTS
     const auto low = [](Short8 x, Short8 y) {
@@ -174,15 +176,16 @@ inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
 #endif
 }
 
-// Eight values at once, whose sums stay in registers. Differences fit 16 bits, their shares 7.
+// Filters eight values at once, whose sums stay in registers. Differences fit 16 bits and their
+// shares 7 bits.
 void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& taps,
                         std::int32_t* out) {
     const UShort8 largest =
         UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
     struct Ring {
         UShort8 full, slope;
-        Int4 sign;         // 0, or all bits where the share is negative
-        std::size_t first; // of its taps
+        Int4 sign; // 0, or all bits set if the share is negative
+        std::size_t first; // index of its first tap
     };
     Ring rings[filter_rings];
     int count = 0;
@@ -225,7 +228,7 @@ void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& ta
 }
 
 #ifdef TESSERA_PAIR_PRODUCTS
-// As inverse_planes_avx2, four columns at a time.
+// Like inverse_planes_avx2, four columns at a time.
 void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner) {
     const PairTable& table = pair_table(n);
@@ -238,7 +241,7 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
                               Int4{} - limit)
                        : Int4{};
         };
-        // Parts of the values of frequencies k and k + 2, in the two halves of each lane.
+        // Parts of the coefficients of frequencies k and k + 2, one in each half of a lane.
         struct Parts {
             Int4 high, low;
         };

@@ -1,27 +1,29 @@
-// Included behind kernels.inl where products of two frequencies are summed by one instruction.
+// Included after kernels.inl where one instruction sums the products of two frequencies.
 namespace tessera {
 namespace {
 
-// With x = high * 2^11 + low, high fits 16 bits and low 11, and every basis value but 2^15 fits 16 bits
-// too, so one multiply-add instruction sums the products of two frequencies. Where the basis is 2^15,
-// a coefficient's share of the result is exactly 2^4 times itself before the last shift: at all places
-// for DC, and in sizes with an odd factor at a few more (n = 5, k = 4, x = 2), where it is *whole*.
+// Coefficients are split into x = high * 2^11 + low. high fits 16 bits, low 11, and every basis
+// value except 2^15 fits 16 bits, so one multiply-add instruction sums the products of two
+// frequencies. Where the basis value is 2^15, the coefficient's contribution before the last shift
+// is exactly 2^4 times the coefficient. Such a coefficient is called *whole*. DC is whole at all
+// positions, and in sizes with an odd factor a few other pairs of frequency and position are (n =
+// 5, k = 4, x = 2).
 
-constexpr int max_pairs = max_frequencies / 4; // of even, or of odd, frequencies above 0
+constexpr int max_pairs = max_frequencies / 4; // pairs of even (or odd) frequencies above 0
 
 std::int32_t packed(std::int32_t low, std::int32_t high) {
     return static_cast<std::int32_t>((static_cast<std::uint32_t>(low) & 0xFFFFu) |
                                      (static_cast<std::uint32_t>(high) << 16));
 }
 
-// Basis values in pairs: even[x][p] holds frequencies 4p + 2 and 4p + 4, odd[x][p] 4p + 1 and
-// 4p + 3, next[p][x] 2p + 1 and 2p + 2; 0 beyond n, and where a coefficient is whole. Only multiples
-// of 4 ever are: bit i of whole[x] says it of frequency 4i + 4.
+// Basis values in pairs: even[x][p] holds frequencies 4p + 2 and 4p + 4, odd[x][p] 4p + 1 and 4p +
+// 3, next[p][x] 2p + 1 and 2p + 2. They are 0 past n and where a coefficient is whole. Above DC
+// only multiples of 4 can be whole: bit i of whole[x] stands for frequency 4i + 4.
 struct PairTable {
     std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
     alignas(32) std::int32_t next[max_frequencies / 2][max_tile_side];
     std::uint8_t whole[max_tile_side];
-    std::uint8_t whole_anywhere; // bits that any of whole[] has
+    std::uint8_t whole_anywhere; // the union of all whole[]
 };
 
 struct PairTables {

@@ -56,7 +56,7 @@ void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder
     }
 }
 
-// Columns of `page` values -> order t, s, v, u, for what the pass along s reads.
+// Spreads columns of `page` values into the order t, s, v, u, as far as the pass along s reads it.
 void CoefficientBox::spread_columns(const std::int32_t* columns, int page,
                                     std::int32_t* out) const {
     for (int t = 0; t < support_[3]; ++t)
@@ -74,7 +74,7 @@ void CoefficientBox::spread_columns(const std::int32_t* columns, int page,
     }
 }
 
-// Along u first: the innermost axis grows while the others are still small.
+// The pass along u comes first: the innermost axis grows while the others are still small.
 void CoefficientBox::transform(const BlockShape& shape, std::vector<std::int32_t>& a,
                                std::vector<std::int32_t>& b) const {
     const auto& n = shape.n;

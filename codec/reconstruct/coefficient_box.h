@@ -1,8 +1,8 @@
-// The few coefficients of a block that are not 0, and their way through the inverse transform
+// The non-zero coefficients of a block, of which there are few, and their inverse transform
 // (FORMAT.md 4.3).
 //
-// Frequencies of views, pairs (s, t), of which no plane has a coefficient give nothing before the pass along
-// s. The others are *columns*: the passes along u and v run over those alone.
+// The pairs (s, t) of frequencies at which some plane has a coefficient are called *columns*. The
+// passes along u and v process only these, because everything else is zero until the pass along s.
 #pragma once
 
 #include "codec/tile/tile_levels.h"
@@ -17,7 +17,8 @@
 
 namespace tessera {
 
-// Of one block at a time: begin(), add() for each plane that goes through together, then the rest.
+// Handles one block at a time: begin(), then add() for each plane that is transformed together,
+// then the other functions.
 class CoefficientBox {
 public:
     CoefficientBox() { column_of_.fill(-1); }
@@ -25,14 +26,15 @@ public:
     void begin();
     void add(std::span<const NonZero> levels, const ScanOrder& order);
 
-    // Whether no coefficient but the first is there.
+    // Whether at most the DC coefficient is not 0.
     bool is_constant() const { return support_ == Support{1, 1, 1, 1}; }
-    // Coefficients that dequantize() fills.
+    // How many coefficients dequantize() fills.
     int size() const { return support_[0] * support_[1] * count_; }
-    // Values of a plane's coefficients, in an order that transform() knows. `box` gets room for all passes.
+    // Dequantises a plane into `box`, in the order that transform() expects. `box` gets room for
+    // all passes.
     void dequantize(std::span<const NonZero> levels, const ScanOrder& order, const ScaleSet& scales,
                     const ReconstructionOffsets& offsets, std::vector<std::int32_t>& box) const;
-    // `a` in, out: dense in block order. `b`: scratch.
+    // Transforms coefficients in `a` to values in `a`, dense in block order. `b` is scratch memory.
     void transform(const BlockShape& shape, std::vector<std::int32_t>& a,
                    std::vector<std::int32_t>& b) const;
 
@@ -40,16 +42,16 @@ private:
     using Support = std::array<std::uint8_t, 4>;
     static constexpr int views = max_frequencies * max_frequencies;
 
-    // Vectors are filled by columns side by side where there are enough, else by rows.
+    // Whether columns are adjacent in memory. With few columns, rows fill vectors better.
     bool columns_run_fastest() const;
     static int view_of(const ScanEntry& entry) { return entry.k[3] * max_frequencies + entry.k[2]; }
     void spread_columns(const std::int32_t* columns, int page, std::int32_t* out) const;
 
-    Support support_{};                                // one more than the largest frequency
-    std::array<std::uint8_t, max_frequencies> of_t_{}; // the same along s, at each t; 0: no column
-    int count_ = 0;                                    // of columns
-    std::array<std::int16_t, views> column_of_;        // -1: none
-    std::array<std::int16_t, views> view_;             // of each column
+    Support support_{}; // along each axis, one more than the largest frequency
+    std::array<std::uint8_t, max_frequencies> of_t_{}; // the same along s for each t; 0: no column
+    int count_ = 0; // number of columns
+    std::array<std::int16_t, views> column_of_; // of each pair; -1: none
+    std::array<std::int16_t, views> view_; // the pair of each column
 };
 
 } // namespace tessera

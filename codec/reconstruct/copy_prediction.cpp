@@ -10,19 +10,19 @@
 namespace tessera {
 namespace {
 
-// Values whose rows lie `stride` apart.
+// Values in rows that lie `stride` apart.
 struct Rows {
     const std::int32_t* first;
     int stride;
 };
 
-// One view of a plane that is copied from.
+// A view of a plane from which blocks are copied.
 struct View {
     const std::int32_t* texels;
     int width, height;
 
-    // The nu x nv texels from (u, v) on; texels outside are those at the edge. `buffer` has room for
-    // all, and may be used.
+    // The nu x nv texels from (u, v) on. Positions outside repeat the edge. `buffer` must have room
+    // for all texels and may be used.
     Rows part(int u, int v, int nu, int nv, std::int32_t* buffer) const {
         if (u >= 0 && u + nu <= width && v >= 0 && v + nv <= height)
             return {texels + v * width + u, width};
@@ -39,7 +39,7 @@ struct View {
     }
 };
 
-// Copies all views of a block from the views before it; target(s, t) is where one goes to.
+// Copies all views of a block from the views before it. target(s, t) says where one goes.
 template <class Target>
 void copy_views(const Block& block, const BlockPrediction& prediction, bool smooth,
                 const BlockShape& tile, const std::vector<std::int32_t>& plane, Target target) {
@@ -57,7 +57,7 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
             const int half_u = steps * prediction.displacement.u;
             const int half_v = steps * prediction.displacement.v;
             const int filter = copy_filter(smooth, half_u, half_v);
-            const int before = smooth ? 1 : 0, after = filter != 0 ? 1 : 0; // what it reads
+            const int before = smooth ? 1 : 0, after = filter != 0 ? 1 : 0; // texels read around a row
             const Rows from = view.part(
                 block.origin[0] + (half_u >> 1) - before, block.origin[1] + (half_v >> 1) - before,
                 before + n[0] + after, before + n[1] + after, buffer.data());
@@ -66,7 +66,7 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
         }
 }
 
-// Copies blocks from one plane of a tile's base picture.
+// Copies a block from one plane of a tile's base picture.
 class BaseCopy {
 public:
     BaseCopy(const Block& block, const BlockPrediction& prediction, const TilePlanes& decoded,
@@ -79,7 +79,7 @@ public:
         for (int t = 0; t < block.shape.n[3]; ++t) {
             const auto i = static_cast<std::size_t>(t);
             const int v = from_middle(3, t) * displacement_.v;
-            // So far away that all of a copy is the same row of the edge: the nearest such.
+            // Outside these limits all rows of a copy are the same edge row.
             const int row = std::clamp(block.origin[1] + margin_ + (v >> 3), -(nv_ + taps_around),
                                        view_.height + taps_around);
             row_[i] = static_cast<std::int16_t>(row);
@@ -92,14 +92,15 @@ public:
             static_cast<std::size_t>(nu_ * (last_ - first_ + nv_ + taps_around)));
     }
 
-    // values, dense in block order: what BaseCopies::add_shift says of them, and the copy.
+    // Adds the copy to `values`, dense in block order, or replaces them (see
+    // BaseCopies::add_shift).
     void run(int add_shift, std::int32_t* values) {
         const auto& n = block_.shape.n;
         const int page = nu_ * nv_;
         const bool near = last_ - first_ + nv_ + taps_around <= n[3] * (nv_ + taps_around);
         for (int s = 0; s < n[2]; ++s, values += page) {
             const int u = from_middle(2, s) * displacement_.u;
-            if (near) { // what is filtered along u serves all
+            if (near) { // all t share the rows that are filtered along u
                 filter_along_u(u, first_, last_);
                 filter_along_v(
                     {values, n[2] * page, page, nu_, n[3], nullptr, phase_.data(), add_shift},
@@ -124,8 +125,8 @@ private:
         return block_.origin[axis] + view - (tile_.n[axis] - 1) / 2;
     }
 
-    // What copies from row `first` to those from row `last` on need, each row once; beyond the edges they
-    // repeat.
+    // Filters along u the rows that copies from row `first` to row `last` need, each once. Rows
+    // beyond the edges are repeated.
     void filter_along_u(int eighths, int first, int last) {
         const int v = first - base_taps_before, rows = last - first + nv_ + taps_around;
         const int begin = std::clamp(-v, 0, rows - 1);
@@ -141,7 +142,7 @@ private:
             std::copy_n(to + (end - 1) * nu_, nu_, to + i * nu_);
     }
 
-    // Copies of t from `t` on, from rows of which the first is number `first`.
+    // Computes to.count copies from index `t` on. `first` is the number of the first filtered row.
     void filter_along_v(BaseCopies to, int first, std::size_t t) {
         std::array<std::int16_t, max_angular_side> rows;
         for (std::size_t i = 0; i < static_cast<std::size_t>(to.count); ++i)
@@ -155,14 +156,14 @@ private:
     const BlockShape& tile_;
     const View view_;
     const int margin_, nu_, nv_;
-    std::array<std::int16_t, max_angular_side> row_{}; // of each t, that its copy begins at
+    std::array<std::int16_t, max_angular_side> row_{}; // where the copy for each t begins
     std::array<std::uint8_t, max_angular_side> phase_;
-    int first_ = 0, last_ = 0; // of row_
+    int first_ = 0, last_ = 0; // extremes of row_
     std::array<std::int32_t, (max_tile_side + base_taps) * max_base_side> edge_;
     std::unique_ptr<std::int32_t[]> filtered_;
 };
 
-// Where a view of a block begins, dense in block order.
+// The index of a view in a dense block.
 int page_of(const BlockShape& shape, int s, int t) {
     return (t * shape.n[2] + s) * shape.n[1] * shape.n[0];
 }
@@ -180,7 +181,7 @@ BlockTarget block_target(const Block& block, const BlockShape& picture,
                    page,
                    page * picture.n[2],
                    limit};
-    if (n[0] == row) { // rows are one
+    if (n[0] == row) { // rows of the block are contiguous
         to.n[0] *= n[1];
         to.n[1] = 1;
     }

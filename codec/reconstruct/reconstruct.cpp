@@ -17,7 +17,7 @@ void fill_block(const BlockTarget& to, std::int32_t value) {
                 std::fill_n(to.out + t * to.t + s * to.s + v * to.row, to.n[0], value);
 }
 
-// One block being reconstructed.
+// Reconstructs one block.
 class BlockReconstruction {
 public:
     BlockReconstruction(const TileLevels& tile, std::size_t index, const TileCoding& coding,
@@ -81,10 +81,10 @@ private:
         }
     }
 
-    // Coefficients in scratch_.a -> the block's texels.
+    // Transforms the coefficients in scratch_.a to the block's texels.
     void finish(int plane) {
         const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
-        // A constant within the range of the passes goes through them as it is.
+        // The passes would copy a lone DC coefficient within their range to all texels.
         if (scratch_.box.is_constant() && std::abs(scratch_.a[0]) < coefficient_limit) {
             finish_constant(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
             return;
@@ -112,7 +112,7 @@ private:
         return block_target(block_, picture_, planes_[static_cast<std::size_t>(plane)], limit_);
     }
 
-    // To scratch_.a, as BaseCopies::add_shift has it.
+    // Adds the copy to scratch_.a; `shift` is as in BaseCopies::add_shift.
     void add_copies(int plane, int shift) {
         copy_block(block_, *prediction_, coding_, shift, scratch_.a.data(), tile_planes_,
                    static_cast<std::size_t>(plane));
@@ -130,11 +130,11 @@ private:
     const ShapeCoding& shape_;
     ReconstructScratch& scratch_;
     TilePlanes& tile_planes_;
-    const BlockShape& picture_; // that the block is a part of: the tile, or its base
-    std::array<std::vector<std::int32_t>, max_planes>& planes_; // of this
+    const BlockShape& picture_; // the tile or base picture that contains the block
+    std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
     const PlaneLevels* const levels_;
-    const BlockPrediction* const prediction_; // none where it copies nothing
-    const std::int32_t limit_;                // of values that copy nothing
+    const BlockPrediction* const prediction_; // null if the block copies nothing
+    const std::int32_t limit_; // for blocks that copy nothing
 };
 
 } // namespace

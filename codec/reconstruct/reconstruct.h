@@ -1,4 +1,4 @@
-// Levels -> planes: dequantisation and the inverse transform (FORMAT.md part 4), integers only.
+// Levels to planes: dequantisation and the inverse transform (FORMAT.md part 4), in integers only.
 #pragma once
 
 #include "codec/reconstruct/coefficient_box.h"
@@ -15,14 +15,14 @@ struct ReconstructScratch {
     std::vector<std::int32_t> a, b;
     std::array<std::vector<std::int32_t>, 3> rotated;
     CoefficientBox box;
-    RecentShapes shapes; // of the one TileCoding that the scratch is used with
+    RecentShapes shapes; // of the only TileCoding that it may be used with
 };
 
-// Fills all planes of the tile. Every value is defined for any levels that decode_levels can give.
+// Fills all planes of the tile. Values are defined for all levels that decode_levels() can return.
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes);
 
-// One block of a tile, after everything that it copies from.
+// Reconstructs one block of a tile. Everything that it copies must have been reconstructed.
 void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
                        ReconstructScratch& scratch, TilePlanes& planes);
 

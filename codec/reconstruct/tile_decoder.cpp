@@ -22,7 +22,7 @@ Status TileDecoder::parse(std::span<const std::byte> payload, const BlockShape& 
     is_stored_ = colour_->stored && payload.size() == static_cast<std::size_t>(shape.texels()) *
                                                           colour_->desc.texel_bytes();
     if (is_stored_)
-        payload = {}; // which is a tile of one block without levels
+        payload = {}; // stands for a tile of one block without levels
     TESSERA_TRY(split_payload(payload, shape.texels(), parts_));
     if (!parts_.corrections.empty() && !colour_->corrections)
         return {ErrorCode::invalid_file, "corrections in a file whose header has none"};

@@ -1,4 +1,4 @@
-// One tile's payload -> its texels, in stages: streams, levels, planes, samples, corrections.
+// Decodes a tile's payload to texels in stages: streams, levels, planes, samples, corrections.
 #pragma once
 
 #include "codec/entropy/context_grid.h"
@@ -13,27 +13,27 @@
 
 namespace tessera {
 
-// Decodes tiles of one file. Holds scratch memory: one per thread.
+// Decodes tiles of one file. Holds scratch memory, so each thread needs its own.
 class TileDecoder {
 public:
-    // Both outlive the decoder.
+    // Both arguments must outlive the decoder.
     TileDecoder(const TileCoding& coding, const ColourCoding& colour)
         : coding_(&coding), colour_(&colour) {}
 
-    // texels: dense box order, exactly the tile's bytes. Errors: invalid_file. On any payload it
-    // ends, stays in bounds, and either fails or fills `texels`.
+    // Decodes a payload into `texels`, a dense box of exactly the tile's size. On any payload it
+    // terminates, stays in bounds, and either fails or fills `texels`. Errors: invalid_file.
     Status decode(std::span<const std::byte> payload, const BlockShape& shape,
                   std::span<std::byte> texels);
-    // The same from levels and corrections that are at hand.
+    // The same from given levels and corrections.
     void render(const TileLevels& levels, const CorrectionMap& corrections,
                 std::span<std::byte> texels);
-    // Only the entropy decoding; the results stay valid until the next call.
+    // Entropy decoding only. The results stay valid until the next call.
     Status parse(std::span<const std::byte> payload, const BlockShape& shape);
     const TileLevels& levels() const { return levels_; }
     const CorrectionMap& corrections() const { return corrections_; }
-    // Whether the last payload was a stored tile: it has no levels and no corrections.
+    // Whether the last payload was a stored tile, which has no levels and no corrections.
     bool is_stored() const { return is_stored_; }
-    // Of the last decode() or render(), filtered.
+    // The filtered planes of the last decode() or render().
     const TilePlanes& planes() const { return planes_; }
 
 private:
@@ -51,8 +51,8 @@ private:
 
 BlockShape tile_shape(const Box4& box);
 
-// The samples of a stored tile as they decode (FORMAT.md 3.2): those that have a code as they are, but -0
-// as 0.
+// Copies the samples of a stored tile as they decode (FORMAT.md 3.2): through their codes, which
+// clamps them and turns -0 into 0.
 void copy_stored(std::span<const std::byte> samples, SampleType type, std::span<std::byte> texels);
 
 } // namespace tessera

@@ -15,7 +15,7 @@ struct FilterScratch {
     std::vector<std::int32_t> wide;   // of half16
 };
 
-// Filters all planes in place. Nothing happens where the file has no filter.
+// Filters all planes in place. Does nothing if the file has no filter.
 void filter_tile(const TileCoding& coding, FilterScratch& scratch, TilePlanes& planes);
 
 } // namespace tessera

@@ -1,15 +1,15 @@
-// Included by search_kernels.inl: what views differ by, in small integers, so that sums are the same in any
-// order.
+// Included by search_kernels.inl. Squared differences between views in small integers, whose sums
+// are the same in any order.
 
 typedef std::int16_t Short4 __attribute__((vector_size(8)));
 typedef std::int16_t Short8 __attribute__((vector_size(16)));
 
-// Row y of those that lie `stride` apart, or the nearest of 0..last.
+// Row y, clamped to 0..last, of rows that lie `stride` apart.
 inline const std::int16_t* nearest_row(const std::int16_t* rows, int stride, int y, int last) {
     return rows + (y < 0 ? 0 : y > last ? last : y) * stride;
 }
 
-// Rounds like the vectors do: the last bits of a float of that size are whole.
+// Rounds by adding 1.5 * 2^23, because the last bit of a float of that size is worth 1.
 void to_matching_units(const float* x, float scale, int n, std::int16_t* to) {
     constexpr float most = matching_limit, shift = 0x1.8p23f;
     const auto units = [&](auto value, auto integers) {
@@ -28,7 +28,7 @@ void to_matching_units(const float* x, float scale, int n, std::int16_t* to) {
         to[i] = static_cast<std::int16_t>(units(x[i], std::int32_t{}));
 }
 
-// Of `rows` rows of one column, of four.
+// Sums over `rows` rows of one column, and of each of four columns.
 inline int squares_of_column(const std::int16_t* a, int a_stride, const std::int16_t* b,
                              int b_stride, int first, int last, int rows) {
     int sum = 0;
@@ -77,7 +77,8 @@ inline __m256i squares(__m256i a, __m256i b) {
     return _mm256_madd_epi16(difference, difference);
 }
 
-// Of `rows` rows of 16, 8, 4 columns: by pairs of columns, 4 in two halves.
+// Sums over `rows` rows of 16, 8 and 4 columns. Each lane sums two adjacent columns; squares_of_4
+// puts even rows into the lower half and odd rows into the upper half.
 inline __m256i squares_of_16(const std::int16_t* a, int a_stride, const std::int16_t* b,
                              int b_stride, int first, int last, int rows) {
     __m256i sum = _mm256_setzero_si256();
@@ -107,7 +108,7 @@ inline __m128i squares_of_4(const std::int16_t* a, int a_stride, const std::int1
     return sum;
 }
 
-// The same of fewer than four columns, behind which there are others.
+// The same for n < 4 columns. Reads four values and masks out the others.
 inline __m128i squares_of_some(const std::int16_t* a, int a_stride, const std::int16_t* b,
                                int b_stride, int first, int last, int rows, int n) {
     const __m128i mask = _mm_cvtsi64_si128((std::int64_t{1} << (16 * n)) - 1);
@@ -118,7 +119,8 @@ inline __m128i squares_of_some(const std::int16_t* a, int a_stride, const std::i
     return sum;
 }
 
-// Of eight columns, in two halves: those of two rows are pairs.
+// Adds the sums of eight columns. Two rows are interleaved, so that one multiply-add sums the
+// squares of both.
 inline void add_squares_of_8(const std::int16_t* a, int a_stride, const std::int16_t* b,
                              int b_stride, int first, int last, int rows, float* sums) {
     const auto difference = [&](int y) {
@@ -137,7 +139,7 @@ inline void add_squares_of_8(const std::int16_t* a, int a_stride, const std::int
     _mm_storeu_ps(sums + 4, _mm_add_ps(_mm_loadu_ps(sums + 4), _mm_cvtepi32_ps(high)));
 }
 
-// Of values that are not negative.
+// The sum of four lanes, none of which is negative.
 inline std::uint64_t total(__m128i x) {
     const __m128i low = _mm_and_si128(x, _mm_set1_epi64x(0xFFFFFFFF));
     const __m128i sums = _mm_add_epi64(low, _mm_srli_epi64(x, 32));
@@ -164,7 +166,7 @@ void add_squared_pairs(const std::int16_t* a, int a_stride, const std::int16_t* 
 
 std::uint64_t squared_differences(const std::int16_t* a, int a_stride, const std::int16_t* b,
                                   int b_stride, int first, int last, int rows, int n) {
-    if (n == 4) // most
+    if (n == 4) // the most common width
         return total(squares_of_4(a, a_stride, b, b_stride, first, last, rows));
     std::uint64_t sum = 0;
     int x = 0;

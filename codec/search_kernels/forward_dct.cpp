@@ -23,7 +23,7 @@ std::vector<float> make_table(int n) {
 
 } // namespace
 
-// Made when its side is asked for: all 64 would take 2 ms.
+// Tables are computed on first use because computing all 64 would take 2 ms.
 const float* make_forward_basis(int n) {
     static std::array<std::vector<float>, max_tile_side + 1> tables;
     static std::mutex mutex;

@@ -1,4 +1,4 @@
-// Float forward DCT of blocks; steers the encoder only.
+// Forward DCT of blocks in floats. It steers only the encoder.
 #pragma once
 
 #include "codec/search_kernels/search_kernels.h"
@@ -11,28 +11,28 @@
 
 namespace tessera {
 
-// Kernels read whole vectors, that far behind a table's end.
+// Kernels read whole vectors, up to this many floats past the end of a table.
 constexpr std::size_t read_behind_basis = 15;
 const float* make_forward_basis(int n);
-// Those that were asked for.
+// The tables that have been computed so far, by side.
 inline std::array<std::atomic<const float*>, max_tile_side + 1> forward_bases{};
-// Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 64; thread-safe.
+// Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 64. Thread-safe.
 inline const float* forward_basis(int n) {
     const float* const made =
         forward_bases[static_cast<std::size_t>(n)].load(std::memory_order_acquire);
     return made != nullptr ? made : make_forward_basis(n);
 }
 
-// A run of coordinates along one axis; size 0 where no block stands.
+// A range of coordinates along one axis. Size 0 means that there is no block.
 struct Segment {
     int begin = 0, size = 0;
 };
 
-// How an axis of `side` texels is cut after `depth` halvings: 2^depth entries, in order of the
-// path through the split tree (see children_of).
+// The 2^depth segments of an axis of `side` texels after `depth` halvings, in the order of the
+// paths through the split tree (see children_of).
 std::vector<Segment> axis_segments(int side, int depth);
 
-// Transforms a block along one axis (0 u .. 3 t), from `in` to `out` (not the same).
+// Transforms a block along one axis (0 u .. 3 t). `in` and `out` must not overlap.
 void forward_axis(const float* in, float* out, const BlockShape& block, int axis);
 
 } // namespace tessera

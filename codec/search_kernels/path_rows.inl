@@ -1,9 +1,10 @@
-// Included by trellis.inl: what the paths of the trellis have coded so far, for contexts.
+// Included by trellis.inl. The contexts that depend on what each path of the trellis has coded.
 
-// Paths of the trellis that far back have mostly met.
+// The paths of all states have mostly merged this many coefficients back.
 constexpr int trellis_window = 20;
 
-// Amplitudes to two binary digits, as contexts see them: amplitude_of(amplitude_code(x)).
+// Rounds amplitudes down to two binary digits, as contexts see them:
+// amplitude_of(amplitude_code(x)).
 inline Int8 seen_amplitudes(const Int8& amplitudes) {
     constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
     const Int8 below = amplitudes < most ? amplitudes : Int8{} + most;
@@ -12,26 +13,28 @@ inline Int8 seen_amplitudes(const Int8& amplitudes) {
         __builtin_bit_cast(Float8, digits & static_cast<std::int32_t>(0xFFC00000)), Int8);
 }
 
-// neighbour_class, of amplitudes' weighted sums.
+// neighbour_class() of weighted sums of amplitudes.
 inline Int8 neighbour_classes_of(const Int8& sums, int share) {
     constexpr auto most = static_cast<std::int32_t>(amplitude_of(amplitude_codes - 1));
     Int8 mean = (sums * share) >> 9;
     mean = mean < most ? mean : Int8{} + most;
     const auto bits = __builtin_bit_cast(Int8, __builtin_convertvector(mean, Float8));
-    const Int8 code = (bits >> 22) - 254; // right from 2 on
+    const Int8 code = (bits >> 22) - 254; // correct for mean >= 2
     return mean < 2 ? mean : code;
 }
 
-// What each state's path has left behind: a row of amplitudes for each coefficient, a lane for each state. Rows
-// follow the paths for trellis_window coefficients. The last row, and what it does to those before, waits until the
-// next coefficient has looked at these: most have no neighbour there, and need not wait until it went through memory.
+// The amplitudes on the best path of each state: one row per coefficient, one lane per state. When
+// the paths of states change, the last trellis_window rows are permuted accordingly. The newest row
+// stays in registers until the next coefficient has read its neighbours. Most coefficients have no
+// neighbour in that row, so they need not wait until it has gone through memory.
 class PathRows {
 public:
     explicit PathRows(const TrellisTask& task) : task_(task) {}
 
-    // Classes of the amplitudes around a coefficient. To be asked for, and then add(), of one after the other.
+    // The neighbour classes of coefficient `at` in each state. For each coefficient in turn, call
+    // this function and then add().
     Int8 neighbour_classes(int at) {
-        if (at % rows_at_once == 0) // where a coefficient has no neighbour its own row stands
+        if (at % rows_at_once == 0) // coefficients use their own row for neighbours that do not exist
             task_.seen[at / rows_at_once] = {};
         if (at == 0)
             return Int8{} + task_.first_class;
@@ -44,7 +47,8 @@ public:
         return classes;
     }
 
-    // from: the state that each state's path came from. It is written as bytes, too.
+    // `from` is the state that each state's path came from. It is also stored in
+    // TrellisTask::before.
     void add(int at, const Int8& from, const Int8& level) {
         from_ = from;
         last_ = seen_amplitudes(level);
@@ -58,7 +62,7 @@ private:
     std::uint8_t* row(int at) const {
         return reinterpret_cast<std::uint8_t*>(task_.seen) + at * quantiser_states;
     }
-    // The states that their paths came from.
+    // The states that the paths came from, as bytes.
     std::uint8_t* before(int at) const { return task_.before + at * quantiser_states; }
     const std::uint16_t* neighbours(int at) const {
         return task_.neighbours + at * scan_neighbours;
@@ -66,7 +70,7 @@ private:
     static int oldest_moved(int at) { return at < trellis_window ? 0 : at - trellis_window; }
 
 #ifdef __AVX2__
-    // Lanes below 256, in the lower half.
+    // Lanes below 256 as bytes, in the lower half.
     static __m128i bytes_of(const Int8& x) {
         const auto all = __builtin_bit_cast(__m256i, x);
         const __m128i words =
@@ -81,7 +85,7 @@ private:
                                   _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, x),
                                                               __builtin_bit_cast(__m256i, from_)));
     }
-    Int8 sums_around(int at) const { // at most 16 times 192
+    Int8 sums_around(int at) const { // at most 16 * 192, so 16 bits suffice
         static_assert(double_neighbours == 4 && scan_neighbours == 12);
         const std::uint16_t* const near = neighbours(at);
         const auto row_of = [&](int j) {
@@ -96,7 +100,7 @@ private:
                                            _mm_add_epi16(pair(8, 1), pair(10, 1)));
         return __builtin_bit_cast(Int8, _mm256_cvtepu16_epi32(_mm_add_epi16(twice, once)));
     }
-    // 0 where the coefficient before is no neighbour.
+    // The weight of the coefficient before `at` among its neighbours; 0 if it is none.
     int weight_of_last(int at) const {
         const auto* const near = reinterpret_cast<const __m128i*>(neighbours(at));
         const __m128i last = _mm_set1_epi16(static_cast<short>(at - 1));
@@ -106,10 +110,11 @@ private:
         constexpr int all = (1 << scan_neighbours) - 1, twice = (1 << double_neighbours) - 1;
         return (found & twice) != 0 ? 2 : (found & all) != 0 ? 1 : 0;
     }
-    // Rows are read and written four at a time, always the same: a load of what two stores wrote waits for both.
+    // Rows are always read and written in the same groups of four: a load that covers two earlier
+    // stores would have to wait for both.
     void put_last(int at) const {
         const __m128i from = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(before(at)));
-        const __m256i order = _mm256_broadcastsi128_si256( // the second row of 16 bytes
+        const __m256i order = _mm256_broadcastsi128_si256( // indices in a lane of 16 bytes, whose upper 8 bytes are the second row
             _mm_unpacklo_epi64(from, _mm_add_epi8(from, _mm_set1_epi8(quantiser_states))));
         const __m256i rows = _mm256_setr_epi64x(0, 1, 2, 3);
         const auto moved = [&](int first, const __m256i& by) {
@@ -121,7 +126,7 @@ private:
         };
         const int oldest = oldest_moved(at), own = at & ~(rows_at_once - 1);
         int first = oldest & ~(rows_at_once - 1);
-        if (first < oldest) { // rows older than these stay
+        if (first < oldest) { // older rows stay as they are
             const __m256i as_they_are = _mm256_broadcastsi128_si256(
                 _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
             const __m256i stay = _mm256_cmpgt_epi64(_mm256_set1_epi64x(oldest - first), rows);

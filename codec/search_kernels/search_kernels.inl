@@ -1,5 +1,6 @@
-// Included by search_kernels_scalar.cpp and search_kernels_avx2.cpp, each built with its own flags. No
-// standard library functions here: an inline one compiled for AVX2 could be picked by the linker for all.
+// Included by search_kernels_scalar.cpp and search_kernels_avx2.cpp, each compiled with its own
+// flags. No standard library functions may be used here: the linker might pick an inline function
+// that was compiled for AVX2 and use it everywhere.
 #include "codec/search_kernels/search_kernels.h"
 
 #include "codec/search_kernels/forward_dct.h"
@@ -13,7 +14,8 @@
 namespace tessera {
 namespace {
 
-// Vectors of the compiler: two halves where the instruction set has only 128 bits.
+// Compiler vectors. Those of 32 bytes become two halves where the instruction set has only 128
+// bits.
 typedef float Float8 __attribute__((vector_size(32)));
 typedef float Float4 __attribute__((vector_size(16)));
 typedef float Float2 __attribute__((vector_size(8)));
@@ -38,11 +40,11 @@ constexpr int views_at_once = 8; // texels of a row
 
 constexpr int cost_lanes = 8;
 
-// Partial sums of coding_cost.
+// The partial sums of coding_cost.
 struct CostLanes {
     Float8 cost{}, energy{}, zeroed{}, bases{}, coded{};
 
-    // log2 is the piecewise linear one that the float's own bits give.
+    // log2 is approximated piecewise linearly by the bits of the float.
     void add(const Float8& x, const Float8& base, float inverse_step, float slope) {
         const Float8 zero{}, a = x * inverse_step, a2 = a * a;
         const Float8 bits =
@@ -63,15 +65,15 @@ CostSum coding_cost(const float* x, const float* base, int count, float inverse_
     int i = 0;
     for (; i + cost_lanes <= count; i += cost_lanes)
         lanes.add(load<Float8>(x + i), load<Float8>(base + i), inverse_step, slope);
-    // What is left goes to the first lane; a 0 adds nothing.
+    // The remaining values go to the first lane; the zeros in the other lanes add nothing.
     for (; i < count; ++i)
         lanes.add(Float8{x[i]}, Float8{base[i]}, inverse_step, slope);
     return {sum_of(lanes.cost), sum_of(lanes.energy), sum_of(lanes.zeroed), sum_of(lanes.bases),
             sum_of(lanes.coded)};
 }
 
-// Basis of a butterfly: even[k][x] for frequency 2k, odd[k][x] for 2k + 1, x in the first half; and
-// the same with x outermost.
+// The basis of a butterfly: even[k][x] is frequency 2k and odd[k][x] frequency 2k + 1 at position x
+// of the first half. even_t and odd_t are their transposes.
 template <int n, int frequencies> struct SplitBasis {
     static constexpr int half = n / 2, kept = frequencies / 2;
     float even[kept][half], odd[kept][half];
@@ -89,7 +91,7 @@ template <int n, int frequencies> struct SplitBasis {
     }
 };
 
-// One vector of columns of an image: tmp[k][u] for the kept frequencies.
+// Transforms one vector of columns of an image. Frequency k of a column goes to tmp[k * nu].
 template <int n, int frequencies, class Vector>
 inline void column_vector(const float* in, int stride, int nu, float* tmp) {
     using Basis = SplitBasis<n, frequencies>;
@@ -101,7 +103,7 @@ inline void column_vector(const float* in, int stride, int nu, float* tmp) {
         even[v] = head + tail;
         odd[v] = head - tail;
     }
-    // Two frequencies of each kind at a time share the loads.
+    // Computing two frequencies of each kind at a time shares the loads.
     for (int k = 0; k < Basis::kept; k += 2) {
         Vector e0{}, e1{}, o0{}, o1{};
         for (int v = 0; v < Basis::half; ++v) {
@@ -125,7 +127,7 @@ template <int n> void image_columns(const float* in, int stride, int nu, float* 
         column_vector<n, forward_kept(n), Float4>(in + u, stride, nu, tmp + u);
 }
 
-// Rows of tmp, two at a time, into even and odd frequencies; as many at once as Vector holds.
+// Transforms the rows of tmp, two at a time. Each row of the output has its even frequencies first.
 template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
     using Basis = SplitBasis<n, forward_kept(n)>;
     const Basis& b = Basis::get();
@@ -147,9 +149,10 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
         }
 }
 
-// Any side, as sums in the order of x: some vectors of frequencies of some signals at once, as a sum waits for the
-// one before it. Values of a signal lie `step` apart, the signals `stride`; of frequency k to out[k * out_step], if it is
-// one of the `count` first: what a vector reads behind these does not count.
+// The transform for any side, with terms added in the order of x. Each sum has to wait for its
+// previous addition, so several vectors of frequencies of several signals are computed at once. The
+// values of a signal lie `step` apart, the signals `stride`. Frequency k goes to out[k * out_step]
+// if k < count; vectors may compute more frequencies, which are dropped.
 template <class Vector, int vectors, int signals>
 inline void plain_frequencies(const float* in, int step, int stride, int n, const float* basis_t,
                               int count, float* out, int out_step, int out_stride) {
@@ -186,7 +189,7 @@ inline void plain_signals(const float* in, int step, int stride, int rows, int n
                                               out + r * out_stride, out_step, out_stride);
 }
 
-// The lowest `kept` frequencies of such signals in natural order.
+// The lowest `kept` frequencies of such signals, in natural order.
 inline void plain_rows(const float* in, int step, int stride, int rows, int n, int kept,
                        const float* basis_t, float* out, int out_step, int out_stride) {
     for (int k = 0; k < kept; k += 16) {
@@ -200,7 +203,8 @@ inline void plain_rows(const float* in, int step, int stride, int rows, int n, i
     }
 }
 
-// One vector of columns, whose values lie `stride` apart; of frequency k to out[k * out_stride].
+// Transforms one vector of columns whose values lie `stride` apart. Frequency k goes to out[k *
+// out_stride].
 template <class Vector, int frequencies>
 inline void plain_column_frequencies(const float* in, int stride, int n, const float* basis_t,
                                      float* out, int out_stride) {
@@ -232,11 +236,11 @@ inline void plain_columns(const float* in, int stride, int n, int kept, int begi
         plain_column_vector<Float8>(in + u, stride, n, kept, basis_t, out + u, out_stride);
     for (; u + 4 <= end; u += 4)
         plain_column_vector<Float4>(in + u, stride, n, kept, basis_t, out + u, out_stride);
-    // The last few side by side in frequencies.
+    // The last few columns are transformed one by one, with vectors of frequencies.
     plain_rows(in + u, stride, 1, end - u, n, kept, basis_t, out + u, out_stride, 1);
 }
 
-// All frequencies of a row in natural order, by even and odd halves.
+// All frequencies of a row in natural order, computed with a butterfly.
 template <int n, class Vector>
 void forward_rows_split(const float* in, float* out, int rows, int stride) {
     using Basis = SplitBasis<n, n>;
@@ -302,7 +306,7 @@ void forward_planes(const float* in, int in_step, float* out, int out_step, int 
     }
 }
 
-// Pairs of views along s and t at once.
+// The transform of 2 x 2 views along s and t in one step.
 template <class Vector> inline void forward_four_views(const float* in, float* out, int s, int t) {
     const float half = forward_basis(2)[0];
     const auto a = load<Vector>(in), b = load<Vector>(in + s), c = load<Vector>(in + t),
@@ -315,12 +319,13 @@ template <class Vector> inline void forward_four_views(const float* in, float* o
     store(out + t + s, (high - high_next) * half);
 }
 
-// A few texels of a row, in all views.
+// Transforms up to views_at_once texels of a row in all views.
 void forward_views_of_run(const float* in, float* out, const CellViews& cell, int width) {
     float between[views_at_once * max_angular_side * max_angular_side];
     int s_step = cell.s, t_step = cell.t;
     if (cell.nt > 1) {
-        // Side by side, what has yet to go along s does not fight for the same lines of the cache.
+        // The intermediate result is stored compactly so that the pass along s does not compete for
+        // the same cache lines.
         s_step = cell.ns > 1 ? width : cell.s;
         t_step = cell.ns > 1 ? width * cell.ns : cell.t;
         float* const to = cell.ns > 1 ? between : out;
@@ -394,7 +399,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
     }
 }
 
-// By their bits without the sign, which are in the same order.
+// The bits of floats without the sign sort like the magnitudes.
 float largest_magnitude(const float* x, int n) {
     constexpr std::int32_t magnitude = 0x7FFFFFFF;
     Int8 most{}, also{};
@@ -423,7 +428,7 @@ inline Value squared_length(const Value& y, const Value& co, const Value& cg) {
     return 3.0f * y * y + 0.75f * cg * cg + 0.5f * co * co - y * cg;
 }
 
-// Most colours are short: eight at a time are asked first.
+// Most colours are short, so eight at a time are tested first.
 std::uint64_t long_colours(const float* y, const float* co, const float* cg, int n, float least) {
     std::uint64_t bits = 0;
     int i = 0;
@@ -459,7 +464,7 @@ void add_row(const float* x, int n, float* sum, float* squares) {
         (squares_of_lane[0] + squares_of_lane[1]) + (squares_of_lane[2] + squares_of_lane[3]);
 }
 
-// (0 + 1) + (2 + 3) of each of the eight runs in four vectors.
+// The sums (0 + 1) + (2 + 3) of the eight runs of four floats in four vectors.
 inline Float8 sums_of_quads(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
     const auto pairs = [](const Float8& x, const Float8& y) -> Float8 {
         return __builtin_shufflevector(x, y, 0, 2, 4, 6, 8, 10, 12, 14) +
@@ -485,7 +490,7 @@ inline void measure_some(const float* sums, const float* squares, const float* t
                          float* energy, float* of_mean) {
     const auto sum = load<Vector>(sums);
     const Vector mean = sum * sum / load<Vector>(texels), about = load<Vector>(squares) - mean;
-    // A cell that does not exist has none.
+    // `about` is NaN for a cell without texels, which adds 0.
     store(energy, load<Vector>(energy) + (about > 0 ? about : Vector{}) * scale);
     store(of_mean, mean * scale);
 }
@@ -518,7 +523,7 @@ void add_singles(const float* x, int n, float* to) {
         to[i] += x[i];
 }
 
-// Texels and images [begin, end) of load_ycocg8.
+// load_ycocg8 for a range of texels and a range of images.
 void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel_begin,
                       int texel_end, int image_begin, int image_end) {
     for (int i = image_begin; i < image_end; ++i)
@@ -534,7 +539,7 @@ void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel
 }
 
 #ifdef __AVX2__
-// Eight texels of eight images, to where the first stands.
+// Loads eight texels of eight images; `at` is the plane index of the first.
 inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, int at,
                                __m256i blank, std::uint8_t& is_zero) {
     __m256i rgb[8], differs = _mm256_setzero_si256();
@@ -544,7 +549,7 @@ inline void load_ycocg8_square(const Ycocg8Planes& to, const unsigned char* in, 
     }
     const bool was_zero = is_zero != 0;
     is_zero = static_cast<std::uint8_t>(_mm256_testz_si256(differs, differs));
-    if (is_zero != 0) { // the background; much is, in some textures
+    if (is_zero != 0) { // all background, which is common in some textures
         if (was_zero)
             return;
         for (float* const plane : to.plane)
@@ -568,8 +573,8 @@ void load_ycocg8(const Ycocg8Planes& to, const unsigned char* in) {
     const auto& [y, co, cg] = to.background;
     const std::int32_t t = y - (cg >> 1), b = t - (co >> 1);
     const __m256i blank = _mm256_set1_epi32((b + co) | (cg + t) << 8 | b << 16);
-    // Two squares side by side fill lines of the cache: images often lie 4096 bytes apart, which leaves
-    // room for few lines.
+    // Two adjacent squares fill whole cache lines. Images often lie 4096 bytes apart, so only a few
+    // of their lines fit into the cache at a time.
     for (int x = 0; x < whole_texels; x += 16)
         for (int i = 0; i < whole_images; i += 8)
             for (int side = x; side < x + 16 && side < whole_texels; side += 8)
@@ -580,7 +585,7 @@ void load_ycocg8(const Ycocg8Planes& to, const unsigned char* in) {
     load_ycocg8_part(to, in, whole_texels, to.texels, 0, to.images);
 }
 
-// In runs short enough for sums of 32 bits.
+// Runs are short enough for 32-bit sums.
 ByteErrors compare_bytes(const unsigned char* a, const unsigned char* b, std::size_t n) {
     constexpr std::size_t run = 4096;
     ByteErrors errors;

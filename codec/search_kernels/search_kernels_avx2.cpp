@@ -1,4 +1,4 @@
-// Built with -mavx2 where the compiler can (see CMakeLists.txt).
+// Compiled with -mavx2 where the compiler supports it (see CMakeLists.txt).
 #include "codec/search_kernels/search_kernels.inl"
 
 namespace tessera {

@@ -1,10 +1,10 @@
-// Included by search_kernels.inl: the Viterbi algorithm over the states of dependent quantisation. Every
-// state's best path has its own contexts. All that is done for each state is done for all of them side by
-// side, a lane each, without branches.
+// Included by search_kernels.inl. The Viterbi algorithm over the states of dependent quantisation.
+// The best path of each state has its own contexts. All states are processed at once without
+// branches, one lane per state.
 
-// With dependent quantisation half a step is within reach of any, and where most are not 0 it costs
-// less than 0 does. Below the first, it is tried only where it costs at most the second more than 0,
-// in squared steps: a path through the trellis gains no more than that elsewhere.
+// For amplitudes below smallest_dependent the only candidates are 0 and level 1, half a step. Where
+// most coefficients are not 0, level 1 may cost less than 0. It is tried only if it costs at most
+// most_for_a_path squared steps more than 0, because no path regains more than that elsewhere.
 constexpr float smallest_dependent = 0.4f;
 constexpr float most_for_a_path = 0.3f;
 constexpr float level_unit = 0.5f; // in steps
@@ -22,7 +22,7 @@ inline Float8 lesser(const Float8& a, const Float8& b) {
 #endif
 }
 
-// Lanes of the second quantiser's states.
+// The lanes of states that use the second quantiser.
 constexpr Int8 second_quantiser = {0, -1, 0, -1, 0, -1, 0, -1};
 static_assert(quantiser_of(0) == 0 && quantiser_of(1) == 1 && quantiser_states == 8);
 
@@ -36,7 +36,7 @@ inline Int8 by_quantiser(std::int32_t first, std::int32_t second) {
     return Int8{first, second, first, second, first, second, first, second};
 }
 
-// row[index], 0 <= index < 16.
+// row[index] in each lane, 0 <= index < 16.
 inline Float8 look_up(const float* row, const Int8& index) {
 #ifdef __AVX2__
     const auto at = __builtin_bit_cast(__m256i, index);
@@ -52,8 +52,9 @@ inline Float8 look_up(const float* row, const Int8& index) {
 #endif
 }
 
-// The two ways that lead to a state, the one from the lower state first: places in what even levels cost in
-// each state, then odd ones; and the states.
+// The two transitions into each state, the one from the lower state first. place is an index into
+// the costs of even magnitudes of all states followed by those of odd magnitudes; from is the state
+// before.
 struct WaysTo {
     int place[2][quantiser_states] = {};
     std::int32_t from[2][quantiser_states] = {};
@@ -80,15 +81,15 @@ template <int which> inline Int8 states_before() {
 
 #include "codec/search_kernels/path_rows.inl"
 
-// Of levels that stand for what lies `offset` below them.
+// The squared error of reconstructing `amplitude` as `level` reduced by `offset`.
 template <class Value>
 inline Value squared_error(float amplitude, const Value& level, const Value& offset) {
     const Value error = amplitude - level_unit * (level - offset);
     return error * error;
 }
 
-// Four levels in a row, each in the lane of its remainder by four: there is one for each quantiser and parity.
-// One that is not above 0 is impossible.
+// Four consecutive levels, each in the lane of its remainder modulo four, so that there is one for
+// each quantiser and parity. Levels below 1 are impossible.
 struct Candidates {
     Int4 level; // 0: impossible
     Float4 error;
@@ -99,7 +100,8 @@ inline Candidates candidates_of(const TrellisTask& task, float amplitude, std::i
     const Int4 possible = levels > 0;
     const Float4 offset = levels > 1 ? Float4{} + task.offsets[1] : Float4{} + task.offsets[0];
     const Float4 error = squared_error(amplitude, __builtin_convertvector(levels, Float4), offset);
-    // magnitude_token: up to 4 one each, then one for every power of two above 3.
+    // magnitude_token(): tokens 0 to 3 stand for magnitudes 1 to 4, and each later token covers
+    // twice as many magnitudes as the one before it.
     const Int4 magnitude = (levels + 1) >> 1;
     const auto power =
         __builtin_bit_cast(Int4, __builtin_convertvector(magnitude - 3, Float4)) >> 23;
@@ -107,7 +109,7 @@ inline Candidates candidates_of(const TrellisTask& task, float amplitude, std::i
             possible & (magnitude < 4 ? magnitude - 1 : power - 124)};
 }
 
-// The cheapest ways on from each state, by the parity of the magnitude.
+// The cheapest ways to continue from each state, for even and for odd magnitudes.
 struct Ways {
     Float8 even_cost, odd_cost;
     Int8 even_level, odd_level;
@@ -126,7 +128,7 @@ inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, c
     const Float8 zero_bits = by_quantiser(look_up(flags[0], classes), look_up(flags[1], classes));
     const Float8 zero = cost + lambda * zero_bits;
     const Float8 infinite = everywhere<Float8>(__builtin_inff());
-    if (a < smallest_dependent) { // 1 is what there is to choose, its token the first
+    if (a < smallest_dependent) { // level 1, whose token is 0, is the only candidate besides 0
         const Float8 odd_bits = look_up(flags[1] + neighbour_classes, classes) + token_bits(1, 0);
         const Float8 more = level_unit * (level_unit - 2 * a) + lambda * (odd_bits - zero_bits);
         const Float8 odd =
@@ -151,7 +153,7 @@ inline Ways price_levels(const TrellisTask& task, int at, const Int8& classes, c
             by_quantiser(level[2], level[1])};
 }
 
-// The cheapest place to end, of each state.
+// The cheapest coefficient to end after, for each state.
 class CheapestEnds {
 public:
     explicit CheapestEnds(float zero_cost) : total_(everywhere<Float8>(zero_cost)) {}
@@ -161,7 +163,7 @@ public:
         length_ = total < total_ ? Int8{} + (at + 1) : length_;
         total_ = lesser(total, total_);
     }
-    // The first of those that cost the same.
+    // Ties go to the shorter path.
     TrellisEnd cheapest() const {
         int best = 0;
         for (int state = 1; state < quantiser_states; ++state)
@@ -173,7 +175,7 @@ public:
 
 private:
     Float8 total_;
-    Int8 length_{}; // 0: no levels at all
+    Int8 length_{}; // 0: no levels are coded
 };
 
 TrellisEnd run_trellis(const TrellisTask& task) {
@@ -184,7 +186,7 @@ TrellisEnd run_trellis(const TrellisTask& task) {
     for (int at = 0; at < task.count; ++at) {
         const Int8 classes = past.neighbour_classes(at);
         const Ways ways = price_levels(task, at, classes, cost);
-        // Of the ways to a state the cheaper one stays; of two that cost the same, the first.
+        // The cheaper of the two ways into a state stays; ties go to the first.
         const Float8 first = take_ways<0>(ways.even_cost, ways.odd_cost);
         const Float8 second = take_ways<1>(ways.even_cost, ways.odd_cost);
         const Int8 best = second < first;

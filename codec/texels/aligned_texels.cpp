@@ -11,14 +11,14 @@
 namespace tessera {
 namespace {
 
-constexpr Extent4 read_extent{64, 64, 32, 32}; // boxes that are read at a time
+constexpr Extent4 read_extent{64, 64, 32, 32}; // size of the boxes that are read
 
-// The texels of a view that are nearest to places of the grid: where `shift` is that of the view.
+// The coordinate in a view, shifted by `shift`, that is nearest to a grid coordinate.
 std::uint32_t nearest(std::uint32_t place, std::uint32_t shift, std::uint32_t size) {
     return std::min(place - std::min(place, shift), size - 1);
 }
 
-// The texels of the texture that are nearest to the places of a box of the grid, and what lies between them.
+// The smallest box of the texture that has the nearest texel of every position of a grid box.
 Box4 texels_around(const AlignedViews& views, const Box4& grid_box) {
     Box4 box = grid_box;
     const auto move = [&](Axis axis, std::uint32_t a, std::uint32_t b) {
@@ -31,7 +31,7 @@ Box4 texels_around(const AlignedViews& views, const Box4& grid_box) {
     return box;
 }
 
-// 0 where no view of the texture is, else what a mask of the texture says.
+// The mask of the grid: 0 where there is no view, else the value of the texture's mask.
 class ViewMask final : public TexelSource {
 public:
     ViewMask(const AlignedViews& views, TexelSource* matters)
@@ -55,7 +55,7 @@ private:
     TextureDesc desc_;
 };
 
-// Texels of a source of Locality::any in the grid.
+// A source of Locality::any as a texture in the grid.
 class GridSource final : public TexelSource {
 public:
     GridSource(TexelSource& source, const AlignedViews& views)
@@ -100,7 +100,7 @@ private:
     TextureDesc desc_;
 };
 
-// All of a source, read slab by slab.
+// Reads a whole source, slab by slab.
 Result<std::vector<std::byte>> read_all(TexelSource& source, unsigned threads,
                                         std::uint64_t slab_bytes) {
     const TextureDesc& desc = source.desc();

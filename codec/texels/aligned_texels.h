@@ -1,4 +1,4 @@
-// A texture as its aligned views lie in the grid of tiles, for the encoder.
+// Presents a texture to the encoder as its aligned views lie in the grid of tiles.
 #pragma once
 
 #include "format/levels.h"
@@ -9,17 +9,18 @@
 
 namespace tessera {
 
-// All of `source`, held, where it is walked in slabs, which are no slabs of the grid; nullptr where its boxes can be
-// read in any order. Errors: those of `source`; over_budget (all of it is above slab_bytes).
+// Reads all of `source` into memory if it is walked in slabs, because these do not match the slabs
+// of the grid. Returns nullptr if its boxes can be read in any order. Errors: those of `source`;
+// over_budget if the texels exceed slab_bytes.
 Result<std::unique_ptr<TexelSource>> hold_slabs(TexelSource& source, unsigned threads,
                                                 std::uint64_t slab_bytes);
 
-// The texels of `source`, of Locality::any, in the grid; it outlives what comes back. Where no view is, the nearest
-// texel of the view: a start that has no edge of its own.
+// The texels of `source`, of Locality::any, in the grid. Positions without a view get the nearest
+// texel of the view, which adds no edge. `source` must outlive the result.
 std::unique_ptr<TexelSource> texels_in_grid(TexelSource& source, const AlignedViews& views);
 
-// Which texels of the grid matter, as EncodeOptions::mask says it: those of the texture that do by `mask`, which
-// outlives what comes back, or is nullptr.
+// A mask of the grid as in EncodeOptions::mask: 0 where there is no view, else the value of `mask`.
+// nullptr masks no texel. `mask` must outlive the result.
 std::unique_ptr<TexelSource> mask_of_grid(TexelSource* mask, const AlignedViews& views);
 
 } // namespace tessera

@@ -12,10 +12,10 @@ unsigned difference(const LevelEntry& fine, const LevelEntry& coarse, int axis) 
     return coarse.lod(axis) - fine.lod(axis);
 }
 
-// Axes of a dense box from the slowest to the fastest.
+// The axes of a dense box from the slowest to the fastest.
 constexpr std::array<int, 4> dense_order{axis_v, axis_u, axis_t, axis_s};
 
-// Two neighbours and the weight of the second, for one texel along one axis.
+// The two neighbours of one texel along one axis, and the weight of the second.
 struct Tap {
     std::uint32_t low = 0, high = 0; // relative to the support
     float weight = 0;
@@ -26,7 +26,7 @@ std::vector<Tap> taps_of(std::uint32_t begin, std::uint32_t end, std::uint32_t s
     std::vector<Tap> taps;
     const std::uint64_t joined = std::uint64_t{1} << lod;
     for (std::uint64_t x = begin; x < end; ++x) {
-        // The centre in units of half fine texels, from the centre of coarse texel 0.
+        // The texel's centre relative to that of coarse texel 0, in units of half a fine texel.
         const std::int64_t place =
             static_cast<std::int64_t>(2 * x + 1) - static_cast<std::int64_t>(joined);
         const std::int64_t step = 2 * static_cast<std::int64_t>(joined);
@@ -43,7 +43,7 @@ std::vector<Tap> taps_of(std::uint32_t begin, std::uint32_t end, std::uint32_t s
     return taps;
 }
 
-// `in` is outer x n x inner values; the result outer x taps x inner.
+// `in` has outer x n x inner values, the result outer x taps x inner.
 std::vector<float> interpolate_axis(const std::vector<float>& in, std::size_t n, std::size_t inner,
                                     const std::vector<Tap>& taps) {
     const std::size_t outer = in.size() / (n * inner);
@@ -60,7 +60,7 @@ std::vector<float> interpolate_axis(const std::vector<float>& in, std::size_t n,
     return out;
 }
 
-// Adds n texels of a row to their sums, 2^lod texels to one; `phase` is the place of the first of them.
+// Adds n texels of a row to sums, 2^lod texels to each. `phase` is the position of the first texel.
 template <SampleType type>
 void add_row(const std::byte* texel, std::uint32_t phase, std::uint32_t n, unsigned lod,
              std::size_t channels, std::int64_t* sums) {
@@ -71,11 +71,11 @@ void add_row(const std::byte* texel, std::uint32_t phase, std::uint32_t n, unsig
     }
 }
 
-// Codes rounded to the nearest, ties upwards.
+// Stores codes rounded to the nearest, ties upwards.
 template <SampleType type> void store_rounded(const std::vector<float>& codes, std::byte* out) {
     for (std::size_t i = 0; i < codes.size(); ++i) {
         const float up = codes[i] + 0.5f;
-        const auto whole = static_cast<std::int32_t>(up); // towards 0
+        const auto whole = static_cast<std::int32_t>(up); // rounds towards 0
         const std::int32_t code = static_cast<float>(whole) > up ? whole - 1 : whole;
         store_sample(out + i * sample_bytes(type), code_sample(code, type), type);
     }
@@ -135,7 +135,7 @@ void LevelMeans::add(const Box4& fine_box, std::span<const std::byte> texels) {
 void LevelMeans::finish(std::span<std::byte> out) const {
     const Extent4 n = box_.extent();
     const std::size_t bytes = sample_bytes(desc_.type);
-    // How many texels of the finer level one at this place stands for.
+    // How many texels of the finer level this coarse texel covers along one axis.
     const auto joined = [this](int axis, std::uint32_t at) {
         const auto a = static_cast<std::size_t>(axis);
         const unsigned lod = difference(fine_, coarse_, axis);
@@ -153,7 +153,7 @@ void LevelMeans::finish(std::span<std::byte> out) const {
                                                joined(axis_t, t) * joined(axis_s, s);
                     for (std::size_t c = 0; c < desc_.channels; ++c, to += bytes) {
                         const std::int64_t twice = 2 * *sum++ + count;
-                        const std::int64_t divisor = 2 * count; // rounds down, also below 0
+                        const std::int64_t divisor = 2 * count; // the division below rounds down, also for negative sums
                         const std::int64_t mean =
                             twice >= 0 ? twice / divisor : -((-twice + divisor - 1) / divisor);
                         store_sample(to, code_sample(static_cast<std::int32_t>(mean), desc_.type),
@@ -184,11 +184,11 @@ void interpolate_level(std::span<const std::byte> texels, const Box4& support, c
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = static_cast<float>(
             sample_code(load_sample(texels.data() + i * bytes, desc.type), desc.type));
-    // From the slowest axis on, so that most of the work runs over long rows.
+    // Starting with the slowest axis gives most of the work long rows.
     for (const int axis : dense_order) {
         const auto a = static_cast<std::size_t>(axis);
         const std::size_t n = support.end[a] - support.begin[a];
-        std::size_t after = desc.channels; // values of one step along the axis
+        std::size_t after = desc.channels; // values per step along the axis
         for (std::size_t i = 3; dense_order[i] != axis; --i) {
             const auto b = static_cast<std::size_t>(dense_order[i]);
             after *= support.end[b] - support.begin[b];

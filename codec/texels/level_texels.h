@@ -1,5 +1,5 @@
-// Texels between levels: means of many for a coarser one, interpolation for a finer one
-// (FORMAT.md 5.4).
+// Conversion between levels: means for a coarser level, interpolation for a finer one (FORMAT.md
+// 5.4).
 #pragma once
 
 #include "format/container/level_table.h"
@@ -12,19 +12,21 @@
 
 namespace tessera {
 
-// Texels of `fine` that the texels `box` of `coarse` stand for. Precondition: `coarse` follows `fine`
-// in a level table.
+// The texels of `fine` that the texels `box` of `coarse` cover. Precondition: `coarse` follows
+// `fine` in a level table.
 Box4 covered_by(const Box4& box, const LevelEntry& coarse, const LevelEntry& fine);
 
-// Sums over the texels of one box of a coarse level, fed with boxes of the finer one.
+// Means of one box of a coarse level, computed from boxes of the finer level.
 class LevelMeans {
 public:
-    // Holds 8 bytes a sample of `box`.
+    // Holds 8 bytes per sample of `box`.
     LevelMeans(const TextureDesc& desc, const LevelEntry& fine, const LevelEntry& coarse,
                const Box4& box);
-    // Adds the part of `fine_box` that the box stands for; every texel must be added once.
+    // Adds the part of `fine_box` that the coarse box covers. Every texel must be added exactly
+    // once.
     void add(const Box4& fine_box, std::span<const std::byte> texels);
-    // The means, rounded to codes, ties upwards. Precondition: `out` has the bytes of the box.
+    // Writes the means, rounded to codes, ties upwards. Precondition: `out` has the size of the
+    // box.
     void finish(std::span<std::byte> out) const;
 
 private:
@@ -34,11 +36,11 @@ private:
     std::vector<std::int64_t> sums_; // of sample codes
 };
 
-// Texels of `coarse` between which the texels `box` of `fine` lie.
+// The texels of `coarse` that interpolating the texels `box` of `fine` needs.
 Box4 support_of(const Box4& box, const LevelEntry& fine, const LevelEntry& coarse);
 
-// Texels `box` of `fine` by linear interpolation of codes along all four axes. `texels` are those of
-// `support`, which is support_of(box). Pure. Memory: 8 bytes a sample of `box`.
+// Computes the texels `box` of `fine` by linear interpolation of codes along all four axes.
+// `texels` holds the box `support`, which is support_of(box). Memory: 8 bytes per sample of `box`.
 void interpolate_level(std::span<const std::byte> texels, const Box4& support, const Box4& box,
                        const LevelEntry& fine, const LevelEntry& coarse, const TextureDesc& desc,
                        std::span<std::byte> out);

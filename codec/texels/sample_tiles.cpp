@@ -16,7 +16,7 @@ std::uint64_t next_random(std::uint64_t& state) {
     return z ^ (z >> 31);
 }
 
-// Uniform below `limit`: what would favour small numbers is thrown away.
+// A uniform number below `limit`: values that would favour small numbers are rejected.
 std::uint64_t below(std::uint64_t limit, std::uint64_t& state) {
     const std::uint64_t unfair = (0 - limit) % limit; // 2^64 mod limit
     std::uint64_t value = next_random(state);

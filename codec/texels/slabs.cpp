@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// Texels covered by a half-open box of tile coordinates.
+// The texels of a half-open box of tile coordinates.
 Box4 texels_of(const TileGrid& grid, const Box4& tiles) {
     Extent4 last = tiles.end;
     for (std::uint32_t& coordinate : last)
@@ -15,7 +15,7 @@ Box4 texels_of(const TileGrid& grid, const Box4& tiles) {
     return {grid.box(tiles.begin).begin, grid.box(last).end};
 }
 
-// Axes along which a slab holds one tile only.
+// The axes along which a slab holds only one tile.
 std::array<bool, 4> single_axes(Locality locality) {
     switch (locality) {
     case Locality::spatial_rows:
@@ -29,7 +29,7 @@ std::array<bool, 4> single_axes(Locality locality) {
     return {false, false, false, false};
 }
 
-// One way to make a slab smaller: halve it along an axis, down to one tile or to one texel.
+// One way to shrink a slab: halve it along an axis, down to one tile or down to one texel.
 struct Cut {
     Axis axis;
     bool to_tiles;
@@ -52,13 +52,14 @@ std::vector<Cut> cuts_of(Locality locality, bool whole_tiles) {
     return {};
 }
 
-// Halves `n` until a slab of the extents that it belongs to fits, or it is 1.
+// Halves `n` until the slab that it belongs to fits or `n` is 1.
 void halve(std::uint32_t& n, const std::function<bool()>& fits) {
     while (n > 1 && !fits())
         n = (n + 1) / 2;
 }
 
-// Tiles along each axis of a slab. Tiles of a grid differ by a texel: counted are the largest.
+// The number of tiles of a slab along each axis. Tiles of a grid differ by one texel; all are
+// counted as the largest.
 Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality locality,
                       const SlabLimit& limit) {
     const std::array<bool, 4> single = single_axes(locality);
@@ -67,7 +68,7 @@ Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality loc
         tiles[axis] = single[axis] ? 1 : touched[axis];
         side[axis] = (grid.size()[axis] - 1) / grid.count()[axis] + 1;
     }
-    const auto fits = [&] { // a product of eight extents can exceed 64 bits
+    const auto fits = [&] { // in doubles: a product of eight extents can exceed 64 bits
         const auto texels =
             static_cast<double>(texel_count(tiles)) * static_cast<double>(texel_count(side));
         return texels <= static_cast<double>(limit.texels);
@@ -78,7 +79,8 @@ Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality loc
     return tiles;
 }
 
-// The extents that a slab of whole tiles is cut into; too large where no cut is left.
+// The extents of the parts that a slab of whole tiles is cut into. They are too large if no cut is
+// possible.
 Extent4 texels_of_part(Extent4 whole, Locality locality, const SlabLimit& limit) {
     for (const Cut& cut : cuts_of(locality, limit.whole_tiles))
         if (!cut.to_tiles)
@@ -86,7 +88,7 @@ Extent4 texels_of_part(Extent4 whole, Locality locality, const SlabLimit& limit)
     return whole;
 }
 
-// Steps `at` through the boxes of `step` that make up `whole`, u fastest; false past the last.
+// Moves `at` to the next box of size `step` in `whole`, u fastest. False after the last.
 bool advance(Extent4& at, const Box4& whole, const Extent4& step) {
     for (const Axis axis : {axis_u, axis_v, axis_s, axis_t}) {
         at[axis] += step[axis];

@@ -1,4 +1,4 @@
-// How a texture is walked: slabs of whole tiles, in the shape its source or sink likes.
+// Divides a texture into slabs of whole tiles, in the shape that its source or sink prefers.
 #pragma once
 
 #include "format/levels.h"
@@ -12,23 +12,27 @@
 namespace tessera {
 
 struct Slab {
-    Box4 box;                         // texels, cut to the wanted box
-    std::vector<std::uint64_t> tiles; // of the grid that it touches, ascending
+    Box4 box; // texels, clipped to the requested box
+    std::vector<std::uint64_t> tiles; // tiles of the grid that it touches, ascending
 };
 
-// How large a slab may be, and how one that would be larger is cut.
+// The largest size of a slab, and how larger slabs are cut.
 struct SlabLimit {
     std::uint64_t texels = std::numeric_limits<std::uint64_t>::max();
-    // An encoder needs whole tiles, so only the axes that Locality asks for whole can be cut. A
-    // decoder rather keeps those and decodes the tiles of a row several times.
+    // True for an encoder: slabs are cut between tiles only. False for a decoder: slabs keep the
+    // axes that the locality asks for, and tiles may be decoded several times.
     bool whole_tiles = true;
 };
 
-// Slabs that cover `box` once each, in ascending order. any: one slab of any size, so that threads
-// never wait for each other; spatial_rows, places: one row of tiles in v; angular_cells: one (s, t)
-// cell of tiles. Above the limit these are cut: for spatial_rows along t, s, u by whole tiles, or
-// along v; for places along u by whole tiles, then along v; for angular_cells along v, u by whole
-// tiles, or along t, s. Errors: over_budget, where even the smallest is too large.
+// Slabs that cover each texel of `box` once, in ascending order. A slab holds
+//
+//   any: the whole box, so that threads never wait for each other
+//   spatial_rows, places: the tiles with one index along v
+//   angular_cells: the tiles with one index along s and along t
+//
+// A slab above the limit is halved. With whole_tiles: along t, s, u (spatial_rows), u (places) or
+// v, u (angular_cells). Without: along v (spatial_rows), u by whole tiles and then v, u (places) or
+// t, s (angular_cells). Errors: over_budget if even the smallest slab is too large.
 Result<std::vector<Slab>> make_slabs(const TileGrid& grid, const Box4& box, Locality locality,
                                      const SlabLimit& limit = {});
 

@@ -12,9 +12,9 @@
 namespace tessera {
 namespace {
 
-constexpr Extent4 walk_extent{64, 64, 16, 16}; // boxes in which a mask is counted
+constexpr Extent4 walk_extent{64, 64, 16, 16}; // size of the boxes in which masked texels are counted
 
-// Dense values of a box with some sides of 1 -> those of a box of `extent`, the same all along them.
+// Repeats a dense box along its sides of 1, so that it gets the size `extent`.
 std::vector<std::byte> broadcast(const std::vector<std::byte>& from, const Extent4& from_extent,
                                  const Extent4& extent) {
     std::array<std::size_t, 4> stride{}; // of `from`; 0 along sides of 1

@@ -1,4 +1,4 @@
-// Masks: textures of one channel that say which texels of another one matter.
+// Masks: textures of one channel that say which texels of another texture matter.
 #pragma once
 
 #include "codec/encoder.h" // check_mask
@@ -11,12 +11,12 @@
 
 namespace tessera {
 
-// What `mask` says of the texels of `box`, as TileTexels has it: empty where all
-// of them matter. Thread-safe. Errors: the mask's.
+// Reads the mask of `box` into `matters`, in the form of TileTexels::matters. Thread-safe. Errors:
+// those of the mask.
 Status read_mask(TexelSource* mask, const Box4& box, std::vector<std::byte>& matters);
 
-// How many texels of a texture matter, in a walk over `mask`. Memory: a box a thread.
-// Errors: the mask's.
+// Counts the texels of a texture that are not masked. Memory: one box per thread. Errors: those of
+// the mask.
 Result<std::uint64_t> count_texels_that_matter(TexelSource* mask, const Extent4& texture_size,
                                                unsigned threads);
 

@@ -13,19 +13,19 @@
 
 namespace tessera {
 
-// A row of a view, and where the neighbours of its first value stand, ring after ring.
+// A row of a view; from[i] points at neighbour i of the first value, ring by ring.
 template <class Value> struct FilterRow {
     int view, v;
     const Value* centre;
     std::array<const Value*, filter_taps> from;
 };
 
-// Uses memory that outlives it and that only grows.
+// Keeps the plane in `memory`, which must outlive it and which never shrinks.
 template <class Value> class PaddedPlane {
 public:
     explicit PaddedPlane(std::vector<Value>& memory) : memory_(memory) {}
 
-    // Values are clamped to the limit. False if all are 0.
+    // Copies the values and clamps them to -limit .. limit - 1. False if all are 0.
     bool fill(const BlockShape& shape, const std::int32_t* values, std::int32_t limit) {
         shape_ = shape;
         stride_ = shape.n[0] + 2 * filter_margin;
@@ -40,8 +40,8 @@ public:
         return all_zero != all_rows();
     }
 
-    // Calls visit(view, FilterView) for all views; it skips rows that are zero like all that they are
-    // filtered with.
+    // Calls visit(view, FilterView) for each view. Rows are skipped if they and all rows that they
+    // are filtered with are zero.
     template <class Visit> void for_each_view(Visit visit) const {
         const int nv = shape_.n[1], ns = shape_.n[2], nt = shape_.n[3];
         FilterView<Value> in{};
@@ -64,7 +64,7 @@ public:
             }
     }
 
-    // Calls visit(FilterRow) for all rows that are not skipped.
+    // Calls visit(FilterRow) for each row that is not skipped.
     template <class Visit> void for_each_row(Visit visit) const {
         for_each_view([&](int view, const FilterView<Value>& in) {
             FilterRow<Value> row{view, 0, nullptr, {}};
@@ -81,9 +81,9 @@ public:
     }
 
 private:
-    static constexpr int most_past_a_row = 32; // that vectors read and write
+    static constexpr int most_past_a_row = 32; // values that vectors may read or write past a row
 
-    // Returns its rows that are 0.
+    // Returns the rows that are all 0.
     RowSet fill_view(int view, const std::int32_t* values, std::int32_t limit) {
         const int nu = shape_.n[0], nv = shape_.n[1];
         const RowSet zero = pad_rows(values, limit, {at(view, 0), stride_, nv, nu});
@@ -106,10 +106,10 @@ private:
     }
 
     RowSet all_rows() const { return ~RowSet{0} >> (64 - shape_.n[1]); }
-    // Bit v is that of row v + by of a view, whose first and last rows go on for ever.
+    // A set in which bit v says what bit v + by says in `rows`; the first and last rows repeat.
     RowSet shifted(RowSet rows, int by) const {
         const int last = shape_.n[1] - 1;
-        const RowSet above = rows >> last << last; // the last row's bit
+        const RowSet above = rows >> last << last; // only the last row's bit
         for (; by > 0; --by)
             rows = rows >> 1 | above;
         for (; by < 0; ++by)
@@ -118,7 +118,7 @@ private:
     }
     RowSet zeros_of(int view) const { return zero_[static_cast<std::size_t>(view)]; }
 
-    // First value of a row, one in a margin, too.
+    // The first value of a row, which may lie in a margin.
     Value* at(int view, int v) const {
         return memory_.data() + view * page_ + (v + filter_margin) * stride_ + filter_margin;
     }
@@ -126,7 +126,7 @@ private:
     BlockShape shape_;
     int stride_ = 0, page_ = 0;
     std::vector<Value>& memory_;
-    std::vector<RowSet> zero_; // of each view, rows that are 0
+    std::vector<RowSet> zero_; // rows of each view that are all 0
 };
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// A file's coding parameters made ready for use, with per-shape tables that are built on first use.
+// The coding parameters of a file, with tables per block shape that are built on first use.
 #pragma once
 
 #include "format/texture.h"
@@ -14,32 +14,31 @@
 
 namespace tessera {
 
-// What coding a block of one shape needs.
+// Tables for coding blocks of one shape. Thread-safe; some are computed on first use.
 class ShapeCoding {
 public:
     ScanOrder order;
-    // Of that order. Thread-safe.
     const ScanNeighbours& neighbours() const {
         std::call_once(has_neighbours_, [this] { neighbours_ = find_neighbours(order); });
         return neighbours_;
     }
-    // Where each of its entries stands in a block, u fastest. Thread-safe.
+    // The index of each entry of `order` in a dense block, u fastest.
     const std::vector<std::uint32_t>& places() const {
         std::call_once(has_places_, [this] { places_ = find_places(order); });
         return places_;
     }
     std::array<ScaleSet, max_planes> scales;
-    ScaleSet rotated_scales; // of the first three planes of blocks with rotated colour
+    ScaleSet rotated_scales; // for the first three planes of blocks with rotated colour
 
 private:
     mutable std::once_flag has_neighbours_;
-    mutable ScanNeighbours neighbours_; // only encoders ask for them
+    mutable ScanNeighbours neighbours_; // only encoders need them
     mutable std::once_flag has_places_;
-    mutable std::vector<std::uint32_t> places_; // likewise
+    mutable std::vector<std::uint32_t> places_; // only encoders need them
     static std::vector<std::uint32_t> find_places(const ScanOrder& order);
 };
 
-// Immutable but for its cache of shapes; thread-safe. References from shape() stay valid.
+// Thread-safe. Immutable apart from the cache of shapes. References from shape() stay valid.
 class TileCoding {
 public:
     TileCoding(const CodingParameters& parameters, SampleType type, int planes);
@@ -49,7 +48,7 @@ public:
     const CodingParameters parameters;
     const CodeTables tables;
     const SampleType type;
-    const int planes;    // one a channel
+    const int planes; // one per channel
     const bool rotates;  // blocks carry a colour symbol
     const bool predicts; // blocks carry a prediction
 
@@ -63,7 +62,7 @@ private:
     mutable std::map<BlockShape, std::unique_ptr<ShapeCoding>> shapes_;
 };
 
-// Shapes that one thread met lately: a tile has few, and the shared cache's lock is not free.
+// The shapes that one thread has used. A tile has few, and the shared cache takes a lock.
 class RecentShapes {
 public:
     const ShapeCoding& get(const TileCoding& coding, const BlockShape& shape) {

@@ -1,4 +1,4 @@
-// A tile between quantiser and entropy coder: its blocks and their non-zero levels.
+// A tile between the quantiser and the entropy coder: its blocks and their non-zero levels.
 #pragma once
 
 #include "format/tile/block.h"
@@ -16,22 +16,22 @@ struct NonZero {
     bool operator==(const NonZero&) const = default;
 };
 
-// One plane of one block: its first `coded_length` coefficients in scan order are coded.
+// One plane of one block. Its first `coded_length` coefficients in scan order are coded.
 struct PlaneLevels {
-    std::uint32_t first = 0; // into TileLevels::nonzeros, ascending by index
+    std::uint32_t first = 0; // index into TileLevels::nonzeros, which ascend by scan index
     std::uint16_t count = 0;
-    std::uint16_t coded_length = 0; // a value of round_up_coded_length(), see tile_entropy.h
+    std::uint16_t coded_length = 0; // a value of round_up_coded_length() (tile_entropy.h)
     bool operator==(const PlaneLevels&) const = default;
 };
 
 struct TileLevels {
     BlockShape shape;                  // of the whole tile
     std::vector<Block> blocks;         // leaves in decoding order
-    std::size_t base_blocks = 0;       // of them, the first ones: those of the tile's base picture
-    std::vector<std::uint8_t> colours; // of each block: 0 plain, else 1 + rotation
-    std::vector<std::uint8_t> splits;  // Split of every node, parents before children
-    // Of each block, and the order in which they are reconstructed (see copy_depths); both empty where
-    // no block copies anything and there is no base picture.
+    std::size_t base_blocks = 0; // the first ones, which form the tile's base picture
+    std::vector<std::uint8_t> colours; // per block: 0 not rotated, else 1 + rotation
+    std::vector<std::uint8_t> splits; // Split of each node, parents before children
+    // The predictions of the blocks and the order in which blocks are reconstructed (see
+    // copy_depths). Both are empty if no block copies anything and there is no base picture.
     std::vector<BlockPrediction> predictions;
     std::vector<std::uint16_t> order;
     std::vector<PlaneLevels> planes; // blocks.size() * number of planes

@@ -11,8 +11,8 @@ namespace {
 
 using Texel = TexelCodes;
 
-// Calls visit(index in planes, texel address) for every texel of the box order; u runs innermost, so
-// that the planes are walked in rows.
+// Calls visit(index in planes, texel address) for each texel of a box. u is the innermost loop, so
+// that planes are walked along their rows.
 template <class Byte, class Visit>
 void for_each_texel(const BlockShape& shape, Byte* texels, std::size_t texel_bytes, Visit visit) {
     const auto [nu, nv, ns, nt] = shape.n;
@@ -58,7 +58,7 @@ void to_texels(const TilePlanes& planes, const Texel& background, std::span<std:
                    });
 }
 
-// Picks the instance of `Body<type, channels, ycocg>` for a description.
+// Calls the instance of Body<type, channels, ycocg> that fits a description.
 template <template <SampleType, int, bool> class Body, class... Args>
 void dispatch(const ColourCoding& colour, Args&&... args) {
     const auto with = [&]<SampleType type>() {
