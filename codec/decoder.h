@@ -1,4 +1,4 @@
-// A .tess file -> texels. The public face of the decoder.
+// Decodes a .tess file to texels. This is the public interface of the decoder.
 #pragma once
 
 #include "format/byte_source.h"
@@ -14,48 +14,48 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// How much of the file is checked while texels are read.
+// How thoroughly the bytes of a tile are checked while texels are read.
 enum class Integrity {
-    page, // the page that holds each tile is read whole and its CRC32C checked (default)
-    tile, // only the tile's own bytes are read; damage is found by the stream's end state, which
-          // misses some flips
+    page, // (default) reads the page around each tile and checks its CRC32C
+    tile, // reads only the tile's own bytes; the end state of its stream reveals most damage
 };
 
-// How texels of a box are had.
+// How the texels of a box are decoded.
 struct ReadOptions {
     unsigned threads = 0; // 0: all cores
     Integrity integrity = Integrity::page;
-    ProgressFunction progress; // of tiles
-    // Asked from several threads, before each tile; once it says true the call ends with the error
-    // "interrupted" (runtime) and unspecified texels.
+    ProgressFunction progress; // called with the number of tiles
+    // Called from several threads before each tile. Once it returns true, the call fails with the
+    // error "interrupted" (runtime) and the texels are unspecified.
     std::function<bool()> cancelled;
 };
 
-// What is shown from coarser levels, or as background where there are none, instead of an error.
+// Which errors are replaced by texels from coarser levels, or by the background if there are none.
 struct DecodeOptions {
-    bool allow_partial = false; // tiles that lie past the end of a file that was cut off
+    bool allow_partial = false; // tiles past the end of a truncated file
     bool allow_damaged = false; // tiles whose page, index record or stream is damaged
     std::uint64_t most_head_bytes = OpenOptions().most_head_bytes;
 };
 
-// The tiles of level 0 that were asked for and filled so far, each counted once.
+// The tiles of level 0 that have been requested and filled so far, each counted once.
 struct FillReport {
     static constexpr std::size_t most_listed = 100;
-    std::uint64_t missing_tiles = 0; // not received
+    std::uint64_t missing_tiles = 0; // past the end of the file
     std::uint64_t damaged_tiles = 0;
-    std::uint64_t texels = 0;             // of both; of the texture
-    std::vector<std::uint64_t> damaged{}; // the first of them, ascending
+    std::uint64_t texels = 0;             // of both kinds of tiles, within the texture
+    std::vector<std::uint64_t> damaged{}; // the first most_listed damaged tiles, ascending
 };
 
 // An open file. All const members are thread-safe.
 class Decoder {
 public:
-    // Reads header, tables and index root: at most 2 reads. `source` must outlive the decoder.
+    // Reads header, tables and the root of the index, in at most 2 reads. `source` must outlive the
+    // decoder. Errors: as ContainerReader::open() and invalid_file for damaged coding tables.
     static Result<Decoder> open(ByteSource& source, const DecodeOptions& options = {});
-    // The same, and the decoder owns `source`.
+    // The same, but the decoder owns `source`. Errors: also bad_argument for a null pointer.
     static Result<Decoder> open(std::unique_ptr<ByteSource> source,
                                 const DecodeOptions& options = {});
-    // The file at `path`, which stays open as long as the decoder lives.
+    // Opens the file at `path`, which stays open as long as the decoder lives.
     static Result<Decoder> open_file(const std::string& path, const DecodeOptions& options = {});
     Decoder(Decoder&&) noexcept;
     ~Decoder();
@@ -63,32 +63,34 @@ public:
     const ContainerReader& container() const;
     const TextureDesc& desc() const; // of level 0
 
-    // Decodes the texels of `box` into `out` (desc().box_bytes(box) bytes, order as in texture.h),
-    // reading only the tiles that the box touches. threads 0: all cores. Errors: bad_argument (a box
-    // or a buffer that does not fit); io and invalid_file, those of the file.
+    // Decodes the texels of `box`, which must lie inside the texture, into `out`, which must have
+    // desc().box_bytes(box) bytes (in the order of texture.h). Reads only the tiles that the box
+    // touches. On an error `out` is unspecified. Errors: bad_argument (the box or the buffer does
+    // not fit), io, invalid_file, runtime (interrupted).
     Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 0,
                       Integrity integrity = Integrity::page) const;
     Status decode_box(const Box4& box, std::span<std::byte> out, const ReadOptions& options) const;
 
-    // The same for a box of container().grid(), which is larger than the texture where views are aligned: what
-    // lies in no view is whatever cost least.
+    // The same for a box of container().grid(). The grid equals the texture unless views are
+    // aligned; then it is larger, and texels outside all views have arbitrary values.
     Status decode_grid_box(const Box4& box, std::span<std::byte> out,
                            const ReadOptions& options) const;
 
-    // Streams `box` into `sink` slab by slab in bounded memory, in coordinates of the whole
-    // texture; calls sink.finish(). A slab holds at most `slab_bytes` of texels (sinks of
-    // Locality::any hold none); to keep within it, tiles may be decoded more than once. Errors: those
-    // of the file and the sink; over_budget where the smallest slab is larger.
+    // Writes the texels of `box` to `sink`, slab by slab in bounded memory, in coordinates of the
+    // whole texture, and calls sink.finish(). A slab holds at most `slab_bytes` of texels (none if
+    // the sink has Locality::any); to stay below that, tiles may be decoded several times. threads:
+    // 0 for all cores. Errors: those of the file and the sink, bad_argument; over_budget if even
+    // the smallest slab is larger than slab_bytes.
     Status decode(const Box4& box, TexelSink& sink, unsigned threads = 0,
                   const ProgressFunction& progress = {},
                   std::uint64_t slab_bytes = 512u << 20) const;
 
-    // The same for `box` of a coarse level, in that level's coordinates (container().levels()). One
-    // thread decodes; the last decoded tiles, up to 32 MiB, are kept for the next boxes. Tiles that
-    // cannot be had come from coarser levels where the DecodeOptions allow it. Errors: also
-    // bad_argument for level 0 and for one that is not there.
+    // Decodes `box` of coarse level `level` (container().levels()), in that level's coordinates,
+    // like decode_box(). Uses one thread and keeps up to 32 MiB of decoded tiles for later boxes.
+    // Errors: as decode_box(); bad_argument if `level` is 0 or does not exist.
     Status decode_coarse_box(std::size_t level, const Box4& box, std::span<std::byte> out) const;
-    // Loads and decodes a tile, numbered over all levels, and forgets it. Errors: as decode_box.
+    // Loads and decodes a tile, numbered across all levels, without returning its texels. Errors:
+    // as decode_box().
     Status check_tile(std::uint64_t tile) const;
 
     FillReport fill_report() const;
@@ -96,23 +98,23 @@ public:
 private:
     struct State;
     explicit Decoder(std::unique_ptr<State> state);
-    // A box of views that lie so in the grid.
+    // Decodes a box of the texture whose views lie in the grid as `views` says.
     Status decode_views(const AlignedViews& views, const Box4& box, std::span<std::byte> out,
                         const ReadOptions& options) const;
     std::unique_ptr<State> state_;
 };
 
-// A file as a source of texels, so that files can be compared and transcoded like any other input.
+// The file as a source of texels, so that it can be compared and encoded like any other source.
 // `decoder` must outlive it.
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder);
 
-// The same, of the grid of tiles: decode_grid_box().
+// The same for the grid of tiles, see decode_grid_box().
 std::unique_ptr<TexelSource> decoded_grid(const Decoder& decoder);
 
-// One level of the file as a source of texels, of the size that container().levels() gives, in boxes
-// of any order: decode_coarse_box(); level 0: decoded_source(). Where requests are dear, what a box
-// needs comes by few of them. Thread-safe. `decoder` must outlive it. Precondition: there is such a
-// level.
+// One level of the file as a source of texels, of the size in container().levels(). Level 0 is
+// decoded_source(), other levels use decode_coarse_box(). Boxes may be read in any order; where
+// each request is expensive, the tiles of a box are fetched together. Thread-safe. `decoder` must
+// outlive it. Precondition: the level exists.
 std::unique_ptr<TexelSource> decoded_level(const Decoder& decoder, std::size_t level);
 
 } // namespace tessera

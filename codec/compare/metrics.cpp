@@ -262,7 +262,7 @@ private:
             }
             return add_box(slab, box, sums[i]);
         }));
-        for (const ErrorSums& part : sums) // in a fixed order, so that results do not depend on threads
+        for (const ErrorSums& part : sums) // in order, whatever the threads
             result_.errors.merge(part);
         return {};
     }

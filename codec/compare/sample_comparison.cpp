@@ -26,7 +26,7 @@ public:
         const bool anywhere = a_.locality() == Locality::any && b_.locality() == Locality::any;
         TESSERA_TRY(anywhere ? add_all() : add_in_turn());
         Comparison result(a_.desc());
-        for (const ErrorSums& part : sums_) // in a fixed order, so that results do not depend on threads
+        for (const ErrorSums& part : sums_) // in order, whatever the threads
             result.errors.merge(part);
         result.tiles = grid_.tiles();
         result.compared_tiles = tiles_.size();

@@ -55,8 +55,8 @@ private:
     const AlignedViews views_;
     std::mutex mutex_;
     std::vector<std::uint64_t> tiles_; // of the slab
-    std::size_t ready_end_ = 0; // tiles before this index were fetched or passed over
-    std::size_t ahead_ = 0; // how many tiles to fetch ahead
+    std::size_t ready_end_ = 0;        // tiles before this index were fetched or passed over
+    std::size_t ahead_ = 0;            // how many tiles to fetch ahead
 };
 
 // A cache of decoded tiles. A box of aligned views cuts through many tiles, and so do the boxes

@@ -65,7 +65,7 @@ inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
 
 // What a segment remembers of the colours of its blocks.
 struct ColourMemory {
-    bool rotated = false; // whether the last block with a colour symbol was rotated
+    bool rotated = false;  // whether the last block with a colour symbol was rotated
     int last_rotation = 1; // colour of the last rotated block, or 1
 
     int kind_of(int colour) const { return colour == 0 ? 0 : colour == last_rotation ? 1 : 2; }

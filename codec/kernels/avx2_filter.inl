@@ -109,7 +109,8 @@ public:
 private:
     struct Ring {
         int first; // index of its first tap
-        __m256i most, slope, sign; // sign: the strength's, negated: differences are own minus neighbour
+        __m256i most, slope,
+            sign; // sign: the strength's, negated: differences are own minus neighbour
     };
 
     static constexpr std::uint32_t narrow_room = (1 << 15) - 128; // minus the 128 that rounds

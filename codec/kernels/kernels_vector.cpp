@@ -184,7 +184,7 @@ void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& ta
         UShort8{} + static_cast<std::uint16_t>(most_difference(SampleType::unorm8));
     struct Ring {
         UShort8 full, slope;
-        Int4 sign; // 0, or all bits set if the share is negative
+        Int4 sign;         // 0, or all bits set if the share is negative
         std::size_t first; // index of its first tap
     };
     Ring rings[filter_rings];

@@ -49,9 +49,9 @@ private:
 
     Support support_{}; // along each axis, one more than the largest frequency
     std::array<std::uint8_t, max_frequencies> of_t_{}; // the same along s for each t; 0: no column
-    int count_ = 0; // number of columns
-    std::array<std::int16_t, views> column_of_; // of each pair; -1: none
-    std::array<std::int16_t, views> view_; // the pair of each column
+    int count_ = 0;                                    // number of columns
+    std::array<std::int16_t, views> column_of_;        // of each pair; -1: none
+    std::array<std::int16_t, views> view_;             // the pair of each column
 };
 
 } // namespace tessera

@@ -57,7 +57,8 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
             const int half_u = steps * prediction.displacement.u;
             const int half_v = steps * prediction.displacement.v;
             const int filter = copy_filter(smooth, half_u, half_v);
-            const int before = smooth ? 1 : 0, after = filter != 0 ? 1 : 0; // texels read around a row
+            const int before = smooth ? 1 : 0,
+                      after = filter != 0 ? 1 : 0; // texels it reads
             const Rows from = view.part(
                 block.origin[0] + (half_u >> 1) - before, block.origin[1] + (half_v >> 1) - before,
                 before + n[0] + after, before + n[1] + after, buffer.data());

@@ -134,7 +134,7 @@ private:
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
     const PlaneLevels* const levels_;
     const BlockPrediction* const prediction_; // null if the block copies nothing
-    const std::int32_t limit_; // for blocks that copy nothing
+    const std::int32_t limit_;                // for blocks that copy nothing
 };
 
 } // namespace

@@ -34,7 +34,8 @@ public:
     // The neighbour classes of coefficient `at` in each state. For each coefficient in turn, call
     // this function and then add().
     Int8 neighbour_classes(int at) {
-        if (at % rows_at_once == 0) // coefficients use their own row for neighbours that do not exist
+        if (at % rows_at_once ==
+            0) // coefficients use their own row for neighbours that do not exist
             task_.seen[at / rows_at_once] = {};
         if (at == 0)
             return Int8{} + task_.first_class;
@@ -114,7 +115,7 @@ private:
     // stores would have to wait for both.
     void put_last(int at) const {
         const __m128i from = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(before(at)));
-        const __m256i order = _mm256_broadcastsi128_si256( // indices in a lane of 16 bytes, whose upper 8 bytes are the second row
+        const __m256i order = _mm256_broadcastsi128_si256( // the second row of 16 bytes
             _mm_unpacklo_epi64(from, _mm_add_epi8(from, _mm_set1_epi8(quantiser_states))));
         const __m256i rows = _mm256_setr_epi64x(0, 1, 2, 3);
         const auto moved = [&](int first, const __m256i& by) {

@@ -56,7 +56,7 @@ struct TrellisTask {
     const std::uint16_t* flag_row;
     const std::uint8_t* token_row;
     const float* end_cost; // cost of ending after each coefficient; unreachable_cost: impossible
-    float zero_cost; // cost of coding no levels
+    float zero_cost;       // cost of coding no levels
     const float* flags[quantisers];
     const float* tokens[quantisers];
     float lambda;

@@ -153,7 +153,7 @@ void LevelMeans::finish(std::span<std::byte> out) const {
                                                joined(axis_t, t) * joined(axis_s, s);
                     for (std::size_t c = 0; c < desc_.channels; ++c, to += bytes) {
                         const std::int64_t twice = 2 * *sum++ + count;
-                        const std::int64_t divisor = 2 * count; // the division below rounds down, also for negative sums
+                        const std::int64_t divisor = 2 * count; // rounds down, also below 0
                         const std::int64_t mean =
                             twice >= 0 ? twice / divisor : -((-twice + divisor - 1) / divisor);
                         store_sample(to, code_sample(static_cast<std::int32_t>(mean), desc_.type),

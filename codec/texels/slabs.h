@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct Slab {
-    Box4 box; // texels, clipped to the requested box
+    Box4 box;                         // texels, clipped to the requested box
     std::vector<std::uint64_t> tiles; // tiles of the grid that it touches, ascending
 };
 

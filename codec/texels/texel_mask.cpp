@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-constexpr Extent4 walk_extent{64, 64, 16, 16}; // size of the boxes in which masked texels are counted
+constexpr Extent4 walk_extent{64, 64, 16, 16}; // of the boxes that are counted
 
 // Repeats a dense box along its sides of 1, so that it gets the size `extent`.
 std::vector<std::byte> broadcast(const std::vector<std::byte>& from, const Extent4& from_extent,

@@ -48,7 +48,7 @@ public:
     const CodingParameters parameters;
     const CodeTables tables;
     const SampleType type;
-    const int planes; // one per channel
+    const int planes;    // one per channel
     const bool rotates;  // blocks carry a colour symbol
     const bool predicts; // blocks carry a prediction
 

@@ -27,9 +27,9 @@ struct PlaneLevels {
 struct TileLevels {
     BlockShape shape;                  // of the whole tile
     std::vector<Block> blocks;         // leaves in decoding order
-    std::size_t base_blocks = 0; // the first ones, which form the tile's base picture
+    std::size_t base_blocks = 0;       // the first ones, which form the tile's base picture
     std::vector<std::uint8_t> colours; // per block: 0 not rotated, else 1 + rotation
-    std::vector<std::uint8_t> splits; // Split of each node, parents before children
+    std::vector<std::uint8_t> splits;  // Split of each node, parents before children
     // The predictions of the blocks and the order in which blocks are reconstructed (see
     // copy_depths). Both are empty if no block copies anything and there is no base picture.
     std::vector<BlockPrediction> predictions;
