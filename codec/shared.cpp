@@ -1,1 +1,1 @@
-// libtessera.so is made of the static libraries; a library needs a source of its own to exist.
+// CMake requires a source file for libtessera.so, which consists of the static libraries.

@@ -7,6 +7,8 @@
 #      directly in a module's folder see all of it. tools/lab, the laboratory, comes last, so that no
 #      folder of the product sees it.
 #   4. There are at most 20 public headers.
+#   5. The README.md of a module in listed_in_readme lists its folders in that order, one a line:
+#      "| `folder/` | ..." or "    folder/ ...".
 #   cmake -DROOT=folder -P check_layering.cmake
 cmake_policy(SET CMP0057 NEW) # IN_LIST
 set(layers format codec decoder_glsl corpus tools)
@@ -23,6 +25,7 @@ set(folders_corpus surface model trace model_surface)
 set(folders_tools support http picture texture_io scenes view web server page verbs lab)
 set(built_on_insides codec decoder_glsl) # may include internal headers of format
 set(public_modules format codec decoder_glsl)
+set(listed_in_readme codec decoder_glsl tools)
 if(NOT DEFINED most_public_headers)
     set(most_public_headers 20)
 endif()
@@ -100,6 +103,19 @@ endforeach()
 if(seen EQUAL 0)
     message(FATAL_ERROR "no sources below '${ROOT}'")
 endif()
+
+foreach(module IN LISTS listed_in_readme)
+    set(page ${ROOT}/${module}/README.md)
+    if(EXISTS ${page})
+        file(STRINGS ${page} rows REGEX "^([|] |    )`?[a-z_]+/`?( |$)")
+        list(TRANSFORM rows REPLACE "^[| ]*`?([a-z_]+)/.*" "\\1")
+        list(JOIN rows " " rows)
+        list(JOIN folders_${module} " " order)
+        if(NOT rows STREQUAL order)
+            message(SEND_ERROR "${module}/README.md lists the folders ${rows}, but their order is ${order}")
+        endif()
+    endif()
+endforeach()
 
 file(GLOB public ${ROOT}/format/*.h ${ROOT}/codec/*.h ${ROOT}/decoder_glsl/*.h)
 list(LENGTH public public_count)
