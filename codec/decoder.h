@@ -24,10 +24,10 @@ enum class Integrity {
 struct ReadOptions {
     unsigned threads = 0; // 0: all cores
     Integrity integrity = Integrity::page;
-    ProgressFunction progress; // called with the number of tiles
+    ProgressFunction progress{}; // called with the number of tiles
     // Called from several threads before each tile. Once it returns true, the call fails with the
     // error "interrupted" (runtime) and the texels are unspecified.
-    std::function<bool()> cancelled;
+    std::function<bool()> cancelled{};
 };
 
 // Which errors are replaced by texels from coarser levels, or by the background if there are none.
@@ -89,8 +89,7 @@ public:
     // like decode_box(). Uses one thread and keeps up to 32 MiB of decoded tiles for later boxes.
     // Errors: as decode_box(); bad_argument if `level` is 0 or does not exist.
     Status decode_coarse_box(std::size_t level, const Box4& box, std::span<std::byte> out) const;
-    // Loads and decodes a tile, numbered across all levels, without returning its texels. Errors:
-    // as decode_box().
+    // Decodes a tile, numbered across all levels, and drops its texels. Errors: as decode_box().
     Status check_tile(std::uint64_t tile) const;
 
     FillReport fill_report() const;
@@ -104,8 +103,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// The file as a source of texels, so that it can be compared and encoded like any other source.
-// `decoder` must outlive it.
+// The file as a source of texels, to compare or encode it. `decoder` must outlive it.
 std::unique_ptr<TexelSource> decoded_source(const Decoder& decoder);
 
 // The same for the grid of tiles, see decode_grid_box().

@@ -52,8 +52,7 @@ public:
     explicit ErrorSums(const TextureDesc& desc) : desc_(desc) {}
 
     // Adds the texels of `box`, at most 2^20; `a` and `b` hold desc.box_bytes(box) bytes each.
-    // `matters` has one byte per texel; texels with 0 are not counted. If it is empty, all texels
-    // count.
+    // `matters`: one byte per texel, 0 if it does not count; empty if all count.
     void add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b,
              std::span<const std::byte> matters = {});
     // Adds sums over other texels, as if these had been added after those seen so far.
@@ -68,8 +67,7 @@ public:
     // half16 only: over the colour channels, without alpha.
     double psnr_log2() const;
     double psnr_pu21() const;
-    // The largest error of a sample, in 8-bit steps or half-float ulps, and the first sample that
-    // has it.
+    // The largest error of a sample, in 8-bit steps or half-float ulps, and the first such sample.
     std::uint32_t max_error() const { return max_error_; }
     const SamplePlace& max_error_place() const { return max_place_; }
     std::uint64_t differing_samples() const { return differing_; }
@@ -122,9 +120,8 @@ struct Comparison {
 // Errors: difference if size, type or channels differ.
 Status check_comparable(const TextureDesc& a, const TextureDesc& b);
 
-// Compares all texels, in slabs of whole views. SSIM is omitted for views of more than 2^26 texels.
-// Errors: difference if size, type or channels differ; bad_argument if the mask does not fit; those
-// of the sources.
+// Compares all texels, in slabs of whole views, without SSIM for views of more than 2^26 texels.
+// Errors: difference (size, type or channels), bad_argument (the mask), those of the sources.
 Result<Comparison> compare_textures(TexelSource& a, TexelSource& b,
                                     const CompareOptions& options = {});
 

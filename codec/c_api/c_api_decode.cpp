@@ -85,9 +85,9 @@ Status open(std::unique_ptr<ByteSource> bytes, const tessera_open_options* optio
             tessera_decoder** decoder) {
     TESSERA_TRY_ASSIGN(const tessera_open_options wanted,
                        take_struct(options, {}, "tessera_open_options"));
-    TESSERA_TRY_ASSIGN(
-        Decoder opened,
-        Decoder::open(std::move(bytes), {wanted.allow_partial != 0, wanted.allow_damaged != 0}));
+    TESSERA_TRY_ASSIGN(Decoder opened, Decoder::open(std::move(bytes),
+                                                     {.allow_partial = wanted.allow_partial != 0,
+                                                      .allow_damaged = wanted.allow_damaged != 0}));
     *decoder = new tessera_decoder(std::move(opened));
     return {};
 }
@@ -106,8 +106,11 @@ Status decode_box(const Decoder& decoder, const Box4& box, std::span<std::byte> 
     const auto progress = watch.progress_function();
     const auto cancelled = watch.cancelled_function();
     if (options.level == 0) {
-        TESSERA_TRY(
-            decoder.decode_box(box, out, {options.threads, integrity, progress, cancelled}));
+        TESSERA_TRY(decoder.decode_box(box, out,
+                                       {.threads = options.threads,
+                                        .integrity = integrity,
+                                        .progress = progress,
+                                        .cancelled = cancelled}));
     } else if (!cancelled || !cancelled()) {
         TESSERA_TRY(decoder.decode_coarse_box(options.level, box, out));
         if (progress)
@@ -117,8 +120,15 @@ Status decode_box(const Decoder& decoder, const Box4& box, std::span<std::byte> 
     return watch.is_stopped() ? Status(ErrorCode::runtime, "interrupted") : Status();
 }
 
-constexpr tessera_decode_options default_decode_options = {
-    sizeof(tessera_decode_options), 0, 0, TESSERA_CHECK_PAGES, 0, nullptr, nullptr, nullptr};
+constexpr tessera_decode_options default_decode_options = {.struct_size =
+                                                               sizeof(tessera_decode_options),
+                                                           .level = 0,
+                                                           .threads = 0,
+                                                           .integrity = TESSERA_CHECK_PAGES,
+                                                           .reserved = 0,
+                                                           .progress = nullptr,
+                                                           .cancelled = nullptr,
+                                                           .user = nullptr};
 
 } // namespace
 
@@ -275,7 +285,7 @@ int tessera_box_bytes(const tessera_texture* texture, const uint32_t begin[4],
             const std::uint64_t side = box.end[axis] - box.begin[axis];
             if (product > most / side)
                 return {ErrorCode::unsupported,
-                        "box " + to_string(box) + " has more bytes than this machine can count"};
+                        "box " + to_string(box) + " has too many bytes for a size_t"};
             product *= side;
         }
         *bytes = product;
@@ -408,7 +418,7 @@ int tessera_get_level(const tessera_decoder* decoder, uint32_t number, tessera_l
         if (decoder == nullptr)
             return missing("decoder");
         if (number >= tessera_level_count(decoder))
-            return bad("there is no level " + std::to_string(number) + " among " +
+            return bad("level " + std::to_string(number) + " does not exist; there are " +
                        std::to_string(tessera_level_count(decoder)));
         const Level& l = decoder->decoder.container().levels()[number];
         tessera_level found = {};
@@ -449,7 +459,7 @@ int tessera_metadata_at(const tessera_decoder* decoder, size_t index, const char
         if (decoder == nullptr || key == nullptr || value == nullptr)
             return missing("decoder, key or value");
         if (index >= decoder->metadata.size())
-            return bad("there is no metadata entry " + std::to_string(index) + " among " +
+            return bad("metadata entry " + std::to_string(index) + " does not exist; there are " +
                        std::to_string(decoder->metadata.size()));
         const auto& [name, text] = *decoder->metadata[index];
         *key = name.c_str();
@@ -482,7 +492,7 @@ int tessera_decode_box(const tessera_decoder* decoder, const uint32_t begin[4],
         TESSERA_TRY_ASSIGN(const tessera_decode_options wanted,
                            take_struct(options, default_decode_options, "tessera_decode_options"));
         if (wanted.reserved != 0)
-            return bad("tessera_decode_options: reserved is not 0");
+            return bad("tessera_decode_options: reserved must be 0");
         Watch watch(wanted.progress, wanted.cancelled, wanted.user);
         return watch.explain(decode_box(decoder->decoder, box_of(begin, end),
                                         {static_cast<std::byte*>(out), out_bytes}, wanted, watch));

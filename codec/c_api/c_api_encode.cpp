@@ -36,7 +36,7 @@ private:
 Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source& source) {
     TESSERA_TRY_ASSIGN(const TextureDesc desc, take_texture(source.texture));
     if ((source.texels == nullptr) == (source.read == nullptr))
-        return bad("tessera_texel_source: texels or read, one of them, must be set");
+        return bad("tessera_texel_source: set either texels or read");
     if (source.read != nullptr)
         return std::unique_ptr<TexelSource>(std::make_unique<CallbackTexels>(desc, source));
     const std::uint64_t needed = desc.box_bytes(Box4::whole(desc.size));
@@ -74,8 +74,7 @@ Result<Description> make_description(const tessera_description* given) {
     return description;
 }
 
-// Calls take(key, value) for each entry. Errors: bad_argument for a null pointer, and those of
-// take.
+// Calls take(key, value) for each entry. Errors: bad_argument for a null pointer; take's.
 template <class Take>
 Status for_each_entry(const tessera_key_value* entries, std::size_t count, const char* what,
                       const Take& take) {
@@ -210,7 +209,7 @@ public:
             const std::size_t room = std::max(size_ + piece.size(), 2 * room_);
             void* larger = std::realloc(bytes_, room);
             if (larger == nullptr)
-                return {ErrorCode::runtime, "out of memory for a file of more than " +
+                return {ErrorCode::runtime, "out of memory: the file has more than " +
                                                 std::to_string(size_) + " bytes"};
             bytes_ = larger;
             room_ = room;

@@ -52,8 +52,7 @@ template <class Body> int guarded(const Body& body) noexcept {
 void forget_callback_error() noexcept;
 Status callback_failed(const char* which, int code);
 
-// Turns what `call`, which calls a callback, returns into a Status. A callback written in C++ may
-// throw.
+// Calls a callback by `call` and turns its result, or what it throws, into a Status.
 template <class Call> Status status_of_callback(const char* which, const Call& call) {
     forget_callback_error();
     int code = 0;
@@ -114,8 +113,7 @@ inline Status check_struct_size(std::size_t size, const char* name) {
                "_init first");
 }
 
-// Writes `value` to the structure of `size` bytes at `to`; the rest of a larger structure becomes
-// 0.
+// Writes `value` to the structure of `size` bytes at `to` and fills a larger one with 0.
 template <class T> void put_struct(T* to, std::size_t size, T value) {
     value.struct_size = size;
     std::memset(static_cast<void*>(to), 0, size);
@@ -147,10 +145,10 @@ template <class T> Result<T> take_struct(const T* from, T defaults, const char* 
     const auto* bytes = reinterpret_cast<const unsigned char*>(from);
     for (std::size_t i = sizeof(T); i < size; ++i)
         if (bytes[i] != 0)
-            return Status(ErrorCode::unsupported,
-                          std::string(name) + ": what is set at byte " + std::to_string(i) +
-                              " is of a later version than this library (API " +
-                              std::to_string(TESSERA_API_VERSION) + ")");
+            return Status(ErrorCode::unsupported, std::string(name) + ": the member at byte " +
+                                                      std::to_string(i) +
+                                                      " is not known to this library (API " +
+                                                      std::to_string(TESSERA_API_VERSION) + ")");
     std::memcpy(static_cast<void*>(&defaults), from, std::min(size, sizeof(T)));
     defaults.struct_size = sizeof(T);
     return defaults;

@@ -23,8 +23,7 @@ constexpr std::int64_t luma_r = 2126, luma_g = 7152, luma_b = 722, luma_one = 10
 constexpr std::uint64_t max_view_texels = 1ull << 26;
 // The unit of work has the size of the codec's default tiles, so that no tile is decoded twice.
 constexpr Extent4 work_extent{32, 32, 8, 8};
-// Padding between views. Without it, a side that is a power of two puts the same texel of all views
-// into one cache set.
+// Floats between views: without them, a power of two puts a texel of all views into one cache set.
 constexpr std::size_t view_padding = 16;
 
 // Replaces NaN and infinities as the codec does.
@@ -182,9 +181,8 @@ template <class Body> Status for_each_index(std::size_t count, unsigned threads,
         workers, count, [&](int, std::size_t i) { return body(i); }, [](std::size_t) {});
 }
 
-// The extents of a slab: some views, with all (u, v) positions. The number of views along s and t
-// is a multiple of 8 where possible, like that of the codec's tiles, so that few tiles are decoded
-// twice.
+// The extents of a slab: some views with all (u, v) positions. Multiples of 8 views along s and t,
+// as in the codec's tiles, avoid decoding tiles twice.
 Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
     Extent4 e = desc.size;
     const auto fits = [&] { return desc.box_bytes(Box4::whole(e)) <= budget; };
@@ -206,8 +204,7 @@ Extent4 slab_extent(const TextureDesc& desc, std::uint64_t budget) {
     return e;
 }
 
-// One comparison. It computes the errors slab by slab, and then the SSIM of the views gathered on
-// the way.
+// One comparison. Computes errors slab by slab, then the SSIM of the views gathered on the way.
 class Comparer {
 public:
     Comparer(TexelSource& a, TexelSource& b, const CompareOptions& options)
@@ -516,7 +513,7 @@ Status check_comparable(const TextureDesc& a, const TextureDesc& b) {
     if (a == b)
         return {};
     return {ErrorCode::difference,
-            "the textures are of different kinds: " + words(a) + " and " + words(b)};
+            "the textures differ in size or samples: " + words(a) + " and " + words(b)};
 }
 
 Result<Comparison> compare_textures(TexelSource& a, TexelSource& b, const CompareOptions& options) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <string>
 
 namespace tessera {
 namespace {
@@ -85,7 +86,9 @@ Result<Comparison> compare_sample(TexelSource& a, TexelSource& b, double fractio
     TESSERA_TRY(check_comparable(a.desc(), b.desc()));
     TESSERA_TRY(check_mask(options.mask, a.desc().size));
     if (!(fraction > 0 && fraction <= 1))
-        return Status(ErrorCode::bad_argument, "a sample is above 0 and at most 1 of all tiles");
+        return Status(ErrorCode::bad_argument, "the fraction of tiles to compare is " +
+                                                   std::to_string(fraction) +
+                                                   "; it must be above 0 and at most 1");
     const TileGrid grid(a.desc().size, sample_extent);
     const double wanted = std::ceil(fraction * static_cast<double>(grid.tiles()));
     const std::vector<std::uint64_t> tiles =

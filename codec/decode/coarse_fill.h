@@ -31,9 +31,8 @@ public:
     // the background if none is. Errors: those of tiles that may not be filled.
     Status fill(const Box4& box, std::span<std::byte> out) { return interpolate(0, box, out); }
 
-    // The texels `box`, which must lie inside level `level`. Tiles that are not available are
-    // interpolated as in fill(). Fetches tiles together where each request is expensive. Errors: as
-    // fill().
+    // The texels `box` of level `level`, which contains it; unavailable tiles are interpolated as
+    // in fill(). Fetches tiles together where each request is expensive. Errors: as fill().
     Status texels_of(std::size_t level, const Box4& box, std::span<std::byte> out);
 
     // Decodes a tile of any level. Errors: those of loading and decoding it, naming the tile.

@@ -67,8 +67,7 @@ public:
     DecodedTiles(const Decoder& decoder, const AlignedViews& views)
         : decoder_(decoder), views_(views) {}
 
-    // Precondition: `box` lies inside the texture and `out` has its size. Errors: as
-    // decode_grid_box().
+    // Precondition: `box` is in the texture, `out` has its size. Errors: as decode_grid_box().
     Status read(const Box4& box, std::span<std::byte> out, const ReadOptions& options) {
         const TileGrid& grid = decoder_.container().grid();
         for (const std::uint64_t tile : views_.tiles_touched(grid, box)) {
@@ -123,7 +122,7 @@ public:
         const bool inside = is_inside(box, desc().size) && out.size() == desc().box_bytes(box);
         if (decoder_.container().wants_prefetch() && inside)
             TESSERA_TRY(ahead_.want(box));
-        const ReadOptions options{1, Integrity::page, {}, {}}; // its callers run in threads already
+        const ReadOptions options{.threads = 1}; // its callers run in threads already
         if (is_grid_)
             return decoder_.decode_grid_box(box, out, options);
         return inside ? tiles_.read(box, out, options)

@@ -33,7 +33,7 @@ std::vector<Worker> make_workers(unsigned threads, std::size_t tiles, const Tile
     const std::size_t count = std::clamp<std::size_t>(tiles, 1, thread_count(threads));
     std::vector<Worker> workers;
     for (std::size_t i = 0; i < count; ++i)
-        workers.push_back({TileDecoder(coding, colour), {}, {}});
+        workers.push_back({.decoder = TileDecoder(coding, colour), .texels = {}, .payload = {}});
     return workers;
 }
 
@@ -60,11 +60,16 @@ Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) 
         ContainerReader::open(source, {options.allow_partial, options.most_head_bytes}));
     TESSERA_TRY_ASSIGN(auto codings, level_codings(container).with_context(source.name()));
     const FileHeader& header = container.header();
-    const ColourCoding colour{header.desc, header.colour, header.background,
-                              (header.required_features & feature_corrections) != 0,
-                              (header.required_features & feature_stored) != 0};
-    std::unique_ptr<State> state(
-        new State{nullptr, std::move(container), colour, std::move(codings), nullptr});
+    const ColourCoding colour{.desc = header.desc,
+                              .transform = header.colour,
+                              .background = header.background,
+                              .corrections = (header.required_features & feature_corrections) != 0,
+                              .stored = (header.required_features & feature_stored) != 0};
+    std::unique_ptr<State> state(new State{.source = nullptr,
+                                           .container = std::move(container),
+                                           .colour = colour,
+                                           .codings = std::move(codings),
+                                           .fill = nullptr});
     state->fill =
         std::make_unique<CoarseFill>(state->container, state->colour, state->codings, options);
     return Decoder(std::move(state));
@@ -72,7 +77,7 @@ Result<Decoder> Decoder::open(ByteSource& source, const DecodeOptions& options) 
 
 Result<Decoder> Decoder::open(std::unique_ptr<ByteSource> source, const DecodeOptions& options) {
     if (source == nullptr)
-        return Status(ErrorCode::bad_argument, "there is no source of bytes to open");
+        return Status(ErrorCode::bad_argument, "the source of bytes is a null pointer");
     TESSERA_TRY_ASSIGN(Decoder decoder, open(*source, options));
     decoder.state_->source = std::move(source);
     return decoder;
@@ -116,6 +121,18 @@ Status decode_tile(const ContainerReader& container, CoarseFill& fill, std::uint
                                to_string(box) + ")");
 }
 
+// Decodes one tile and writes its part of `slab`.
+Status write_part(const ContainerReader& container, CoarseFill& fill, std::uint64_t tile,
+                  const Box4& slab, TexelSink& sink, Worker& worker) {
+    const Box4 tile_box = container.grid().box(tile), part = intersect(tile_box, slab);
+    TESSERA_TRY(decode_tile(container, fill, tile, tile_box, Integrity::page, worker));
+    if (part == tile_box)
+        return sink.write(part, worker.texels);
+    std::vector<std::byte> texels(container.desc().box_bytes(part));
+    copy_box(part, tile_box, worker.texels, part, texels, container.desc().texel_bytes());
+    return sink.write(part, texels);
+}
+
 // Decodes one tile and copies its part of `box`. Aligned views may leave most of the grid empty. An
 // empty tile takes no bytes, so one texel is decoded for all of it; otherwise empty tiles could
 // take longer than the requested texels.
@@ -137,11 +154,21 @@ Status check_inside(const ContainerReader& container, const Box4& box, const Ext
                                                      " does not lie inside " + to_string(size));
 }
 
+// Checks a request for `box` of a level of this size, into a buffer of this many bytes.
+Status check_request(const ContainerReader& container, const Box4& box, const Extent4& size,
+                     std::size_t bytes) {
+    TESSERA_TRY(check_inside(container, box, size));
+    if (const std::uint64_t needed = container.desc().box_bytes(box); bytes != needed)
+        return {ErrorCode::bad_argument, "the buffer has " + std::to_string(bytes) +
+                                             " bytes, but the box needs " + std::to_string(needed)};
+    return {};
+}
+
 } // namespace
 
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned threads,
                            Integrity integrity) const {
-    return decode_box(box, out, ReadOptions{threads, integrity, {}, {}});
+    return decode_box(box, out, ReadOptions{.threads = threads, .integrity = integrity});
 }
 
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
@@ -157,9 +184,7 @@ Status Decoder::decode_grid_box(const Box4& box, std::span<std::byte> out,
 Status Decoder::decode_views(const AlignedViews& views, const Box4& box, std::span<std::byte> out,
                              const ReadOptions& options) const {
     const ContainerReader& container = state_->container;
-    TESSERA_TRY(check_inside(container, box, views.texture_size()));
-    if (out.size() != desc().box_bytes(box))
-        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    TESSERA_TRY(check_request(container, box, views.texture_size(), out.size()));
     const TileGrid& grid = container.grid();
     const std::vector<std::uint64_t> tiles = views.tiles_touched(grid, box);
     std::vector<Worker> workers =
@@ -236,15 +261,7 @@ Status Decoder::decode(const Box4& box, TexelSink& sink, unsigned threads,
                     if (gathers)
                         return decode_part(container, *state_->fill, tiles[i], views, slab.box,
                                            gathered, Integrity::page, worker);
-                    const Box4 tile_box = grid.box(tiles[i]);
-                    TESSERA_TRY(decode_tile(container, *state_->fill, tiles[i], tile_box,
-                                            Integrity::page, worker));
-                    const Box4 part = intersect(tile_box, slab.box);
-                    if (part == tile_box)
-                        return sink.write(part, worker.texels);
-                    std::vector<std::byte> texels(desc().box_bytes(part));
-                    copy_box(part, tile_box, worker.texels, part, texels, desc().texel_bytes());
-                    return sink.write(part, texels);
+                    return write_part(container, *state_->fill, tiles[i], slab.box, sink, worker);
                 },
                 [&](std::size_t i) {
                     if (progress)
@@ -267,13 +284,8 @@ Status Decoder::decode_coarse_box(std::size_t level, const Box4& box,
     if (level == 0 || level >= container.levels().size())
         return {ErrorCode::bad_argument,
                 container.name() + ": there is no coarse level " + std::to_string(level)};
-    if (!is_inside(box, container.levels()[level].size))
-        return {ErrorCode::bad_argument, container.name() + ": box " + to_string(box) +
-                                             " does not lie inside " +
-                                             to_string(container.levels()[level].size) +
-                                             " of coarse level " + std::to_string(level)};
-    if (out.size() != desc().box_bytes(box))
-        return {ErrorCode::bad_argument, "the buffer does not have the size of the box"};
+    TESSERA_TRY(check_request(container, box, container.levels()[level].size, out.size())
+                    .with_context("coarse level " + std::to_string(level)));
     return state_->fill->texels_of(level, box, out);
 }
 

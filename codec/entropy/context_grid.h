@@ -75,8 +75,7 @@ protected:
     std::array<int, 4> stride_{};
 
 private:
-    // A cell holds the weighted sum, at most (4 * 2 + 8) * 192, and above it the code of the sum of
-    // earlier planes.
+    // A cell: the weighted sum, at most (4 * 2 + 8) * 192, and the code of earlier planes' sum.
     static constexpr int sum_bits = 12;
     static constexpr unsigned sum_mask = (1u << sum_bits) - 1;
     static_assert((2 * double_neighbours + scan_neighbours - double_neighbours) *

@@ -1,8 +1,7 @@
 // Corrections after the transform, which make --max-error a guarantee (FORMAT.md 3.6).
 //
 // A tile may end with multiples of 2E + 1 that bring every decoded sample within E of the original;
-// E = 0 makes the tile lossless. They are coded in chunks of 4096 texels, each as its own rANS
-// stream.
+// E = 0 makes the tile lossless. Each chunk of 4096 texels is coded as its own rANS stream.
 #pragma once
 
 #include "codec/entropy/tile_entropy.h"
@@ -17,8 +16,8 @@ namespace tessera {
 // The multipliers of one tile, in box order with adjacent channels.
 using CorrectionMap = std::vector<std::int32_t>;
 
-// Computes multipliers that bring `decoded` within `error` codes of `original`. Returns whether any
-// is not 0.
+// Computes multipliers that bring `decoded` within `error` codes of `original`. True if any is not
+// 0.
 bool find_corrections(std::span<const std::byte> original, std::span<const std::byte> decoded,
                       const TextureDesc& desc, int error, CorrectionMap& map);
 // Adds multiplier * (2 * error + 1) to the code of each sample and clamps it to the sample range.

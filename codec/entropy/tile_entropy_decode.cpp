@@ -27,7 +27,7 @@ public:
             if (i == 0 && !decode_tree())
                 return damaged(i, "split tree out of range");
             if (i == 0 && !order_copies())
-                return damaged(i, "copies of copies, more than 15 deep");
+                return damaged(i, "copies depend on copies more than 15 deep");
             const std::size_t end =
                 i + 1 < parts.segments.size()
                     ? static_cast<std::size_t>(parts.segments[i + 1].first_block)

@@ -1,5 +1,5 @@
-// Included by kernels_avx2.cpp. Converts planes to 8-bit RGB and back, eight texels of eight images
-// at once.
+// Included by kernels_avx2.cpp. Converts planes to 8-bit RGB and back, 8 texels of 8 images at
+// once.
 
 namespace tessera {
 namespace {

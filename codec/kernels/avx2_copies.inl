@@ -1,5 +1,4 @@
-// Included by kernels_avx2.cpp. Stores blocks and computes copies from views and from base
-// pictures.
+// Included by kernels_avx2.cpp. Stores blocks; computes copies of views and of base pictures.
 
 namespace tessera {
 namespace {
@@ -47,11 +46,6 @@ template <class Value> void put_vectors(const RowsTarget& to, Value value) {
     }
 }
 
-__m256i rounded(__m256i x, int shift) {
-    return _mm256_sra_epi32(_mm256_add_epi32(x, _mm256_set1_epi32(1 << (shift - 1))),
-                            _mm_cvtsi32_si128(shift));
-}
-
 void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
     const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
     const Rounding rounding(shift);
@@ -90,7 +84,7 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
             const __m256i twice = _mm256_slli_epi32(pair(at, along, load), 1);
             const __m256i beside =
                 sum_of(pair(at - across, along, load), pair(at + across, along, load));
-            return rounded(sum_of(sum_of(twice, _mm256_slli_epi32(twice, 1)), beside), 4);
+            return Rounding(4)(sum_of(sum_of(twice, _mm256_slli_epi32(twice, 1)), beside));
         });
     };
     switch (filter) {
@@ -98,15 +92,15 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
         return put([](const std::int32_t* at, auto load) { return load(at); });
     case 1:
         return put(
-            [&](const std::int32_t* at, auto load) { return rounded(pair(at, 1, load), 1); });
+            [&](const std::int32_t* at, auto load) { return Rounding(1)(pair(at, 1, load)); });
     case 2:
         return put(
-            [&](const std::int32_t* at, auto load) { return rounded(pair(at, stride, load), 1); });
+            [&](const std::int32_t* at, auto load) { return Rounding(1)(pair(at, stride, load)); });
     case 4:
         return put([&](const std::int32_t* at, auto load) {
             const __m256i beside =
                 sum_of(pair(at - 1, 2, load), pair(at - stride, 2 * stride, load));
-            return rounded(sum_of(_mm256_slli_epi32(load(at), 2), beside), 3);
+            return Rounding(3)(sum_of(_mm256_slli_epi32(load(at), 2), beside));
         });
     case 5:
         return smooth_pair(1, stride);
@@ -114,13 +108,12 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
         return smooth_pair(stride, 1);
     default: // 3 and 7
         return put([&](const std::int32_t* at, auto load) {
-            return rounded(sum_of(pair(at, 1, load), pair(at + stride, 1, load)), 2);
+            return Rounding(2)(sum_of(pair(at, 1, load), pair(at + stride, 1, load)));
         });
     }
 }
 
-// Calls put(i, sum, load) for each group of eight of the n values. Each sum weights six values that
-// lie `step` apart.
+// Calls put(i, sum, load) for each eight of n weighted sums of six values that lie `step` apart.
 template <class Put>
 void sum_six_taps(const std::int32_t* from, int step, int phase, int n, __m256i last_mask,
                   Put put) {

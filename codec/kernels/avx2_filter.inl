@@ -24,9 +24,10 @@ public:
                 sums_ = FilterSums::bounded;
             const std::uint32_t sum = slope == 0 ? room : largest_sum(wide(most), slope);
             room -= sum < room ? sum : room;
-            rings_[count_++] = {4 * ring, _mm256_set1_epi16(static_cast<std::int16_t>(most)),
-                                _mm256_set1_epi16(static_cast<std::int16_t>(slope)),
-                                _mm256_set1_epi16(strength < 0 ? 1 : -1)};
+            rings_[count_++] = {.first = 4 * ring,
+                                .most = _mm256_set1_epi16(static_cast<std::int16_t>(most)),
+                                .slope = _mm256_set1_epi16(static_cast<std::int16_t>(slope)),
+                                .sign = _mm256_set1_epi16(strength < 0 ? 1 : -1)};
         }
         if (sums_ == FilterSums::bounded)
             return;

@@ -1,5 +1,5 @@
-// Included by the AVX2 kernels of decoding and of the search. Loads squares of eight 8-bit RGB
-// texels by eight images.
+// Included by the AVX2 kernels of decoding and search. Loads 8 x 8 squares of RGB texels and
+// images.
 
 namespace tessera {
 namespace {

@@ -5,12 +5,11 @@ namespace tessera {
 namespace {
 
 __m256i clamp_lanes(__m256i x) {
-    return _mm256_max_epi32(_mm256_min_epi32(x, _mm256_set1_epi32(limit - 1)),
-                            _mm256_set1_epi32(-limit));
+    return _mm256_max_epi32(_mm256_min_epi32(x, _mm256_set1_epi32(coefficient_limit - 1)),
+                            _mm256_set1_epi32(-coefficient_limit));
 }
 
-// The high (or low) parts of two vectors of coefficients, those of `a` in the lower 16 bits of each
-// lane.
+// The high (or low) parts of two vectors; those of `a` go to the lower halves of the lanes.
 __m256i pack_high(__m256i a, __m256i b) {
     const __m256i first = _mm256_srai_epi32(a, low_bits), second = _mm256_srai_epi32(b, low_bits);
     return _mm256_blend_epi16(first, _mm256_slli_epi32(second, 16), 0xAA);

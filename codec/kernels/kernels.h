@@ -1,6 +1,5 @@
-// The hot loops of decoding. codec/kernels/kernels.inl is compiled once per instruction set, and
-// each process picks one result, once. All paths give the same bits because they sum integers
-// modulo 2^32.
+// The hot loops of decoding. kernels.inl is compiled once per instruction set, and each process
+// uses one of the results. All give the same bits because they sum integers modulo 2^32.
 #pragma once
 
 #include "format/tile/colour_rotation.h"
@@ -77,8 +76,8 @@ template <class Value> struct FilterView {
     RowSet skip;
 };
 
-// Where `rows` rows of n values go; rows lie `stride` apart. The filter_margin values on each side
-// of a row repeat its ends.
+// Where `rows` rows of n values go, `stride` apart. filter_margin values on both sides repeat the
+// ends.
 template <class Value> struct PaddedRows {
     Value* out;
     int stride, rows, n;
@@ -97,20 +96,18 @@ struct Kernels {
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
-    // Turns `count` coefficients of each of three planes from rotated axes back to Y, Co, Cg
-    // (FORMAT.md 4.4).
+    // Rotates `count` coefficients of three planes back to Y, Co, Cg (FORMAT.md 4.4).
     void (*unrotate)(std::int32_t* const planes[3], int count, const RotationMatrix& matrix);
 
-    // Writes floor((in + 2^(shift - 1)) / 2^shift), or `in` itself for shift 0. `in` is dense and
-    // may be the target.
+    // Writes floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0. `in` is dense; it may be
+    // `to.out`.
     void (*put_block)(const std::int32_t* in, int shift, const BlockTarget& to);
 
     // sums[i] += C of FORMAT.md 4.6, computed from rows j - 1, j, j + 1. Smooth filters read texels
     // -1..n of them, the others 0..n. A row with no weights is not read.
     void (*add_copies)(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums);
-    // Writes the predictions computed from these sums; rows of `from` lie `stride` apart. Smooth
-    // filters read one texel more on each side, the others one more after each row and one more
-    // row.
+    // Writes the predictions computed from these sums; rows of `from` lie `stride` apart. Reads a
+    // row and a texel more on each side for smooth filters, and only below and behind for others.
     void (*copy_rows)(const std::int32_t* from, int stride, int filter, const RowsTarget& to);
 
     // The first pass of copies from a base picture (FORMAT.md 4.6). out[r][i] is row r filtered
@@ -129,9 +126,8 @@ struct Kernels {
     void (*load_ycocg8)(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3]);
 
-    // Copies the dense rows of a view for the filter: clamped to -limit .. limit - 1, with margins
-    // on both sides. Returns the rows that are all 0. May write up to 15 values past a row's
-    // margin.
+    // Copies the dense rows of a view for the filter, clamped to -limit .. limit - 1, with margins.
+    // Returns the rows that are all 0. May write 15 values past a row's margin.
     RowSet (*pad_rows)(const std::int32_t* values, std::int32_t limit,
                        const PaddedRows<std::int16_t>& to);
     RowSet (*pad_wide_rows)(const std::int32_t* values, std::int32_t limit,

@@ -9,14 +9,14 @@
 namespace tessera {
 namespace {
 
-// Splitting x into high * 2^11 + low keeps both partial sums of a pass within 32 bits (FORMAT.md
-// 4.3).
+// With x = high * 2^11 + low, both partial sums of a pass fit 32 bits (FORMAT.md 4.3).
 constexpr int low_bits = 11;
 constexpr std::int32_t low_mask = (1 << low_bits) - 1;
-constexpr std::int32_t limit = 1 << 26;
 
 inline std::int32_t clamped(std::int32_t x) {
-    return x < -limit ? -limit : x > limit - 1 ? limit - 1 : x;
+    return x < -coefficient_limit      ? -coefficient_limit
+           : x > coefficient_limit - 1 ? coefficient_limit - 1
+                                       : x;
 }
 
 // The sums wrap: a hostile tile may cause overflow, which would be undefined for signed integers.
@@ -92,8 +92,6 @@ inline void plane_chunk(const std::int32_t* in, std::int32_t* out, int support, 
         }
     }
 }
-
-// Transforms the columns from `begin` to the last.
 void inverse_planes_part(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
                          int begin) {
     const std::int32_t* b = basis(n);
@@ -189,8 +187,6 @@ void put_block(const std::int32_t* in, int shift, const BlockTarget& to) {
 inline unsigned char to_byte(std::int32_t x) {
     return static_cast<unsigned char>(x < 0 ? 0 : x > 255 ? 255 : x);
 }
-
-// store_ycocg8 for a range of texels and a range of images.
 void store_ycocg8_part(const PlaneSet& in, int texels, int images, int texel_begin, int texel_end,
                        int image_begin, int image_end, unsigned char* out) {
     for (int x = texel_begin; x < texel_end; ++x)
@@ -212,8 +208,6 @@ void store_ycocg8_part(const PlaneSet& in, int texels, int images, int texel_beg
 void store_ycocg8(const PlaneSet& in, int texels, int images, unsigned char* out) {
     store_ycocg8_part(in, texels, images, 0, texels, 0, images, out);
 }
-
-// load_ycocg8 for a range of texels and a range of images.
 void load_ycocg8_part(const unsigned char* in, int texels, int images, int texel_begin,
                       int texel_end, int image_begin, int image_end,
                       const std::int32_t background[3], std::int32_t* const plane[3]) {
@@ -234,8 +228,7 @@ void load_ycocg8(const unsigned char* in, int texels, int images, const std::int
     load_ycocg8_part(in, texels, images, 0, texels, 0, images, background, plane);
 }
 
-// Filters of FORMAT.md 4.6 in the order of copy_filter(): the weights of texels i - 1, i, i + 1 in
-// rows j - 1, j, j + 1.
+// FORMAT.md 4.6, by copy_filter(): weights of texels i - 1, i, i + 1 in rows j - 1, j, j + 1.
 constexpr std::int32_t copy_weights[8][3][3] = {
     {{0, 0, 0}, {0, 4, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 2, 2}, {0, 0, 0}},
     {{0, 0, 0}, {0, 2, 0}, {0, 2, 0}}, {{0, 0, 0}, {0, 1, 1}, {0, 1, 1}},
@@ -276,8 +269,13 @@ void copy_rows(const std::int32_t* from, int stride, int filter, const RowsTarge
         for (int i = 0; i < to.n; ++i)
             sums[i] = 1 << (shift - 1);
         add_copies(rows, filter, to.n, sums);
-        put_rows({to.out + r * to.stride, to.stride, 1, to.n, to.limit,
-                  to.add == nullptr ? nullptr : to.add + r * to.add_stride, 0, to.add_shift},
+        put_rows({.out = to.out + r * to.stride,
+                  .stride = to.stride,
+                  .rows = 1,
+                  .n = to.n,
+                  .limit = to.limit,
+                  .add = to.add == nullptr ? nullptr : to.add + r * to.add_stride,
+                  .add_shift = to.add_shift},
                  [&](int, int i) { return sums[i] >> shift; });
     }
 }
@@ -366,8 +364,6 @@ void filter_row(const Value* centre, const Value* const* from, const FilterTaps&
     for (int u = 0; u < n; ++u)
         out[u] = centre[u] + ((sums[u] + 128) >> 8);
 }
-
-// Calls row(centre, from, out) for each row that is not skipped.
 template <class Value, class Row>
 inline void for_each_filtered_row(const FilterView<Value>& in, std::int32_t* out, Row row) {
     for (int v = 0; v < in.rows; ++v) {
@@ -389,21 +385,21 @@ void filter_view(const FilterView<Value>& in, const FilterTaps& taps, std::int32
 }
 
 constexpr Kernels make_kernels(const char* name) {
-    return {name,
-            inverse_rows,
-            inverse_planes,
-            unrotate<1>,
-            put_block,
-            add_copies,
-            copy_rows,
-            base_along_u,
-            base_along_v,
-            store_ycocg8,
-            load_ycocg8,
-            pad_rows<std::int16_t>,
-            pad_rows<std::int32_t>,
-            filter_view<std::int16_t>,
-            filter_view<std::int32_t>};
+    return {.name = name,
+            .inverse_rows = inverse_rows,
+            .inverse_planes = inverse_planes,
+            .unrotate = unrotate<1>,
+            .put_block = put_block,
+            .add_copies = add_copies,
+            .copy_rows = copy_rows,
+            .base_along_u = base_along_u,
+            .base_along_v = base_along_v,
+            .store_ycocg8 = store_ycocg8,
+            .load_ycocg8 = load_ycocg8,
+            .pad_rows = pad_rows<std::int16_t>,
+            .pad_wide_rows = pad_rows<std::int32_t>,
+            .filter_view = filter_view<std::int16_t>,
+            .filter_wide_view = filter_view<std::int32_t>};
 }
 
 } // namespace

@@ -116,12 +116,10 @@ void store_ycocg8_vector(const PlaneSet& in, int texels, int images, unsigned ch
     store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
 }
 
-// The share that is left for each difference: a ring's full share minus what a difference of that
-// size removes.
+// A ring's full share minus what a difference of each size takes away.
 inline Short8 shares_of(Short8 d, UShort8 largest, UShort8 full, UShort8 slope) {
 #ifdef __wasm_simd128__
-    // size * slope = 2 size * (slope >> 1) + size * (slope & 1), as pairs of factors that fit
-    // signed 16 bits.
+    // size * slope = 2 size * (slope >> 1) + size * (slope & 1), whose factors fit signed 16 bits.
     const v128_t size = wasm_u16x8_min(wasm_i16x8_abs((v128_t)d), (v128_t)largest);
     const v128_t twice = wasm_i16x8_shl(size, 1);
     const v128_t pair =
@@ -176,8 +174,7 @@ inline void add_products(Int4 sums[2], Short8 a, Short8 p, Short8 b, Short8 q) {
 #endif
 }
 
-// Filters eight values at once, whose sums stay in registers. Differences fit 16 bits and their
-// shares 7 bits.
+// Filters eight values at once in registers. Differences fit 16 bits and their shares 7.
 void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& taps,
                         std::int32_t* out) {
     const UShort8 largest =
@@ -192,10 +189,11 @@ void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& ta
     for (std::size_t ring = 0; ring < filter_rings; ++ring) {
         const std::int32_t strength = taps.strength[ring];
         if (strength != 0)
-            rings[count++] = {UShort8{} +
-                                  static_cast<std::uint16_t>(strength < 0 ? -strength : strength),
-                              UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]),
-                              Int4{} + (strength < 0 ? -1 : 0), 4 * ring};
+            rings[count++] = {
+                .full = UShort8{} + static_cast<std::uint16_t>(strength < 0 ? -strength : strength),
+                .slope = UShort8{} + static_cast<std::uint16_t>(taps.slope[ring]),
+                .sign = Int4{} + (strength < 0 ? -1 : 0),
+                .first = 4 * ring};
     }
     const int n = in.n;
     for_each_filtered_row(
@@ -236,10 +234,10 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
     int i = 0;
     for (; i + 4 <= inner; i += 4) {
         const auto column = [&](int k) {
-            return k < support
-                       ? most(least(load_vector<Int4>(in + k * inner + i), Int4{} + (limit - 1)),
-                              Int4{} - limit)
-                       : Int4{};
+            return k < support ? most(least(load_vector<Int4>(in + k * inner + i),
+                                            Int4{} + (coefficient_limit - 1)),
+                                      Int4{} - coefficient_limit)
+                               : Int4{};
         };
         // Parts of the coefficients of frequencies k and k + 2, one in each half of a lane.
         struct Parts {

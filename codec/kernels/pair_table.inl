@@ -3,11 +3,10 @@ namespace tessera {
 namespace {
 
 // Coefficients are split into x = high * 2^11 + low. high fits 16 bits, low 11, and every basis
-// value except 2^15 fits 16 bits, so one multiply-add instruction sums the products of two
-// frequencies. Where the basis value is 2^15, the coefficient's contribution before the last shift
-// is exactly 2^4 times the coefficient. Such a coefficient is called *whole*. DC is whole at all
-// positions, and in sizes with an odd factor a few other pairs of frequency and position are (n =
-// 5, k = 4, x = 2).
+// value except 2^15 fits 16 bits, so one multiply-add sums the products of two frequencies. Where
+// the basis value is 2^15, the coefficient contributes exactly 2^4 times itself before the last
+// shift and is called *whole*. DC always is, others are at a few positions in sizes with an odd
+// factor (n = 5, k = 4, x = 2).
 
 constexpr int max_pairs = max_frequencies / 4; // pairs of even (or odd) frequencies above 0
 

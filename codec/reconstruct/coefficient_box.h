@@ -17,8 +17,7 @@
 
 namespace tessera {
 
-// Handles one block at a time: begin(), then add() for each plane that is transformed together,
-// then the other functions.
+// Handles one block at a time: begin(), add() for each plane transformed together, then the rest.
 class CoefficientBox {
 public:
     CoefficientBox() { column_of_.fill(-1); }
@@ -30,8 +29,8 @@ public:
     bool is_constant() const { return support_ == Support{1, 1, 1, 1}; }
     // How many coefficients dequantize() fills.
     int size() const { return support_[0] * support_[1] * count_; }
-    // Dequantises a plane into `box`, in the order that transform() expects. `box` gets room for
-    // all passes.
+    // Dequantises a plane into `box` in the order that transform() expects, with room for all
+    // passes.
     void dequantize(std::span<const NonZero> levels, const ScanOrder& order, const ScaleSet& scales,
                     const ReconstructionOffsets& offsets, std::vector<std::int32_t>& box) const;
     // Transforms coefficients in `a` to values in `a`, dense in block order. `b` is scratch memory.

@@ -21,8 +21,8 @@ struct View {
     const std::int32_t* texels;
     int width, height;
 
-    // The nu x nv texels from (u, v) on. Positions outside repeat the edge. `buffer` must have room
-    // for all texels and may be used.
+    // The nu x nv texels from (u, v) on; positions outside repeat the edge. May use `buffer`, which
+    // has room for all.
     Rows part(int u, int v, int nu, int nv, std::int32_t* buffer) const {
         if (u >= 0 && u + nu <= width && v >= 0 && v + nv <= height)
             return {texels + v * width + u, width};
@@ -93,27 +93,30 @@ public:
             static_cast<std::size_t>(nu_ * (last_ - first_ + nv_ + taps_around)));
     }
 
-    // Adds the copy to `values`, dense in block order, or replaces them (see
-    // BaseCopies::add_shift).
+    // Adds the copy to the dense block `values`, or replaces it (BaseCopies::add_shift).
     void run(int add_shift, std::int32_t* values) {
         const auto& n = block_.shape.n;
         const int page = nu_ * nv_;
         const bool near = last_ - first_ + nv_ + taps_around <= n[3] * (nv_ + taps_around);
         for (int s = 0; s < n[2]; ++s, values += page) {
             const int u = from_middle(2, s) * displacement_.u;
+            BaseCopies to{.out = values,
+                          .stride = n[2] * page,
+                          .page = page,
+                          .n = nu_,
+                          .count = n[3],
+                          .row = nullptr,
+                          .phase = phase_.data(),
+                          .add_shift = add_shift};
             if (near) { // all t share the rows that are filtered along u
                 filter_along_u(u, first_, last_);
-                filter_along_v(
-                    {values, n[2] * page, page, nu_, n[3], nullptr, phase_.data(), add_shift},
-                    first_, 0);
+                filter_along_v(to, first_, 0);
                 continue;
             }
-            for (int t = 0; t < n[3]; ++t) {
-                const auto i = static_cast<std::size_t>(t);
-                filter_along_u(u, row_[i], row_[i]);
-                filter_along_v({values + t * n[2] * page, 0, page, nu_, 1, nullptr,
-                                phase_.data() + t, add_shift},
-                               row_[i], i);
+            to.count = 1;
+            for (std::size_t t = 0; t < n[3]; ++t, to.out += to.stride, ++to.phase) {
+                filter_along_u(u, row_[t], row_[t]);
+                filter_along_v(to, row_[t], t);
             }
         }
     }
@@ -126,8 +129,8 @@ private:
         return block_.origin[axis] + view - (tile_.n[axis] - 1) / 2;
     }
 
-    // Filters along u the rows that copies from row `first` to row `last` need, each once. Rows
-    // beyond the edges are repeated.
+    // Filters along u, once, the rows for copies from row `first` to `last`; rows outside repeat
+    // the edge.
     void filter_along_u(int eighths, int first, int last) {
         const int v = first - base_taps_before, rows = last - first + nv_ + taps_around;
         const int begin = std::clamp(-v, 0, rows - 1);
@@ -175,13 +178,13 @@ BlockTarget block_target(const Block& block, const BlockShape& picture,
                          std::vector<std::int32_t>& plane, std::int32_t limit) {
     const auto& n = block.shape.n;
     const int row = picture.n[0], page = row * picture.n[1];
-    BlockTarget to{plane.data() + plane_index(picture, block.origin[0], block.origin[1],
-                                              block.origin[2], block.origin[3]),
-                   {n[0], n[1], n[2], n[3]},
-                   row,
-                   page,
-                   page * picture.n[2],
-                   limit};
+    BlockTarget to{.out = plane.data() + plane_index(picture, block.origin[0], block.origin[1],
+                                                     block.origin[2], block.origin[3]),
+                   .n = {n[0], n[1], n[2], n[3]},
+                   .row = row,
+                   .s = page,
+                   .t = page * picture.n[2],
+                   .limit = limit};
     if (n[0] == row) { // rows of the block are contiguous
         to.n[0] *= n[1];
         to.n[1] = 1;
@@ -198,8 +201,11 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
     else
         copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,
                    decoded.plane[plane], [&](int s, int t) {
-                       return RowsTarget{out.data() + page_of(block.shape, s, t), n[0], n[1], n[0],
-                                         no_limit};
+                       return RowsTarget{.out = out.data() + page_of(block.shape, s, t),
+                                         .stride = n[0],
+                                         .rows = n[1],
+                                         .n = n[0],
+                                         .limit = no_limit};
                    });
 }
 
@@ -219,14 +225,15 @@ void copy_block(const Block& block, const BlockPrediction& prediction, const Til
                decoded.plane[plane], [&](int s, int t) {
                    const int first = plane_index(decoded.shape, block.origin[0], block.origin[1],
                                                  block.origin[2] + s, block.origin[3] + t);
-                   return RowsTarget{decoded.plane[plane].data() + first,
-                                     decoded.shape.n[0],
-                                     n[1],
-                                     n[0],
-                                     limit,
-                                     has_difference ? values + page_of(block.shape, s, t) : nullptr,
-                                     n[0],
-                                     has_difference ? difference_shift : 0};
+                   return RowsTarget{.out = decoded.plane[plane].data() + first,
+                                     .stride = decoded.shape.n[0],
+                                     .rows = n[1],
+                                     .n = n[0],
+                                     .limit = limit,
+                                     .add = has_difference ? values + page_of(block.shape, s, t)
+                                                           : nullptr,
+                                     .add_stride = n[0],
+                                     .add_shift = has_difference ? difference_shift : 0};
                });
 }
 

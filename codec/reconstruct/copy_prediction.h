@@ -1,5 +1,4 @@
-// Predicts a block from views of its tile, or from its base picture, that were reconstructed before
-// (FORMAT.md 4.6).
+// Predicts a block from earlier views of its tile or from its base picture (FORMAT.md 4.6).
 #pragma once
 
 #include "codec/kernels/kernels.h"

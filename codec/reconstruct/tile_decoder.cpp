@@ -25,7 +25,7 @@ Status TileDecoder::parse(std::span<const std::byte> payload, const BlockShape& 
         payload = {}; // stands for a tile of one block without levels
     TESSERA_TRY(split_payload(payload, shape.texels(), parts_));
     if (!parts_.corrections.empty() && !colour_->corrections)
-        return {ErrorCode::invalid_file, "corrections in a file whose header has none"};
+        return {ErrorCode::invalid_file, "the tile has corrections, which the header excludes"};
     TESSERA_TRY(decode_levels(parts_, shape, *coding_, grid_, levels_));
     return decode_corrections(parts_, shape, coding_->planes, coding_->tables, corrections_);
 }

@@ -1,5 +1,4 @@
-// Included by search_kernels.inl. Squared differences between views in small integers, whose sums
-// are the same in any order.
+// Included by search_kernels.inl. Squared differences of integers, exact in any order of summation.
 
 typedef std::int16_t Short4 __attribute__((vector_size(8)));
 typedef std::int16_t Short8 __attribute__((vector_size(16)));
@@ -119,8 +118,7 @@ inline __m128i squares_of_some(const std::int16_t* a, int a_stride, const std::i
     return sum;
 }
 
-// Adds the sums of eight columns. Two rows are interleaved, so that one multiply-add sums the
-// squares of both.
+// Adds the sums of eight columns. A multiply-add sums the squares of two interleaved rows.
 inline void add_squares_of_8(const std::int16_t* a, int a_stride, const std::int16_t* b,
                              int b_stride, int first, int last, int rows, float* sums) {
     const auto difference = [&](int y) {

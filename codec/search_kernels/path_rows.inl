@@ -31,8 +31,7 @@ class PathRows {
 public:
     explicit PathRows(const TrellisTask& task) : task_(task) {}
 
-    // The neighbour classes of coefficient `at` in each state. For each coefficient in turn, call
-    // this function and then add().
+    // The neighbour classes of coefficient `at` in each state. To be followed by add() for it.
     Int8 neighbour_classes(int at) {
         if (at % rows_at_once ==
             0) // coefficients use their own row for neighbours that do not exist
@@ -48,8 +47,7 @@ public:
         return classes;
     }
 
-    // `from` is the state that each state's path came from. It is also stored in
-    // TrellisTask::before.
+    // `from`: the state that each state's path came from; also stored in TrellisTask::before.
     void add(int at, const Int8& from, const Int8& level) {
         from_ = from;
         last_ = seen_amplitudes(level);

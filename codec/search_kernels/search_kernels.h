@@ -1,7 +1,6 @@
-// The hot loops of the encoder's search, which use floats. They are compiled per instruction set
-// and picked like those in codec/kernels. All paths give the same bits: lanes are outputs or
-// partial sums in a fixed order, independent of the vector width, and the compiler may not contract
-// multiplications and additions.
+// The hot loops of the encoder's search, which use floats, compiled and picked like those in
+// codec/kernels. All paths give the same bits: lanes are outputs or partial sums in a fixed order,
+// and products and sums are not contracted.
 #pragma once
 
 #include "codec/kernels/kernels.h"
@@ -26,8 +25,7 @@ struct CostSum {
 constexpr int forward_kept(int n) {
     return n >= 32 ? (n + 1) / 2 : n;
 }
-// The frequency at index i of a row. For sides with a butterfly (4, 8, 16, 32, 64) the even
-// frequencies come first.
+// The frequency at index i of a row. Sides with a butterfly have the even ones first.
 constexpr int forward_order(int n, int i) {
     const bool butterfly = n == 4 || n == 8 || n == 16 || n == 32 || n == 64;
     const int half = forward_kept(n) / 2;
@@ -37,16 +35,14 @@ constexpr int forward_order(int n, int i) {
 // More than any path costs.
 constexpr float unreachable_cost = 1e30f;
 
-// Four rows of the trellis, each with the amplitudes of one coefficient on the paths of all states,
-// fill a vector of 32 bytes.
+// Four rows of the trellis fill 32 bytes. A row has a coefficient's amplitude on each state's path.
 constexpr int trellis_rows_at_once = 4;
 struct alignas(32) TrellisRows {
     std::uint8_t row[trellis_rows_at_once][quantiser_states];
 };
 
-// The coefficients of one plane in scan order, and the costs of their levels in bits. Zero flags of
-// a quantiser are indexed by [row][is non-zero][class of the neighbours], its magnitude tokens by
-// [row][token][class].
+// The coefficients of a plane in scan order and what levels cost, in bits. Indices of a quantiser's
+// zero flags: [row][is non-zero][class of neighbours]; of its magnitudes: [row][token][class].
 struct TrellisTask {
     int count;
     const float* amplitude;          // in steps
@@ -74,15 +70,13 @@ struct TrellisEnd {
     int length, state;
 };
 
-// The layout of a cell in a plane of its tile: rows of `width` texels, `row` apart, and views that
-// lie `s` and `t` apart.
+// The layout of a cell in a plane: rows of `width` texels `row` apart, views `s` and `t` apart.
 struct CellViews {
     int width, rows, ns, nt;
     int row, s, t;
 };
 
-// The largest magnitude of values that are matched. Squared differences over two columns of 64 rows
-// then sum to less than 2^31.
+// Limits matched values, so that squared differences of two columns of 64 rows sum to below 2^31.
 constexpr int matching_limit = 2047;
 // Kernels may read this many values past the last one.
 constexpr std::size_t read_behind_matched = 3;
@@ -101,14 +95,14 @@ struct Ycocg8Planes {
     float* plane[3];
     std::int32_t background[3]; // Y, Co, Cg of the background's 8-bit RGB
     int texels, images;
-    // For each square of eight texels and eight images: whether the planes are known to be 0 there.
-    // load_ycocg8 updates it.
+    // For each square of 8 texels and 8 images: whether the planes are known to be 0. Kept up to
+    // date.
     std::uint8_t* is_zero;
 };
 
 struct SearchKernels {
-    // One orthonormal forward DCT pass over `rows` rows of n values; rows lie `stride` apart.
-    // basis_t is forward_basis(n).
+    // An orthonormal DCT pass over `rows` rows of n values, `stride` apart. basis_t:
+    // forward_basis(n).
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
                          const float* basis_t);
     // The same along an outer axis, for `width` adjacent signals. The values of a signal lie
@@ -119,15 +113,14 @@ struct SearchKernels {
     // Transforms a cell along t and then along s, from one plane into another of the same tile.
     void (*forward_views)(const float* in, float* out, const CellViews& cell);
 
-    // Orthonormal 2D DCT of an image of nu x nv floats whose rows lie `stride` apart. Writes only
-    // the lowest forward_kept(nu) x forward_kept(nv) frequencies, row by row in v; within a row in
-    // the order of forward_order(nu).
+    // Orthonormal 2D DCT of nu x nv floats whose rows lie `stride` apart. Writes only the lowest
+    // forward_kept(nu) x forward_kept(nv) frequencies, row by row, in the order of
+    // forward_order(nu).
     void (*forward_image)(const float* in, int stride, int nu, int nv, float* out);
     // to[i] = x[i] * scale, rounded and clamped to +-matching_limit.
     void (*to_matching_units)(const float* x, float scale, int n, std::int16_t* to);
-    // sums[i] += the sum of (a[i] - b[i])^2 over `rows` <= 64 rows of n values. Row y of `a` is
-    // compared with row first + y of `b`, clamped to 0..last. Rows of `a` lie a_stride apart, those
-    // of `b` b_stride.
+    // sums[i] += the sum of (a[i] - b[i])^2 over `rows` <= 64 rows of n values, whose strides are
+    // a_stride and b_stride. Row y of `a` goes with row first + y of `b`, clamped to 0..last.
     void (*add_squared_differences)(const std::int16_t* a, int a_stride, const std::int16_t* b,
                                     int b_stride, int first, int last, int rows, int n,
                                     float* sums);
@@ -137,19 +130,17 @@ struct SearchKernels {
     // The total over all columns.
     std::uint64_t (*squared_differences)(const std::int16_t* a, int a_stride, const std::int16_t* b,
                                          int b_stride, int first, int last, int rows, int n);
-    // The sum over x of min(a^2, base + slope * max(0, log2(a^2))) with a = x * inverse_step: the
-    // cost of setting each coefficient to 0 or of coding it (see cell_costs.cpp). base is in the
-    // order of x.
+    // Sums min(a^2, base + slope * max(0, log2(a^2))), a = x * inverse_step: the cost of setting
+    // each coefficient to 0 or of coding it (see cell_costs.cpp). base is in the order of x.
     CostSum (*coding_cost)(const float* x, const float* base, int count, float inverse_step,
                            float slope);
     // The largest magnitude of n floats.
     float (*largest_magnitude)(const float* x, int n);
-    // Bit i says whether the colour (y[i], co[i], cg[i]) has a squared length of at least `least`
-    // in RGB. n <= 64.
+    // Bit i: whether the colour (y[i], co[i], cg[i]) is at least `least` long in RGB, squared. n <=
+    // 64.
     std::uint64_t (*long_colours)(const float* y, const float* co, const float* cg, int n,
                                   float least);
-    // sum += x and squares += x^2 over n floats, as four partial sums that are added as (0 + 1) +
-    // (2 + 3).
+    // sum += x, squares += x^2 over n floats, in four partial sums added as (0 + 1) + (2 + 3).
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same for each of `count` consecutive runs of four floats, into sums[i] and squares[i].
     void (*add_quads)(const float* x, int count, float* sums, float* squares);
@@ -160,8 +151,7 @@ struct SearchKernels {
     // n times: to[i] = to[i] + x[2 i] + x[2 i + 1], or to[i] += x[i].
     void (*add_pairs)(const float* x, int n, float* to);
     void (*add_singles)(const float* x, int n, float* to);
-    // 8-bit RGB with the pairs fastest to planes: colour transform and transposition (FORMAT.md
-    // 4.5).
+    // 8-bit RGB with the pairs fastest to planes: transforms colour and transposes (FORMAT.md 4.5).
     void (*load_ycocg8)(const Ycocg8Planes& to, const unsigned char* in);
     ByteErrors (*compare_bytes)(const unsigned char* a, const unsigned char* b, std::size_t n);
     // sums[i] += a[i] - b[i] for byte_lanes columns of up to most_byte_rows rows.
@@ -169,8 +159,7 @@ struct SearchKernels {
                                  std::int16_t* sums);
     // Finds the cheapest path through the states of dependent quantisation.
     TrellisEnd (*run_trellis)(const TrellisTask& task);
-    // to = in - predicted * unit, for `rows` rows of n values. Rows of `in` lie `stride` apart;
-    // `predicted` and `to` are dense.
+    // to = in - predicted * unit for `rows` rows of n values, dense except `in`: `stride` apart.
     void (*subtract_predicted)(const float* in, int stride, const std::int32_t* predicted,
                                float unit, int rows, int n, float* to);
 };

@@ -14,8 +14,7 @@
 namespace tessera {
 namespace {
 
-// Compiler vectors. Those of 32 bytes become two halves where the instruction set has only 128
-// bits.
+// Compiler vectors. Without AVX2, those of 32 bytes become two halves.
 typedef float Float8 __attribute__((vector_size(32)));
 typedef float Float4 __attribute__((vector_size(16)));
 typedef float Float2 __attribute__((vector_size(8)));
@@ -39,8 +38,6 @@ inline float sum_of(const Float8& s) {
 constexpr int views_at_once = 8; // texels of a row
 
 constexpr int cost_lanes = 8;
-
-// The partial sums of coding_cost.
 struct CostLanes {
     Float8 cost{}, energy{}, zeroed{}, bases{}, coded{};
 
@@ -203,8 +200,7 @@ inline void plain_rows(const float* in, int step, int stride, int rows, int n, i
     }
 }
 
-// Transforms one vector of columns whose values lie `stride` apart. Frequency k goes to out[k *
-// out_stride].
+// Transforms a vector of columns of values `stride` apart. Frequency k goes to out[k * out_stride].
 template <class Vector, int frequencies>
 inline void plain_column_frequencies(const float* in, int stride, int n, const float* basis_t,
                                      float* out, int out_stride) {
@@ -324,8 +320,7 @@ void forward_views_of_run(const float* in, float* out, const CellViews& cell, in
     float between[views_at_once * max_angular_side * max_angular_side];
     int s_step = cell.s, t_step = cell.t;
     if (cell.nt > 1) {
-        // The intermediate result is stored compactly so that the pass along s does not compete for
-        // the same cache lines.
+        // Stored compactly, so that values for the pass along s do not compete for cache lines.
         s_step = cell.ns > 1 ? width : cell.s;
         t_step = cell.ns > 1 ? width * cell.ns : cell.t;
         float* const to = cell.ns > 1 ? between : out;
@@ -522,8 +517,6 @@ void add_singles(const float* x, int n, float* to) {
     for (; i < n; ++i)
         to[i] += x[i];
 }
-
-// load_ycocg8 for a range of texels and a range of images.
 void load_ycocg8_part(const Ycocg8Planes& to, const unsigned char* in, int texel_begin,
                       int texel_end, int image_begin, int image_end) {
     for (int i = image_begin; i < image_end; ++i)
@@ -659,27 +652,27 @@ void subtract_predicted(const float* in, int stride, const std::int32_t* predict
 }
 
 constexpr SearchKernels make_search_kernels() {
-    return {forward_rows,
-            forward_planes,
-            forward_views,
-            forward_image,
-            to_matching_units,
-            add_squared_differences,
-            add_squared_pairs,
-            squared_differences,
-            coding_cost,
-            largest_magnitude,
-            long_colours,
-            add_row,
-            add_quads,
-            measure_cells,
-            add_pairs,
-            add_singles,
-            load_ycocg8,
-            compare_bytes,
-            add_byte_differences,
-            run_trellis,
-            subtract_predicted};
+    return {.forward_rows = forward_rows,
+            .forward_planes = forward_planes,
+            .forward_views = forward_views,
+            .forward_image = forward_image,
+            .to_matching_units = to_matching_units,
+            .add_squared_differences = add_squared_differences,
+            .add_squared_pairs = add_squared_pairs,
+            .squared_differences = squared_differences,
+            .coding_cost = coding_cost,
+            .largest_magnitude = largest_magnitude,
+            .long_colours = long_colours,
+            .add_row = add_row,
+            .add_quads = add_quads,
+            .measure_cells = measure_cells,
+            .add_pairs = add_pairs,
+            .add_singles = add_singles,
+            .load_ycocg8 = load_ycocg8,
+            .compare_bytes = compare_bytes,
+            .add_byte_differences = add_byte_differences,
+            .run_trellis = run_trellis,
+            .subtract_predicted = subtract_predicted};
 }
 
 } // namespace

@@ -1,6 +1,5 @@
 // Included by search_kernels.inl. The Viterbi algorithm over the states of dependent quantisation.
-// The best path of each state has its own contexts. All states are processed at once without
-// branches, one lane per state.
+// All states are processed at once, one lane each; the best path of each has its own contexts.
 
 // For amplitudes below smallest_dependent the only candidates are 0 and level 1, half a step. Where
 // most coefficients are not 0, level 1 may cost less than 0. It is tried only if it costs at most
@@ -52,9 +51,8 @@ inline Float8 look_up(const float* row, const Int8& index) {
 #endif
 }
 
-// The two transitions into each state, the one from the lower state first. place is an index into
-// the costs of even magnitudes of all states followed by those of odd magnitudes; from is the state
-// before.
+// The two transitions into each state, that from the lower state first: its index into the costs of
+// all states' even, then odd magnitudes, and the state before.
 struct WaysTo {
     int place[2][quantiser_states] = {};
     std::int32_t from[2][quantiser_states] = {};

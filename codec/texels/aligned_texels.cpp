@@ -150,9 +150,8 @@ Result<std::unique_ptr<TexelSource>> hold_slabs(TexelSource& source, unsigned th
     const std::uint64_t allowed = slab_bytes / desc.texel_bytes(), needed = texel_count(desc.size);
     if (needed > allowed)
         return Status(ErrorCode::over_budget,
-                      "views that are aligned are held in memory all together, " +
-                          std::to_string(needed) + " texels, where only " +
-                          std::to_string(allowed) + " are allowed");
+                      "aligned views must all be in memory: " + std::to_string(needed) +
+                          " texels, but only " + std::to_string(allowed) + " are allowed");
     TESSERA_TRY_ASSIGN(std::vector<std::byte> texels, read_all(source, threads, slab_bytes));
     return std::unique_ptr<TexelSource>(std::make_unique<HeldTexels>(desc, std::move(texels)));
 }

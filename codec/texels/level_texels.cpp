@@ -8,12 +8,12 @@
 namespace tessera {
 namespace {
 
-unsigned difference(const LevelEntry& fine, const LevelEntry& coarse, int axis) {
-    return coarse.lod(axis) - fine.lod(axis);
+unsigned difference(const LevelEntry& fine, const LevelEntry& coarse, std::size_t axis) {
+    return coarse.lod(static_cast<int>(axis)) - fine.lod(static_cast<int>(axis));
 }
 
 // The axes of a dense box from the slowest to the fastest.
-constexpr std::array<int, 4> dense_order{axis_v, axis_u, axis_t, axis_s};
+constexpr std::array<std::size_t, 4> dense_order{axis_v, axis_u, axis_t, axis_s};
 
 // The two neighbours of one texel along one axis, and the weight of the second.
 struct Tap {
@@ -85,9 +85,8 @@ template <SampleType type> void store_rounded(const std::vector<float>& codes, s
 
 Box4 covered_by(const Box4& box, const LevelEntry& coarse, const LevelEntry& fine) {
     Box4 covered;
-    for (int axis = 0; axis < 4; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        const unsigned lod = difference(fine, coarse, axis);
+    for (std::size_t a = 0; a < 4; ++a) {
+        const unsigned lod = difference(fine, coarse, a);
         covered.begin[a] = box.begin[a] << lod;
         covered.end[a] = static_cast<std::uint32_t>(
             std::min<std::uint64_t>(std::uint64_t{box.end[a]} << lod, fine.size[a]));
@@ -107,8 +106,8 @@ void LevelMeans::add(const Box4& fine_box, std::span<const std::byte> texels) {
     const auto add_row = desc_.type == SampleType::unorm8 ? tessera::add_row<SampleType::unorm8>
                                                           : tessera::add_row<SampleType::half16>;
     std::array<unsigned, 4> lod{};
-    for (int axis = 0; axis < 4; ++axis)
-        lod[static_cast<std::size_t>(axis)] = difference(fine_, coarse_, axis);
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        lod[axis] = difference(fine_, coarse_, axis);
     for (std::uint32_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
         for (std::uint32_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
             for (std::uint32_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t) {
@@ -136,9 +135,8 @@ void LevelMeans::finish(std::span<std::byte> out) const {
     const Extent4 n = box_.extent();
     const std::size_t bytes = sample_bytes(desc_.type);
     // How many texels of the finer level this coarse texel covers along one axis.
-    const auto joined = [this](int axis, std::uint32_t at) {
-        const auto a = static_cast<std::size_t>(axis);
-        const unsigned lod = difference(fine_, coarse_, axis);
+    const auto joined = [this](std::size_t a, std::uint32_t at) {
+        const unsigned lod = difference(fine_, coarse_, a);
         const std::uint64_t begin = std::uint64_t{box_.begin[a] + at} << lod;
         return static_cast<std::int64_t>(
             std::min<std::uint64_t>(begin + (std::uint64_t{1} << lod), fine_.size[a]) - begin);
@@ -164,9 +162,8 @@ void LevelMeans::finish(std::span<std::byte> out) const {
 
 Box4 support_of(const Box4& box, const LevelEntry& fine, const LevelEntry& coarse) {
     Box4 support;
-    for (int axis = 0; axis < 4; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        const unsigned lod = difference(fine, coarse, axis);
+    for (std::size_t a = 0; a < 4; ++a) {
+        const unsigned lod = difference(fine, coarse, a);
         const std::vector<Tap> first =
             taps_of(box.begin[a], box.begin[a] + 1, 0, coarse.size[a], lod);
         const std::vector<Tap> last = taps_of(box.end[a] - 1, box.end[a], 0, coarse.size[a], lod);
@@ -185,17 +182,14 @@ void interpolate_level(std::span<const std::byte> texels, const Box4& support, c
         values[i] = static_cast<float>(
             sample_code(load_sample(texels.data() + i * bytes, desc.type), desc.type));
     // Starting with the slowest axis gives most of the work long rows.
-    for (const int axis : dense_order) {
-        const auto a = static_cast<std::size_t>(axis);
+    for (const std::size_t a : dense_order) {
         const std::size_t n = support.end[a] - support.begin[a];
         std::size_t after = desc.channels; // values per step along the axis
-        for (std::size_t i = 3; dense_order[i] != axis; --i) {
-            const auto b = static_cast<std::size_t>(dense_order[i]);
-            after *= support.end[b] - support.begin[b];
-        }
+        for (std::size_t i = 3; dense_order[i] != a; --i)
+            after *= support.end[dense_order[i]] - support.begin[dense_order[i]];
         const std::vector<Tap> taps = taps_of(box.begin[a], box.end[a], support.begin[a],
-                                              coarse.size[a], difference(fine, coarse, axis));
-        if (difference(fine, coarse, axis) > 0)
+                                              coarse.size[a], difference(fine, coarse, a));
+        if (difference(fine, coarse, a) > 0)
             values = interpolate_axis(values, n, after, taps);
     }
     const auto store = desc.type == SampleType::unorm8 ? store_rounded<SampleType::unorm8>

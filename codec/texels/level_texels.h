@@ -1,5 +1,4 @@
-// Conversion between levels: means for a coarser level, interpolation for a finer one (FORMAT.md
-// 5.4).
+// Conversion between levels: means for a coarser, interpolation for a finer one (FORMAT.md 5.4).
 #pragma once
 
 #include "format/container/level_table.h"
@@ -12,8 +11,7 @@
 
 namespace tessera {
 
-// The texels of `fine` that the texels `box` of `coarse` cover. Precondition: `coarse` follows
-// `fine` in a level table.
+// The texels of `fine` that the texels `box` of `coarse` cover. `coarse` is the level after `fine`.
 Box4 covered_by(const Box4& box, const LevelEntry& coarse, const LevelEntry& fine);
 
 // Means of one box of a coarse level, computed from boxes of the finer level.
@@ -22,11 +20,10 @@ public:
     // Holds 8 bytes per sample of `box`.
     LevelMeans(const TextureDesc& desc, const LevelEntry& fine, const LevelEntry& coarse,
                const Box4& box);
-    // Adds the part of `fine_box` that the coarse box covers. Every texel must be added exactly
+    // Adds the part of `fine_box` that the coarse box covers. Each texel must be added exactly
     // once.
     void add(const Box4& fine_box, std::span<const std::byte> texels);
-    // Writes the means, rounded to codes, ties upwards. Precondition: `out` has the size of the
-    // box.
+    // Writes the means, rounded to codes, ties upwards. `out` must have the size of the box.
     void finish(std::span<std::byte> out) const;
 
 private:

@@ -13,8 +13,8 @@ namespace tessera {
 std::vector<std::uint64_t> choose_numbers(std::uint64_t count, std::uint64_t wanted,
                                           std::uint64_t seed);
 
-// The indices of the `wanted` largest values (of all if there are fewer), largest first; equal
-// values keep their order.
+// The indices of the `wanted` (or all) largest values, largest first; equal values keep their
+// order.
 std::vector<std::size_t> largest_values(std::span<const std::uint64_t> values, std::size_t wanted);
 
 } // namespace tessera

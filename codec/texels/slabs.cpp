@@ -58,8 +58,7 @@ void halve(std::uint32_t& n, const std::function<bool()>& fits) {
         n = (n + 1) / 2;
 }
 
-// The number of tiles of a slab along each axis. Tiles of a grid differ by one texel; all are
-// counted as the largest.
+// The number of tiles of a slab along each axis, all counted as large as the largest.
 Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality locality,
                       const SlabLimit& limit) {
     const std::array<bool, 4> single = single_axes(locality);
@@ -79,8 +78,7 @@ Extent4 tiles_of_slab(const TileGrid& grid, const Extent4& touched, Locality loc
     return tiles;
 }
 
-// The extents of the parts that a slab of whole tiles is cut into. They are too large if no cut is
-// possible.
+// The extents of the parts of a slab of whole tiles, too large if it cannot be cut further.
 Extent4 texels_of_part(Extent4 whole, Locality locality, const SlabLimit& limit) {
     for (const Cut& cut : cuts_of(locality, limit.whole_tiles))
         if (!cut.to_tiles)
@@ -109,9 +107,9 @@ Status append_parts(const TileGrid& grid, const Box4& whole, Locality locality,
         for (std::size_t axis = 0; axis < 4; ++axis)
             part.end[axis] = std::min(whole.end[axis], at[axis] + step[axis]);
         if (locality != Locality::any && part.texels() > limit.texels)
-            return {ErrorCode::over_budget, "a part of " + std::to_string(part.texels()) +
-                                                " texels (" + to_string(part) +
-                                                ") has to be held in memory, only " +
+            return {ErrorCode::over_budget, std::to_string(part.texels()) + " texels (" +
+                                                to_string(part) +
+                                                ") must be in memory at once, but only " +
                                                 std::to_string(limit.texels) + " are allowed"};
         slabs.push_back({part, grid.tiles_touched(part)});
     } while (advance(at, whole, step));

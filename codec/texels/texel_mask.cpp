@@ -47,8 +47,8 @@ Status check_mask(const TexelSource* mask, const Extent4& texture_size) {
         return bad("must have one channel of 8 bits");
     for (std::size_t axis = 0; axis < 4; ++axis)
         if (desc.size[axis] != texture_size[axis] && desc.size[axis] != 1)
-            return bad(to_string(desc.size) + " does not fit a texture of " +
-                       to_string(texture_size) + ": each side must be the texture's, or 1");
+            return bad("the size " + to_string(desc.size) + " does not fit a texture of " +
+                       to_string(texture_size) + ": each side must be equal, or 1");
     if (mask->locality() != Locality::any)
         return bad("must be readable box by box in any order");
     return {};

@@ -11,12 +11,10 @@
 
 namespace tessera {
 
-// Reads the mask of `box` into `matters`, in the form of TileTexels::matters. Thread-safe. Errors:
-// those of the mask.
+// Reads the mask of `box` as TileTexels::matters. Thread-safe. Errors: those of the mask.
 Status read_mask(TexelSource* mask, const Box4& box, std::vector<std::byte>& matters);
 
-// Counts the texels of a texture that are not masked. Memory: one box per thread. Errors: those of
-// the mask.
+// Counts the texels that are not masked. Memory: a box per thread. Errors: those of the mask.
 Result<std::uint64_t> count_texels_that_matter(TexelSource* mask, const Extent4& texture_size,
                                                unsigned threads);
 

@@ -40,8 +40,7 @@ public:
         return all_zero != all_rows();
     }
 
-    // Calls visit(view, FilterView) for each view. Rows are skipped if they and all rows that they
-    // are filtered with are zero.
+    // Calls visit(view, FilterView) for each view. Skips rows that are filtered from zeros only.
     template <class Visit> void for_each_view(Visit visit) const {
         const int nv = shape_.n[1], ns = shape_.n[2], nt = shape_.n[3];
         FilterView<Value> in{};
@@ -86,7 +85,8 @@ private:
     // Returns the rows that are all 0.
     RowSet fill_view(int view, const std::int32_t* values, std::int32_t limit) {
         const int nu = shape_.n[0], nv = shape_.n[1];
-        const RowSet zero = pad_rows(values, limit, {at(view, 0), stride_, nv, nu});
+        const RowSet zero =
+            pad_rows(values, limit, {.out = at(view, 0), .stride = stride_, .rows = nv, .n = nu});
         zero_[static_cast<std::size_t>(view)] = zero;
         for (int v = 1; v <= filter_margin; ++v) {
             std::copy_n(at(view, 0) - filter_margin, stride_, at(view, -v) - filter_margin);

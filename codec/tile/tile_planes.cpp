@@ -9,8 +9,6 @@
 namespace tessera {
 namespace {
 
-using Texel = TexelCodes;
-
 // Calls visit(index in planes, texel address) for each texel of a box. u is the innermost loop, so
 // that planes are walked along their rows.
 template <class Byte, class Visit>
@@ -25,11 +23,11 @@ void for_each_texel(const BlockShape& shape, Byte* texels, std::size_t texel_byt
 }
 
 template <SampleType type, int channels, bool ycocg>
-void to_planes(std::span<const std::byte> texels, const Texel& background, const BlockShape& shape,
-               TilePlanes& planes) {
+void to_planes(std::span<const std::byte> texels, const TexelCodes& background,
+               const BlockShape& shape, TilePlanes& planes) {
     for_each_texel(shape, texels.data(), channels * sample_bytes(type),
                    [&](std::size_t i, const std::byte* at) {
-                       Texel c{};
+                       TexelCodes c{};
                        for (int k = 0; k < channels; ++k)
                            c[k] = sample_code(load_sample(at + k * sample_bytes(type), type), type);
                        if constexpr (ycocg)
@@ -39,18 +37,15 @@ void to_planes(std::span<const std::byte> texels, const Texel& background, const
                    });
 }
 
-template <SampleType type> std::int32_t rounded_value(std::int32_t value) {
-    constexpr int bits = value_bits(type);
-    return bits == 0 ? value : (value + (1 << bits >> 1)) >> bits;
-}
-
 template <SampleType type, int channels, bool ycocg>
-void to_texels(const TilePlanes& planes, const Texel& background, std::span<std::byte> texels) {
+void to_texels(const TilePlanes& planes, const TexelCodes& background,
+               std::span<std::byte> texels) {
+    constexpr int bits = value_bits(type);
     for_each_texel(planes.shape, texels.data(), channels * sample_bytes(type),
                    [&](std::size_t i, std::byte* at) {
-                       Texel c{};
+                       TexelCodes c{};
                        for (int k = 0; k < channels; ++k)
-                           c[k] = rounded_value<type>(planes.plane[k][i]) + background[k];
+                           c[k] = ((planes.plane[k][i] + (1 << bits >> 1)) >> bits) + background[k];
                        if constexpr (ycocg)
                            inverse_ycocg(c);
                        for (int k = 0; k < channels; ++k)
@@ -58,41 +53,28 @@ void to_texels(const TilePlanes& planes, const Texel& background, std::span<std:
                    });
 }
 
-// Calls the instance of Body<type, channels, ycocg> that fits a description.
-template <template <SampleType, int, bool> class Body, class... Args>
-void dispatch(const ColourCoding& colour, Args&&... args) {
-    const auto with = [&]<SampleType type>() {
+// Calls body<type, channels, ycocg>() for the samples of `colour`.
+template <class Body> void dispatch(const ColourCoding& colour, const Body& body) {
+    const auto of_type = [&]<SampleType type>() {
         const bool ycocg = colour.transform == ColourTransform::ycocg_r;
         switch (colour.desc.channels) {
         case 1:
-            return Body<type, 1, false>::run(args...);
+            return body.template operator()<type, 1, false>();
         case 2:
-            return Body<type, 2, false>::run(args...);
+            return body.template operator()<type, 2, false>();
         case 3:
-            return ycocg ? Body<type, 3, true>::run(args...) : Body<type, 3, false>::run(args...);
+            return ycocg ? body.template operator()<type, 3, true>()
+                         : body.template operator()<type, 3, false>();
         default:
-            return ycocg ? Body<type, 4, true>::run(args...) : Body<type, 4, false>::run(args...);
+            return ycocg ? body.template operator()<type, 4, true>()
+                         : body.template operator()<type, 4, false>();
         }
     };
     if (colour.desc.type == SampleType::unorm8)
-        with.template operator()<SampleType::unorm8>();
+        of_type.template operator()<SampleType::unorm8>();
     else
-        with.template operator()<SampleType::half16>();
+        of_type.template operator()<SampleType::half16>();
 }
-
-template <SampleType type, int channels, bool ycocg> struct ToPlanes {
-    static void run(std::span<const std::byte> texels, const Texel& background,
-                    const BlockShape& shape, TilePlanes& planes) {
-        to_planes<type, channels, ycocg>(texels, background, shape, planes);
-    }
-};
-
-template <SampleType type, int channels, bool ycocg> struct ToTexels {
-    static void run(const TilePlanes& planes, const Texel& background,
-                    std::span<std::byte> texels) {
-        to_texels<type, channels, ycocg>(planes, background, texels);
-    }
-};
 
 } // namespace
 
@@ -120,7 +102,7 @@ void TilePlanes::resize_base(const BlockShape& new_shape, int planes) {
 void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& colour,
                         const BlockShape& shape, TilePlanes& planes) {
     planes.resize(shape, colour.desc.channels);
-    const Texel background = background_planes(colour);
+    const TexelCodes background = background_planes(colour);
     if (is_ycocg8(colour)) {
         const auto& [nu, nv, ns, nt] = shape.n;
         std::int32_t* const to[3] = {planes.plane[0].data(), planes.plane[1].data(),
@@ -129,21 +111,25 @@ void planes_from_texels(std::span<const std::byte> texels, const ColourCoding& c
                               ns * nt, background.data(), to);
         return;
     }
-    dispatch<ToPlanes>(colour, texels, background, shape, planes);
+    dispatch(colour, [&]<SampleType type, int channels, bool ycocg>() {
+        to_planes<type, channels, ycocg>(texels, background, shape, planes);
+    });
 }
 
 void texels_from_planes(const TilePlanes& planes, const ColourCoding& colour,
                         std::span<std::byte> texels) {
-    const Texel background = background_planes(colour);
+    const TexelCodes background = background_planes(colour);
     if (is_ycocg8(colour)) {
         const auto& [nu, nv, ns, nt] = planes.shape.n;
         kernels().store_ycocg8(
-            {{planes.plane[0].data(), planes.plane[1].data(), planes.plane[2].data()},
-             {background[0], background[1], background[2]}},
+            {.plane = {planes.plane[0].data(), planes.plane[1].data(), planes.plane[2].data()},
+             .background = {background[0], background[1], background[2]}},
             nu * nv, ns * nt, reinterpret_cast<unsigned char*>(texels.data()));
         return;
     }
-    dispatch<ToTexels>(colour, planes, background, texels);
+    dispatch(colour, [&]<SampleType type, int channels, bool ycocg>() {
+        to_texels<type, channels, ycocg>(planes, background, texels);
+    });
 }
 
 } // namespace tessera
