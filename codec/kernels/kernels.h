@@ -76,8 +76,7 @@ template <class Value> struct FilterView {
     RowSet skip;
 };
 
-// Where `rows` rows of n values go, `stride` apart. filter_margin values on both sides repeat the
-// ends.
+// Where rows x n values go, `stride` apart. filter_margin values on both sides repeat the ends.
 template <class Value> struct PaddedRows {
     Value* out;
     int stride, rows, n;
@@ -99,15 +98,14 @@ struct Kernels {
     // Rotates `count` coefficients of three planes back to Y, Co, Cg (FORMAT.md 4.4).
     void (*unrotate)(std::int32_t* const planes[3], int count, const RotationMatrix& matrix);
 
-    // Writes floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0. `in` is dense; it may be
-    // `to.out`.
+    // Writes floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0. `in` is dense.
     void (*put_block)(const std::int32_t* in, int shift, const BlockTarget& to);
 
     // sums[i] += C of FORMAT.md 4.6, computed from rows j - 1, j, j + 1. Smooth filters read texels
     // -1..n of them, the others 0..n. A row with no weights is not read.
     void (*add_copies)(const std::int32_t* const rows[3], int filter, int n, std::int32_t* sums);
     // Writes the predictions computed from these sums; rows of `from` lie `stride` apart. Reads a
-    // row and a texel more on each side for smooth filters, and only below and behind for others.
+    // row and a texel more on each side for smooth filters, and only below and after for others.
     void (*copy_rows)(const std::int32_t* from, int stride, int filter, const RowsTarget& to);
 
     // The first pass of copies from a base picture (FORMAT.md 4.6). out[r][i] is row r filtered

@@ -95,14 +95,12 @@ struct Ycocg8Planes {
     float* plane[3];
     std::int32_t background[3]; // Y, Co, Cg of the background's 8-bit RGB
     int texels, images;
-    // For each square of 8 texels and 8 images: whether the planes are known to be 0. Kept up to
-    // date.
+    // For each square of 8 texels and 8 images, up to date: whether the planes are known to be 0.
     std::uint8_t* is_zero;
 };
 
 struct SearchKernels {
-    // An orthonormal DCT pass over `rows` rows of n values, `stride` apart. basis_t:
-    // forward_basis(n).
+    // An orthonormal DCT pass over `rows` rows of n values, `stride` apart; needs forward_basis(n).
     void (*forward_rows)(const float* in, float* out, int rows, int n, int stride,
                          const float* basis_t);
     // The same along an outer axis, for `width` adjacent signals. The values of a signal lie
@@ -136,8 +134,7 @@ struct SearchKernels {
                            float slope);
     // The largest magnitude of n floats.
     float (*largest_magnitude)(const float* x, int n);
-    // Bit i: whether the colour (y[i], co[i], cg[i]) is at least `least` long in RGB, squared. n <=
-    // 64.
+    // Bit i: whether the squared RGB length of (y[i], co[i], cg[i]) is at least `least`. n <= 64.
     std::uint64_t (*long_colours)(const float* y, const float* co, const float* cg, int n,
                                   float least);
     // sum += x, squares += x^2 over n floats, in four partial sums added as (0 + 1) + (2 + 3).
