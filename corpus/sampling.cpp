@@ -6,7 +6,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double span_of(int axis) {
     return axis == axis_u ? 2.0 * pi : pi;

@@ -10,12 +10,12 @@ namespace tessera::corpus {
 namespace {
 
 constexpr std::size_t most_triangles = std::size_t{1} << 22;
-constexpr float largest = 1e15f; // squares of differences stay finite
+constexpr float largest_coordinate = 1e15f; // squares of differences stay finite
 constexpr double paper_radius = 3.5;
 
 template <class Vector> bool is_sound(const Vector& x) {
     for (glm::length_t i = 0; i < x.length(); ++i)
-        if (!(std::abs(x[i]) <= largest)) // NaN is not
+        if (!(std::abs(x[i]) <= largest_coordinate)) // NaN is not
             return false;
     return true;
 }

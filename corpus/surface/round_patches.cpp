@@ -8,7 +8,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::uint32_t count_of(double wished, std::uint32_t least) {
     return std::max(least, static_cast<std::uint32_t>(std::ceil(wished)));

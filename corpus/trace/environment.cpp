@@ -10,9 +10,9 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr std::int64_t most_side = 1 << 14;
-constexpr std::size_t most_bytes = std::size_t{1} << 30;
+using std::numbers::pi;
+constexpr std::int64_t most_environment_side = 1 << 14;
+constexpr std::size_t most_environment_bytes = std::size_t{1} << 30;
 // Of the mean light: directions that look black are still looked at now and then.
 constexpr double floor_share = 0.02;
 
@@ -43,7 +43,7 @@ Result<LightImage> read_exr(const std::string& path) {
         const auto window = file.dataWindow();
         const std::int64_t w = std::int64_t{window.max.x} - window.min.x + 1;
         const std::int64_t h = std::int64_t{window.max.y} - window.min.y + 1;
-        if (w <= 0 || h <= 0 || w > most_side || h > most_side)
+        if (w <= 0 || h <= 0 || w > most_environment_side || h > most_environment_side)
             return Status(ErrorCode::unsupported, "a picture of " + std::to_string(w) + "x" +
                                                       std::to_string(h) + " is too large");
         std::vector<Imf::Rgba> row(static_cast<std::size_t>(w));
@@ -93,7 +93,7 @@ Environment::Environment(LightImage image) : image_(std::move(image)) {
 
 Result<Environment> Environment::load(const std::string& path) {
     // Says why a file cannot be read.
-    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_bytes));
+    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_environment_bytes));
     const bool exr = bytes.size() >= 4 && bytes[0] == 0x76 && bytes[1] == 0x2F &&
                      bytes[2] == 0x31 && bytes[3] == 0x01;
     TESSERA_TRY_ASSIGN(LightImage image,

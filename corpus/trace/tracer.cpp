@@ -11,7 +11,7 @@ constexpr int most_bounces = 8;      // after the first
 constexpr int sure_bounces = 2;      // before chance ends paths
 constexpr double least_alpha = 0.09; // of places met by way of others
 
-double largest(const glm::dvec3& x) {
+double largest_channel(const glm::dvec3& x) {
     return std::max({x.x, x.y, x.z});
 }
 
@@ -64,8 +64,8 @@ struct BothLobes {
 };
 
 BothLobes both_lobes(const LitPoint& p, const glm::dvec3& view) {
-    const double s = largest(fresnel(p.lobes, glm::dot(p.normal, view)));
-    const double d = largest(p.lobes.diffuse);
+    const double s = largest_channel(fresnel(p.lobes, glm::dot(p.normal, view)));
+    const double d = largest_channel(p.lobes.diffuse);
     const double share = d > 0.0 ? std::clamp(s / (s + d), 0.1, 0.9) : 1.0;
     return {{p}, {p, view}, share};
 }
@@ -94,7 +94,7 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
     glm::dvec3 sum(0.0);
     const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
                          const glm::dvec3& share) {
-        if (largest(share * light) > 0.0 && !model_->is_blocked(start_of(point), direction))
+        if (largest_channel(share * light) > 0.0 && !model_->is_blocked(start_of(point), direction))
             sum += share * light;
     };
     const LightSample far = light_.environment->sample(random.next2());
@@ -106,7 +106,7 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
 }
 
 glm::dvec3 Tracer::diffuse(const LitPoint& point, PathRandom& random) const {
-    if (largest(point.lobes.diffuse) <= 0.0)
+    if (largest_channel(point.lobes.diffuse) <= 0.0)
         return glm::dvec3(0.0);
     const DiffuseLobe lobe{point};
     glm::dvec3 sum = direct(point, lobe, random);
@@ -164,7 +164,8 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     glm::dvec3 sum(0.0);
     if (light_.sun) {
         const glm::dvec3 share = lobe(light_.sun->direction).share;
-        if (largest(share) > 0.0 && !model_->is_blocked(start_of(point), light_.sun->direction))
+        if (largest_channel(share) > 0.0 &&
+            !model_->is_blocked(start_of(point), light_.sun->direction))
             sum += share * light_.sun->irradiance / own;
     }
     const glm::dvec3 l = sample_ggx(faced.lobes.alpha, faced.normal, view, random.next2());
@@ -203,7 +204,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double dens
             return sum;
         share *= thrown.share / thrown.density;
         if (bounce >= sure_bounces) {
-            const double chance = std::min(0.95, largest(share));
+            const double chance = std::min(0.95, largest_channel(share));
             if (random.next() >= chance)
                 return sum;
             share /= chance;

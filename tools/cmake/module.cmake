@@ -13,7 +13,7 @@ function(tessera_module name)
     add_library(tessera_${name} STATIC ${ARG_SOURCES})
     add_library(tessera::${name} ALIAS tessera_${name})
     set_target_properties(tessera_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
-        UNITY_BUILD_MODE GROUP POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden
+        POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden
         VISIBILITY_INLINES_HIDDEN ON)
     target_include_directories(tessera_${name} INTERFACE
         $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
@@ -40,23 +40,16 @@ function(tessera_public_headers module)
     endforeach()
 endfunction()
 
-# Sources of some folders of the module whose CMakeLists.txt this is. Where CMAKE_UNITY_BUILD is set, as
-# tools/common.sh does, the folders of an argument (io+container), and single files, are compiled as one
-# source: most of what a file costs is reading its headers.
+# Sets `variable` to the sources of folders, and to single .cpp files, of the module whose CMakeLists.txt this is.
 function(tessera_sources variable)
     set(all)
-    foreach(group IN LISTS ARGN)
-        string(REPLACE "+" ";" folders ${group})
-        string(MAKE_C_IDENTIFIER ${group} name)
-        foreach(folder IN LISTS folders)
-            if(folder MATCHES "cpp$") # one file of a folder
-                set(files ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
-            else()
-                file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
-            endif()
-            set_source_files_properties(${files} PROPERTIES UNITY_GROUP ${name})
+    foreach(entry IN LISTS ARGN)
+        if(entry MATCHES "\\.cpp$")
+            list(APPEND all ${CMAKE_CURRENT_SOURCE_DIR}/${entry})
+        else()
+            file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${entry}/*.cpp)
             list(APPEND all ${files})
-        endforeach()
+        endif()
     endforeach()
     set(${variable} ${all} PARENT_SCOPE)
 endfunction()

@@ -135,15 +135,15 @@ std::map<std::string, std::string> description_to_text(const Description& d) {
                         float_text(d.sphere_centre[0]) + "," + float_text(d.sphere_centre[1]) +
                         "," + float_text(d.sphere_centre[2]) + "," + float_text(d.sphere_radius);
     if (d.surface_map != SurfaceMap::none)
-        text["surface-map"] = kebab_case(name_of(d.surface_map));
+        text["surface-map"] = name_of(d.surface_map);
     if (d.angular_map != AngularMap::none)
-        text["angular-map"] = kebab_case(name_of(d.angular_map));
+        text["angular-map"] = name_of(d.angular_map);
     if (d.transfer != Transfer::unspecified)
-        text["transfer"] = kebab_case(name_of(d.transfer));
+        text["transfer"] = name_of(d.transfer);
     if (d.primaries != Primaries::unspecified)
-        text["primaries"] = kebab_case(name_of(d.primaries));
+        text["primaries"] = name_of(d.primaries);
     if (d.alpha != AlphaMode::none)
-        text["alpha"] = kebab_case(name_of(d.alpha));
+        text["alpha"] = name_of(d.alpha);
     if (d.viewing_radius[0] != 0 || d.viewing_radius[1] != 0)
         text["viewing-radius"] =
             float_text(d.viewing_radius[0]) + "," + float_text(d.viewing_radius[1]);

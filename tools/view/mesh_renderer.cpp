@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t most_mesh_bytes = 1ull << 30; // of memory, while it is decoded
+constexpr std::uint64_t most_decoded_mesh_bytes = 1ull << 30; // of memory, while it is decoded
 
 struct MeshPlaces {
     Extent4 size; // of the texture
@@ -75,9 +75,8 @@ Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container
         return Status(ErrorCode::unsupported, container.name() + ": on a mesh only the map '" +
                                                   name_of(SurfaceMap::mesh_uv) +
                                                   "' with an octahedral one can be drawn");
-    TESSERA_TRY_ASSIGN(
-        auto mesh,
-        decode_mesh(container.proxy_mesh(), most_mesh_bytes).with_context(container.name()));
+    TESSERA_TRY_ASSIGN(auto mesh, decode_mesh(container.proxy_mesh(), most_decoded_mesh_bytes)
+                                      .with_context(container.name()));
     return std::optional(MeshSurface{std::move(mesh), d.angular_map});
 }
 

@@ -88,7 +88,7 @@ struct FileSurface {
     RenderOptions options;
 };
 
-Status open_file(const StageRequest& r, Stage& stage) {
+Status open_texture_of(const StageRequest& r, Stage& stage) {
     TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
     const bool is_remote = network_traffic(*stage.bytes).has_value();
@@ -209,7 +209,7 @@ Status add_original(const StageRequest& r, const FileSurface& surface, Stage& st
 
 Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stage) {
     FileSurface surface;
-    TESSERA_TRY(open_file(r, stage));
+    TESSERA_TRY(open_texture_of(r, stage));
     TESSERA_TRY(find_surface(r, options, stage, surface));
     TESSERA_TRY(add_file_truth(r, surface, stage));
     TESSERA_TRY(r.via == "cpu" ? add_cpu_renderer(surface, stage)

@@ -29,12 +29,12 @@ std::optional<Likeness> likeness_of_both(const std::optional<Picture>& a,
     return likeness_of(*a, *b);
 }
 
-struct Column {
+struct ReportColumn {
     const char* title;
     const char* key;
     std::optional<Likeness> ViewFigures::*figures;
 };
-const Column columns[] = {
+const ReportColumn columns[] = {
     {"compressed/truth", "compressed_truth", &ViewFigures::compressed_truth},
     {"uncompressed/truth", "uncompressed_truth", &ViewFigures::uncompressed_truth},
     {"compressed/uncompressed", "compressed_uncompressed", &ViewFigures::compressed_uncompressed}};
@@ -71,14 +71,14 @@ std::string to_table(const std::vector<ViewFigures>& views) {
         name_width = std::max(name_width, view.name.size());
     std::string titles = pad_right("view", name_width), units = pad_right("", name_width);
     std::string lines;
-    for (const Column& column : columns)
+    for (const ReportColumn& column : columns)
         if (!views.empty() && views.front().*column.figures) {
             titles += pad_left(column.title, column_width);
             units += pad_left("PSNR dB    SSIM", column_width);
         }
     for (const ViewFigures& view : views) {
         lines += pad_right(view.name, name_width);
-        for (const Column& column : columns)
+        for (const ReportColumn& column : columns)
             if (const std::optional<Likeness>& l = view.*column.figures) {
                 const std::string psnr =
                     std::isfinite(l->psnr) ? format_number(l->psnr, 2) : "same";
@@ -91,7 +91,7 @@ std::string to_table(const std::vector<ViewFigures>& views) {
 
 Json to_json(const ViewFigures& figures) {
     Json json = Json::object();
-    for (const Column& column : columns)
+    for (const ReportColumn& column : columns)
         if (const std::optional<Likeness>& l = figures.*column.figures)
             json[column.key] = {{"psnr", std::isfinite(l->psnr) ? Json(l->psnr) : Json(nullptr)},
                                 {"ssim", l->ssim}};

@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 constexpr double letter_width = 7.4, line_height = 17; // of 13 pixels, semi-bold
-constexpr double gap = 8;                              // between a point and its name
+constexpr double label_gap = 8;                        // between a point and its name
 
 bool overlap(const PlotBox& a, const PlotBox& b) {
     return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
@@ -88,10 +88,10 @@ private:
     void try_around(const LabelledLine& line, PlotPoint p, double preference) {
         const double w = static_cast<double>(line.name.size()) * letter_width, h = line_height;
         const PlotPoint corners[] = {
-            {p.x + gap, p.y - h / 2},         {p.x - w / 2, p.y - h - gap},
-            {p.x + gap - 2, p.y - h - 2},     {p.x - w - gap, p.y - h / 2},
-            {p.x - w - gap + 2, p.y - h - 2}, {p.x + gap - 2, p.y + 2},
-            {p.x - w / 2, p.y + gap},         {p.x - w - gap + 2, p.y + 2}};
+            {p.x + label_gap, p.y - h / 2},         {p.x - w / 2, p.y - h - label_gap},
+            {p.x + label_gap - 2, p.y - h - 2},     {p.x - w - label_gap, p.y - h / 2},
+            {p.x - w - label_gap + 2, p.y - h - 2}, {p.x + label_gap - 2, p.y + 2},
+            {p.x - w / 2, p.y + label_gap},         {p.x - w - label_gap + 2, p.y + 2}};
         double extra = 0;
         for (const PlotPoint corner : corners)
             consider(box_at(line, corner.x, corner.y), preference + (extra += 0.5), false, p);

@@ -20,8 +20,8 @@ constexpr Lens lens{45, 320, 240}; // of the rendered views
 constexpr Extent4 render_block{8, 8, 4, 4};
 
 // Squared errors of some rows of v.
-struct Sums {
-    Sums(const TextureDesc& desc)
+struct QualitySums {
+    QualitySums(const TextureDesc& desc)
         : errors(desc), views(std::size_t{desc.size[axis_s]} * desc.size[axis_t]) {}
     ErrorSums errors;
     std::vector<double> views; // t-major
@@ -29,7 +29,7 @@ struct Sums {
     std::uint64_t foreground_texels = 0;
     std::array<double, 3> yuv{};
 
-    void merge(const Sums& later) {
+    void merge(const QualitySums& later) {
         errors.merge(later.errors);
         for (std::size_t i = 0; i < views.size(); ++i)
             views[i] += later.views[i];
@@ -56,7 +56,7 @@ std::int64_t code_of(const std::byte* sample, SampleType type) {
 }
 
 void add_angular_image(const RdTexture& original, const std::byte* a, const std::byte* b,
-                       Sums& sums) {
+                       QualitySums& sums) {
     const TextureDesc& desc = original.desc;
     const std::size_t step = sample_bytes(desc.type), texel = desc.texel_bytes();
     const bool coloured = colours(desc) == 3 && desc.type == SampleType::unorm8;
@@ -99,9 +99,10 @@ void add_errors(const TextureDesc& desc, const Box4& image, const std::byte* a, 
     }
 }
 
-Sums sum_of_row(const RdTexture& original, std::span<const std::byte> decoded, std::uint32_t v) {
+QualitySums sum_of_row(const RdTexture& original, std::span<const std::byte> decoded,
+                       std::uint32_t v) {
     const TextureDesc& desc = original.desc;
-    Sums sums(desc);
+    QualitySums sums(desc);
     for (std::uint32_t u = 0; u < desc.size[axis_u]; ++u) {
         const std::byte* a = original.texel(u, v, 0, 0);
         const std::byte* b = decoded.data() + (a - original.texels.data());
@@ -113,18 +114,18 @@ Sums sum_of_row(const RdTexture& original, std::span<const std::byte> decoded, s
 }
 
 // Rows are added in their order, so the result does not depend on the number of threads.
-Result<Sums> sum_of_all(const RdTexture& original, std::span<const std::byte> decoded,
-                        unsigned threads) {
-    Sums all(original.desc);
+Result<QualitySums> sum_of_all(const RdTexture& original, std::span<const std::byte> decoded,
+                               unsigned threads) {
+    QualitySums all(original.desc);
     const std::uint32_t rows = original.desc.size[axis_v], step = 4 * thread_count(threads);
     for (std::uint32_t v0 = 0; v0 < rows; v0 += step) {
         const std::uint32_t count = std::min(step, rows - v0);
-        std::vector<Sums> parts(count, Sums(original.desc));
+        std::vector<QualitySums> parts(count, QualitySums(original.desc));
         TESSERA_TRY(parallel_for(count, threads, [&](std::uint64_t i) {
             parts[i] = sum_of_row(original, decoded, v0 + static_cast<std::uint32_t>(i));
             return Status();
         }));
-        for (const Sums& part : parts)
+        for (const QualitySums& part : parts)
             all.merge(part);
     }
     return all;
@@ -134,7 +135,7 @@ double psnr_over(double squared, double samples, double peak) {
     return psnr_of(squared / samples, peak);
 }
 
-Quality quality_of(const RdTexture& original, const Sums& sums) {
+Quality quality_of(const RdTexture& original, const QualitySums& sums) {
     const TextureDesc& desc = original.desc;
     const bool hdr = desc.type == SampleType::half16;
     const double peak = hdr ? half_peak : 255, channels = colours(desc);
