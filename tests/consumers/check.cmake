@@ -1,4 +1,4 @@
-# Builds and runs projects that stand outside of Tessera's tree.
+# Builds and runs projects outside of Tessera's tree.
 #   cmake -DKIND=installed -DBUILD=Tessera's build -DOUT=folder -P check.cmake
 #   cmake -DKIND=subproject -DSOURCE=Tessera's sources -DOUT=folder -P check.cmake
 file(REMOVE_RECURSE ${OUT})
@@ -26,7 +26,7 @@ function(build_and_run folder programs)
 endfunction()
 
 if(KIND STREQUAL "subproject")
-    # Without optimisation and in few large sources, to save time.
+    # Unoptimised and in a few large sources, to save time.
     build_and_run(${here}/subproject "consumer_c;cpp/consumer_cpp" -DTESSERA_SOURCE=${SOURCE}
                   -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=
                   -DCMAKE_C_FLAGS_DEBUG=)
@@ -42,15 +42,15 @@ if(with_glsl)
     build_and_run(${here}/glsl consumer_glsl -DCMAKE_PREFIX_PATH=${prefix})
 endif()
 
-# The tool, too, and what it hands over to.
+# If the tool is installed, it must run.
 find_program(tool tessera PATHS ${prefix}/bin NO_DEFAULT_PATH)
 if(tool)
     run(${tool} version)
     run(${tool} help bake)
-    message(STATUS "installed: both programs run")
+    message(STATUS "installed: the tool runs")
 endif()
 
-# Without CMake: the shared library by pkg-config.
+# Builds without CMake: pkg-config gives the flags for the shared library.
 file(GLOB_RECURSE pc ${prefix}/*/tessera.pc)
 get_filename_component(pc_folder ${pc} DIRECTORY)
 set(ENV{PKG_CONFIG_PATH} ${pc_folder})
@@ -61,4 +61,4 @@ separate_arguments(flags UNIX_COMMAND "${flags}")
 get_filename_component(libraries ${pc_folder} DIRECTORY)
 run(cc ${here}/c/main.c -o ${OUT}/by_pkg_config ${flags} -Wl,-rpath,${libraries})
 run(${OUT}/by_pkg_config)
-message(STATUS "installed: pkg-config's flags make a program that runs")
+message(STATUS "installed: a program built with pkg-config's flags runs")

@@ -1,4 +1,4 @@
-// Short names of the maps of directions on surfaces, and the inverse of hemisphere alpha/beta.
+// Short names of the angular maps of surfaces, and the inverse of direction_angles().
 #pragma once
 
 #include "format/geometry.h"
@@ -11,7 +11,8 @@ namespace tessera::test {
 inline constexpr AngularMap hemisphere = AngularMap::octahedral_hemisphere;
 inline constexpr AngularMap mirrored = AngularMap::octahedral_mirrored;
 
-// The unit direction that leaves the surface at (s, t), both in 0..1: direction_angles() inverted.
+// The unit direction that leaves the surface at (s, t), both in 0..1. Inverse of
+// direction_angles().
 inline glm::dvec3 outgoing_direction(const SurfaceFrame& frame, double s, double t) {
     const double alpha = s * std::numbers::pi - std::numbers::pi / 2;
     const double beta = t * std::numbers::pi - std::numbers::pi / 2;

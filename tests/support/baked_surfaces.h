@@ -1,4 +1,4 @@
-// Scenes on their own surfaces, for the tests of the corpus.
+// Corpus scenes whose objects are textured on their own surfaces.
 #pragma once
 
 #include "corpus/catalog.h"
@@ -22,7 +22,7 @@ inline SceneSurface surface_of(const Scene& scene, double density, const Texels2
     return std::move(*surface);
 }
 
-// Through the stream that viewers get.
+// Encodes and decodes the mesh first, so that positions are quantised as viewers get them.
 inline std::shared_ptr<const LitSurface> lit_surface(const Scene& scene,
                                                      const SceneSurface& surface) {
     const auto stream = encode_mesh(surface.mesh, MeshQuantisation{});

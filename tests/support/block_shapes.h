@@ -1,4 +1,4 @@
-// Shapes of blocks that tests go through.
+// Block shapes that tests iterate over.
 #pragma once
 
 #include "tests/support/format_values.h"

@@ -1,4 +1,4 @@
-// Runs the built tool in a folder of the test's own.
+// Runs the built tool in a temporary folder for each test.
 #pragma once
 
 #include "tests/support/test_folder.h"
@@ -24,7 +24,7 @@ struct Outcome {
     std::string out, err;
 };
 
-// Every test works in a folder of its own, which is the tool's current folder.
+// Gives each test an empty folder, which is the tool's current folder.
 class CliFixture : public testing::Test {
 protected:
     void SetUp() override {
@@ -36,8 +36,8 @@ protected:
 
     fs::path at(const std::string& name) const { return folder_ / name; }
 
-    // Runs `tessera <arguments>` through the shell, after `before` (such as "ulimit -f 8;" or "cat a |");
-    // `input` is redirected to it.
+    // Runs `tessera <arguments>` through the shell. `before` goes in front of the command, for
+    // example "ulimit -f 8;" or "cat a |". `input` is the redirection of standard input.
     Outcome run(const std::string& arguments, const std::string& before = "",
                 const std::string& input = "</dev/null") const {
         const std::string command =
@@ -57,7 +57,7 @@ protected:
         EXPECT_EQ(o.err, "") << arguments;
     }
 
-    // Fails with one line `tessera <verb>: error: ...` that holds all `words`.
+    // Expects exit code `code` and one line `tessera <verb>: error: ...` that contains all `words`.
     void fail(int code, const std::string& arguments, const std::vector<std::string>& words,
               const std::string& before = "") const {
         const Outcome o = run(arguments, before);

@@ -1,4 +1,4 @@
-// Scenes that the tests of the tool bake.
+// Scenes that the tests of the tool bake, and the quickest effort as options.
 #pragma once
 
 #include "tests/support/cli_fixture.h"

@@ -1,4 +1,4 @@
-// Containers for the tests of reading and writing them.
+// Containers for the tests of reader, writer and validation.
 #pragma once
 
 #include "format/container/syntax.h"
@@ -12,7 +12,7 @@
 
 namespace tessera::test {
 
-// A texture of one texel a tile, with random tiles.
+// A texture with one texel per tile. The payloads are random bytes.
 struct Sample {
     std::vector<Bytes> tiles;
     Bytes code;
@@ -55,7 +55,8 @@ inline std::vector<Bytes> random_tiles(std::size_t count, std::uint32_t seed,
     return tiles;
 }
 
-// A small file that has everything: metadata, mesh, an optional section, two groups, empty tiles.
+// A small file that uses every feature: metadata, mesh, an optional section, two groups, empty
+// tiles.
 inline std::unique_ptr<Sample> rich_sample() {
     std::vector<Bytes> tiles = random_tiles(12, 3);
     tiles.resize(258);
@@ -78,7 +79,7 @@ inline bool any_fatal(const std::vector<Finding>& findings) {
     return std::ranges::any_of(findings, &Finding::fatal);
 }
 
-// Whether opening the file or reading a tile with its check fails.
+// True if opening the file or reading a tile with its checksum fails.
 inline bool found_by_reading(const Bytes& file) {
     const auto source = wrap_memory(file);
     const auto reader = ContainerReader::open(*source);
@@ -93,7 +94,8 @@ inline bool found_by_reading(const Bytes& file) {
 
 using u64 = std::uint64_t;
 
-// Says it is huge and fails the test when somebody believes that.
+// Reports a huge size and records the largest read, so that a test can check that no code allocates
+// by the reported size.
 class SparseSource : public ByteSource {
 public:
     SparseSource(Bytes front, u64 size) : front_(std::move(front)), size_(size) {}

@@ -1,4 +1,4 @@
-// Baked boxes, for the tests of the corpus.
+// Bakes and compares boxes of texels, for the tests of the corpus.
 #pragma once
 
 #include "corpus/bake.h"
@@ -46,7 +46,7 @@ inline std::vector<double> values_of(const Bytes& bytes, SampleType type) {
     return values;
 }
 
-// Copies the texels of `box` out of those of the whole texture.
+// Copies the texels of `box` from `whole`, which holds the texels of the whole texture.
 inline Bytes cut_out(const Bytes& whole, const TextureDesc& desc, const Box4& box) {
     Bytes part;
     const Extent4& n = desc.size;

@@ -1,5 +1,6 @@
-// Files that the shaders must decode as the CPU does: encoded textures of every sample type, channel
-// count and tile shape, and tiles of random trees, colours and levels that no encoder would write.
+// Files that the shaders must decode exactly as the CPU does: encoded textures of every sample
+// type, channel count and tile shape, and tiles with random trees, colours and levels that no
+// encoder writes.
 #pragma once
 
 #include "codec/decoder.h"
@@ -53,7 +54,7 @@ inline std::vector<DecodeCase> encoded_cases() {
                 encoded_case("smooth", {{33, 11, 9, 4}, type, channels}, {Kind::quality, 60}));
             cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
                                          {Kind::max_error, type == SampleType::unorm8 ? 2. : 40.}));
-            if (channels >= 2) // stored tiles
+            if (channels >= 2) // gives stored tiles
                 cases.push_back(
                     encoded_case("noise", {{9, 6, 5, 3}, type, channels}, {Kind::max_error, 0}));
         }
@@ -69,7 +70,7 @@ inline std::vector<DecodeCase> encoded_cases() {
                                  {Kind::quality, 50}, {32, 32, 8, 8}));
     cases.push_back(
         encoded_case("smooth", {{1, 1, 1, 1}, SampleType::half16, 4}, {Kind::quality, 75}));
-    // Sides above 32, without copies and with them.
+    // Sides above 32, without and with copies.
     for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
         const bool bytes = type == SampleType::unorm8;
         cases.push_back(encoded_case("smooth", {{64, 64, 3, 2}, type, 3}, {Kind::quality, 70},
@@ -85,9 +86,10 @@ inline std::vector<DecodeCase> encoded_cases() {
     return cases;
 }
 
-// A file of tiles that are not what an encoder makes: random trees, rotations, levels up to 20 bits;
-// and, where `copies` is above 0, blocks that copy by that chance, of half of the seeds from base
-// pictures, too. Two thirds of all seeds have a filter. A tenth of the tiles are stored, of any bytes.
+// A file whose tiles no encoder writes: random trees, rotations and levels of up to 20 bits. If
+// `copies` is above 0, each block copies with that probability, and half of the seeds also have
+// base pictures. Two thirds of the seeds have a filter. A tenth of the tiles are stored, with
+// random bytes.
 inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t channels,
                               const Extent4& size, const Extent4& tile_extent, double split,
                               double density, int magnitude_bits, double copies = 0) {
@@ -162,7 +164,7 @@ inline std::vector<DecodeCase> random_cases() {
         random_case(++seed, SampleType::unorm8, 4, {2, 32, 32, 32}, {2, 32, 32, 32}, 0, 0.02, 3));
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 4, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.5, 0.9, 3));
-    // Sides above 32: whole blocks, blocks of many lengths, and trees of 11 levels.
+    // Sides above 32: undivided blocks, blocks of many lengths, and trees of 11 levels.
     cases.push_back(
         random_case(++seed, SampleType::half16, 3, {64, 64, 2, 2}, {64, 64, 4, 4}, 0, 0.03, 8));
     cases.push_back(
@@ -173,13 +175,13 @@ inline std::vector<DecodeCase> random_cases() {
         random_case(++seed, SampleType::half16, 1, {33, 51, 6, 4}, {33, 51, 6, 4}, 0.6, 0.05, 20));
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 2, {64, 3, 32, 1}, {64, 2, 32, 1}, 0.99, 0.1, 4));
-    // More texels than a tile with corrections may have, and more segments.
+    // More texels and more segments than a tile with corrections may have.
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 3, {64, 64, 5, 4}, {64, 64, 5, 4}, 0.8, 0.05, 4));
     return cases;
 }
 
-// Files with predicted tiles among others, up to 15 deep.
+// Files in which some tiles have predictions, with copies up to 15 deep.
 inline std::vector<DecodeCase> predicted_cases() {
     std::vector<DecodeCase> cases;
     std::uint32_t seed = 200;
@@ -193,14 +195,14 @@ inline std::vector<DecodeCase> predicted_cases() {
             cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17},
                                         0.98, 0.1, 18, 0.9));
         }
-    // Sides above 32.
+    // Sides above 32, with predictions.
     cases.push_back(random_case(++seed, SampleType::unorm8, 3, {125, 45, 5, 3}, {63, 45, 5, 3}, 0.7,
                                 0.02, 6, 0.7));
     cases.push_back(random_case(++seed, SampleType::half16, 4, {64, 64, 4, 2}, {64, 64, 4, 4}, 0.7,
                                 0.01, 12, 0.7));
     cases.push_back(random_case(++seed, SampleType::unorm8, 1, {64, 1, 32, 32}, {64, 1, 32, 32},
                                 0.9, 0.02, 6, 0.8));
-    // Base pictures larger than a block, most with a margin; the others' tiles are large, too.
+    // Large tiles with base pictures larger than a block, most of them with a margin.
     for (const auto& [size, split] :
          {std::pair{Extent4{64, 20, 3, 2}, 0.7}, {{62, 63, 5, 4}, 0.7}, {{62, 63, 5, 4}, 0.0}}) {
         while (++seed % 8 >= 4) {
@@ -210,7 +212,7 @@ inline std::vector<DecodeCase> predicted_cases() {
     return cases;
 }
 
-// The texels of a tile as the four stored channels, from the CPU's decoder.
+// The texels of `box` as the four stored channels, decoded on the CPU.
 inline std::vector<std::array<std::uint32_t, 4>> expected_samples(const Decoder& decoder,
                                                                   const Box4& box) {
     const TextureDesc& desc = decoder.desc();

@@ -1,10 +1,10 @@
-// Efforts by what a test needs of them: a decoder cannot tell which effort made its file, and the
-// default takes fifteen times as long as the quick one.
+// Efforts named by the tools that a test needs. A decoder cannot tell which effort wrote its file,
+// and the default effort takes fifteen times as long as the quick one.
 #pragma once
 
 namespace tessera::test {
 
-constexpr int quick_effort = 1;  // every tool but copies, trials, refinement and the trellis
-constexpr int copies_effort = 2; // copies, smoothed or not, and the filter, too
+constexpr int quick_effort = 1;  // all tools except copies, trials, refinement and trellis
+constexpr int copies_effort = 2; // adds copies, smoothed copies and the filter
 
 } // namespace tessera::test

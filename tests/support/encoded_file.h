@@ -1,4 +1,4 @@
-// A texture encoded into memory, and what its section CODE says.
+// Encodes a texture into memory, and reads the coding parameters (section CODE) of a file.
 #pragma once
 
 #include "codec/encoder.h"

@@ -1,5 +1,5 @@
-// Small textures encoded so that every choice of the encoder is made: what comes out is frozen in
-// tests/golden/encodings.txt, which any machine and compiler must make.
+// Small textures that together exercise every decision of the encoder. Their encodings are frozen
+// in tests/golden/encodings.txt; every machine and compiler must produce the same bytes.
 #pragma once
 
 #include "codec/decoder.h"
@@ -16,10 +16,11 @@
 
 namespace tessera::test {
 
-// Texels by whole numbers alone: functions of the C library differ in their last bits. 0..1023.
+// Computes texels, 0..1023, with integers only, because floating-point functions of the C library
+// differ in their last bits.
 using Pattern = int (*)(int u, int v, int s, int t, int c);
 
-// Noise that is smooth between places 4 apart, 0..255.
+// Smooth noise, 0..255: random values at every 4th position, interpolated between.
 inline int smooth_noise(int x, int y, int seed) {
     const auto at = [seed](int i, int j) {
         std::uint32_t h = static_cast<std::uint32_t>(i) * 0x9E3779B1u ^
@@ -28,7 +29,7 @@ inline int smooth_noise(int x, int y, int seed) {
         h = (h ^ h >> 15) * 0x2C1B3C6Du;
         return static_cast<int>(h >> 24);
     };
-    x += 4096, y += 4096; // no negative remainders
+    x += 4096, y += 4096; // avoids negative remainders
     const int i = x / 4, j = y / 4, a = x % 4, b = y % 4;
     return ((at(i, j) * (4 - a) + at(i + 1, j) * a) * (4 - b) +
             (at(i, j + 1) * (4 - a) + at(i + 1, j + 1) * a) * b) /
@@ -42,40 +43,41 @@ inline int composed(int u, int v, int s, int t, int c) {
     return paint + std::max(0, 500 - 6 * (x * x + y * y) / (2 + c));
 }
 
-// What lies around it, as each view sees it elsewhere.
+// The surroundings as a mirror shows them: they move from view to view.
 inline int mirror(int u, int v, int s, int t, int c) {
     const int x = u + 3 * s, y = v + 3 * t;
     return 3 * smooth_noise(x, y, 1) + (x / 5 % 2 == y / 7 % 2 ? 60 * c : 200);
 }
 
-// Views of a camera grid: a near disc before a far wall, which move by 2 texels and by half a texel a view.
+// Views of a camera grid: a near disc in front of a far wall. Per view the disc moves by 2 texels
+// and the wall by half a texel.
 inline int captured(int u, int v, int s, int t, int c) {
     const int x = u + 2 * s - 20, y = v + 2 * t - 14;
     return x * x + y * y < 90 ? 900 - 2 * smooth_noise(x, y, 5 + c / 2)
                               : 2 * smooth_noise(2 * u + s, 2 * v + t, 2) + 100 * c;
 }
 
-// Noise in one direction of colour.
+// Noise whose channels are strongly correlated.
 inline int noise(int u, int v, int s, int t, int c) {
     return smooth_noise(4 * (u + 31 * s), 4 * (v + 37 * t), 9) * (c + 1) +
            smooth_noise(4 * (u + 31 * s), 4 * (v + 37 * t), 10 + c) / 4;
 }
 
-// A few things upon a background.
+// A few objects on a constant background.
 inline int sparse(int u, int v, int s, int t, int c) {
     return u / 6 % 3 == 1 && v / 5 % 2 == 1 ? composed(u, v, s, t, c) : 77;
 }
 
-// A mask: a disc matters.
+// A mask: only the texels of a disc matter.
 inline int disc(int u, int v, int, int, int) {
     return (u - 10) * (u - 10) + (v - 8) * (v - 8) < 80 ? 1023 : 0;
 }
 
-// What an encode has beside a rate.
+// Encoder settings other than the rate.
 struct Setting {
     Extent4 tile_extent = tile_by_trial;
-    bool layers = false, has_mask = false, is_dear_to_reread = false;
-    double gain = 1.0 / 1023; // of patterns
+    bool layers = false, has_mask = false, is_slow_to_reread = false;
+    double gain = 1.0 / 1023; // scale from patterns to samples
 };
 
 struct Encoding {
@@ -95,7 +97,7 @@ inline std::vector<Encoding> encodings() {
         small_tiles{.tile_extent = {8, 7, 4, 3}},
         layers{.tile_extent = {8, 8, 4, 4}, .layers = true}, bright{.gain = 37},
         in_a_disc{.tile_extent = {8, 7, 4, 3}, .has_mask = true},
-        baked{.is_dear_to_reread = true, .gain = 0.25};
+        baked{.is_slow_to_reread = true, .gain = 0.25};
     return {
         {"0_composed", composed, {{24, 16, 8, 8}, byte, 3}, {Kind::quality, 60}},
         {"0_captured", captured, {{40, 35, 5, 4}, byte, 3}, {Kind::quality, 58}},
@@ -128,7 +130,8 @@ inline std::vector<Encoding> encodings() {
     };
 }
 
-// NAME, bytes of the file, hashes of it and of what it decodes to, PSNR.
+// Returns a line of encodings.txt: name, size of the file in bytes, hashes of the file and of its
+// decoded texels, PSNR.
 inline Result<std::string> encoded_line(const Encoding& encoding) {
     class Source : public MemoryTexture {
     public:
@@ -137,11 +140,11 @@ inline Result<std::string> encoded_line(const Encoding& encoding) {
                             [&e](int u, int v, int s, int t, int c) {
                                 return e.pattern(u, v, s, t, c) * e.setting.gain;
                             }),
-              is_dear_(e.setting.is_dear_to_reread) {}
-        bool cheap_to_reread() const override { return !is_dear_; }
+              is_slow_(e.setting.is_slow_to_reread) {}
+        bool cheap_to_reread() const override { return !is_slow_; }
 
     private:
-        const bool is_dear_;
+        const bool is_slow_;
     } source(encoding);
     const TextureDesc& desc = encoding.desc;
     MemoryTexture mask({{desc.size[0], desc.size[1], 1, 1}, SampleType::unorm8, 1}, disc);
@@ -151,7 +154,7 @@ inline Result<std::string> encoded_line(const Encoding& encoding) {
     options.tile_extent = encoding.setting.tile_extent;
     options.layers = encoding.setting.layers;
     options.mask = encoding.setting.has_mask ? &mask : nullptr;
-    options.metadata = {{"Software", "golden"}}; // not the version
+    options.metadata = {{"Software", "golden"}}; // fixed: the default contains the version
     Bytes file;
     TESSERA_TRY_ASSIGN(const EncodeReport report, encode_memory(source, file, options));
     TESSERA_TRY_ASSIGN(const Decoder decoder, Decoder::open(wrap_memory(file)));

@@ -1,4 +1,4 @@
-// Files that say of themselves that their views are aligned.
+// Forges files whose header claims that their views are aligned.
 #pragma once
 
 #include "format/container/syntax.h"
@@ -11,15 +11,15 @@
 
 namespace tessera::test {
 
-// Makes the checksum of the header and its section table right. Precondition: `file` has both.
+// Corrects the checksum of the header and its section table. Precondition: `file` has both.
 inline void seal_header(std::span<std::byte> file) {
     const auto table = file.subspan(
         header_bytes, load_header(file.first<header_bytes>()).section_count * section_entry_bytes);
     store_le(file.data() + header_crc_offset, crc32c(table, crc32c(file.first(header_crc_offset))));
 }
 
-// A file without levels whose texture becomes the grid of tiles of a smaller one. Nothing is asked of the
-// alignment: the smaller texture may have no texels.
+// Changes the header of a file without levels so that its texture becomes the tile grid of a
+// smaller, aligned texture. The alignment is not checked: the smaller texture may have no texels.
 inline Bytes with_alignment(Bytes file, ViewAlignment alignment) {
     const std::span<std::byte> bytes = file;
     FileHeader header = load_header(bytes.first<header_bytes>());

@@ -1,4 +1,4 @@
-// Bytes for the tests of the format.
+// Byte helpers for the tests of the format.
 #pragma once
 
 #include "format/container/syntax.h"

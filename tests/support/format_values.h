@@ -1,4 +1,4 @@
-// Random values of the format, and shapes by their sides.
+// Random values of the format, and block shapes from their sides.
 #pragma once
 
 #include "format/texture.h"
@@ -18,7 +18,7 @@ inline Parameters random_parameters(Random& random) {
     return parameters;
 }
 
-// Any filter that a file may have; in half of all cases with an influence that reaches far.
+// A random filter within the format's range. About half of the rings have a short reach.
 inline TileFilter random_filter(Random& random) {
     TileFilter filter;
     for (auto& rings : filter.ring)

@@ -1,4 +1,4 @@
-// What tests on the device share: a context, unless TESSERA_NO_GPU=1 says that there is none to have.
+// Fixture for tests that need a GPU context. TESSERA_NO_GPU=1 skips them.
 #pragma once
 
 #include "decoder_glsl/gl_context.h"

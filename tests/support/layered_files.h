@@ -1,4 +1,4 @@
-// Files with coarse levels, and what is read of them.
+// Files with coarse levels, and helpers that read their texels.
 #pragma once
 
 #include "codec/decoder.h"
@@ -17,7 +17,7 @@ struct Layered {
     EncodeReport report;
 };
 
-// Baked once: that takes longer than to encode it.
+// Bakes each scene once, because baking takes longer than encoding.
 inline MemorySource& baked(const std::string& scene, const Extent4& size) {
     struct Baked {
         Bytes texels;
@@ -58,7 +58,7 @@ inline EncodeOptions quick(double quality = 60, unsigned threads = 0) {
 
 inline constexpr Extent4 scene_size{96, 64, 12, 12};
 
-// One file for all tests that only read it.
+// A file shared by all tests that only read it.
 inline const Layered& shared_file() {
     static const Layered file = *encode_scene("composed", scene_size, true, quick());
     return file;

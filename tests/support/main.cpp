@@ -1,5 +1,6 @@
-// The programs' main: gtest's, which also says what tests take more than a second of CPU time. The
-// clock says little on a busy machine, and threads and child processes count, too.
+// main() of the test programs: runs gtest and also reports tests that take more than a second of
+// CPU time, including their threads and child processes. Wall-clock time says little on a busy
+// machine.
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -38,6 +39,6 @@ class CpuTimes : public testing::EmptyTestEventListener {
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
-    testing::UnitTest::GetInstance()->listeners().Append(new CpuTimes); // which owns it
+    testing::UnitTest::GetInstance()->listeners().Append(new CpuTimes); // takes ownership
     return RUN_ALL_TESTS();
 }

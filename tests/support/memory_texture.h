@@ -1,4 +1,4 @@
-// Textures in memory, and such as are hard in one way each.
+// Textures in memory, including a set of textures that are each difficult to code in one way.
 #pragma once
 
 #include "format/samples.h"
@@ -15,10 +15,9 @@
 
 namespace tessera::test {
 
-// A texture in memory.
 class MemoryTexture : public TexelSource {
 public:
-    // sample(u, v, s, t, channel) gives a value that is clamped to 0..1 for unorm8.
+    // sample(u, v, s, t, channel) returns a value, which is clamped to 0..1 for unorm8.
     using Function = std::function<double(int, int, int, int, int)>;
 
     MemoryTexture(const TextureDesc& description, const Function& sample) : desc_(description) {
@@ -37,7 +36,7 @@ public:
         return {};
     }
 
-    Bytes texels; // the whole texture, box order
+    Bytes texels; // the whole texture, in box order
 
 private:
     int side(int axis) const {
@@ -57,7 +56,8 @@ private:
     const TextureDesc desc_;
 };
 
-// Textures that are hard in one way each, for any size; half floats are scaled to the HDR range.
+// Textures that are each difficult in one way, for any size. Half floats are scaled to the HDR
+// range.
 struct NamedTexture {
     const char* name;
     MemoryTexture::Function sample;

@@ -10,8 +10,8 @@
 
 namespace tessera::test {
 
-// The six sides of a cube as charts of n x n squares, side by side in the atlas; blown up to a
-// sphere of radius 1 if `round`.
+// The six sides of a cube as charts of n x n squares, side by side in the atlas. If `round`, the
+// cube is projected onto a sphere of radius 1.
 inline SurfaceMesh six_charts(std::uint32_t n, bool round) {
     SurfaceMesh mesh;
     for (int side = 0; side < 6; ++side) {
@@ -46,7 +46,7 @@ inline SurfaceMesh six_charts(std::uint32_t n, bool round) {
     return mesh;
 }
 
-// Single triangles that share nothing.
+// Separate triangles that share no vertices.
 inline SurfaceMesh triangle_soup(std::uint32_t count, std::uint32_t seed) {
     Random random(seed);
     const auto unit = [&] { return static_cast<float>(random() % 65536) / 65535.0f; };

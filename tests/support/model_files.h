@@ -1,4 +1,4 @@
-// Small models as files.
+// Small models as text of model files.
 #pragma once
 
 #include "corpus/model_surface/lit_model.h"
@@ -32,8 +32,8 @@ template <class Number> std::string base64_of(const std::vector<Number>& numbers
     return text;
 }
 
-// A glTF text of one mesh: positions, three numbers each, and indices. `more` goes into its root, after a
-// comma; `primitive` into its primitive; `nodes` are its nodes.
+// Text of a glTF file with one mesh: positions (three numbers each) and indices. `more` is appended
+// to the root object after a comma, `primitive` to the primitive; `nodes` is the list of nodes.
 struct GltfText {
     std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
     std::vector<std::uint32_t> indices{0, 1, 2};
@@ -59,7 +59,7 @@ struct GltfText {
     }
 };
 
-// A cube of radius 3.5 with corners at flat normals, one material.
+// A cube from -2 to 2 with flat normals and one material.
 inline corpus::Model cube_model() {
     corpus::Model model;
     model.materials.emplace_back();
@@ -82,7 +82,7 @@ inline corpus::Model cube_model() {
     return model;
 }
 
-// A ball of triangles, smooth.
+// A sphere of radius 3 with smooth normals.
 inline corpus::Model ball_model(int rings) {
     corpus::Model model;
     model.materials.emplace_back();

@@ -1,4 +1,4 @@
-// The same random numbers everywhere.
+// A random number generator for tests.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@ namespace tessera::test {
 
 using Bytes = std::vector<std::byte>;
 
-// The same numbers on every platform, unlike the standard distributions.
+// Gives the same numbers on every platform, which the standard distributions do not.
 class Random {
 public:
     explicit Random(std::uint32_t seed) : engine_(seed) {}
     std::uint32_t operator()() { return static_cast<std::uint32_t>(engine_()); }
-    // first..last
+    // Both ends are included.
     int range(int first, int last) {
         const auto span = static_cast<std::int64_t>(last) - first + 1;
         return static_cast<int>(first + static_cast<std::int64_t>((*this)() % span));

@@ -1,4 +1,4 @@
-// Boxes of texels drawn at random.
+// Random boxes of texels.
 #pragma once
 
 #include "format/texture.h"
@@ -8,7 +8,7 @@
 
 namespace tessera::test {
 
-// Inside a texture of `size`, at least one texel.
+// A box inside a texture of `size`, with at least one texel.
 inline Box4 random_box(Random& random, const Extent4& size) {
     Box4 box;
     for (std::size_t axis = 0; axis < 4; ++axis) {

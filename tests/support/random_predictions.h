@@ -1,4 +1,4 @@
-// Predictions that an encoder would hardly write, for tiles of random trees.
+// Random predictions, which an encoder would hardly write, for tiles with random trees.
 #pragma once
 
 #include "codec/tile/tile_levels.h"
@@ -11,26 +11,27 @@
 
 namespace tessera::test {
 
-// At most 15 deep, some of the base picture where the tile has one. Displacements repeat, are small, or
-// reach as far as the format lets them.
+// Predictions at most 15 deep. Some copy from the base picture if the tile has one. Displacements
+// repeat, are small, or are the largest that the format allows.
 class RandomPredictions {
 public:
     RandomPredictions(Random& random, double chance, const BasePictures& base = {})
         : random_(random), chance_(chance), base_(base) {}
 
-    // `base`: to be the tile's base picture, as a tile of its own; empty, if it is to have none.
+    // `base` becomes the tile's base picture and is a tile itself. If it is empty, the tile has
+    // none.
     void add_to(TileLevels& tile, const TileLevels& base = {}) {
         tile.predictions.clear();
         for (const Block& block : tile.blocks)
             tile.predictions.push_back(!base.blocks.empty() && random_.chance(chance_ / 2)
                                            ? prediction_from_base()
                                            : prediction_of(block));
-        // Where copies of copies are too deep, the deepest copy nothing.
+        // Blocks whose chain of copies is too long stop copying.
         tile.order = limit_copy_depths(tile.shape, tile.blocks, tile.predictions).order;
         if (!base.blocks.empty())
             prepend_base(base, tile);
         else if (!copies_anything(tile.predictions))
-            tile.forget_copies(); // as decoders have it
+            tile.forget_copies(); // the state that decoders have
     }
 
 private:
@@ -67,8 +68,8 @@ private:
     Displacement last_;
 };
 
-// A random tile whose blocks copy by that chance, four times out of five with a base picture where the
-// file has them.
+// A random tile whose blocks copy with probability `chance`. If the file has base pictures, four of
+// five tiles have one.
 inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding,
                                         const RandomTileOptions& options, const BlockShape& shape,
                                         double chance) {

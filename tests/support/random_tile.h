@@ -1,4 +1,4 @@
-// Tiles with random trees and random levels.
+// Tiles with random trees and levels.
 #pragma once
 
 #include "codec/entropy/tile_entropy.h"
@@ -9,7 +9,6 @@
 
 namespace tessera::test {
 
-// A tile with a random tree and random levels.
 struct RandomTileOptions {
     double split = 0.5, density = 0.2, empty = 0.2;
     int magnitude_bits = 4; // up to 20
@@ -50,7 +49,7 @@ private:
 
     void fill(const BlockShape& shape, TileLevels& tile) {
         const int scan = coding_.shape(shape).order.length();
-        const int most = std::min(scan, 7 * (max_coded_length / 8)); // within a segment's work
+        const int most = std::min(scan, 7 * (max_coded_length / 8)); // limit of a segment
         for (int plane = 0; plane < coding_.planes; ++plane) {
             PlaneLevels levels;
             levels.first = static_cast<std::uint32_t>(tile.nonzeros.size());
@@ -76,13 +75,13 @@ private:
                     static_cast<std::uint16_t>(round_up_coded_length(last + 1, scan));
             }
             tile.planes.push_back(levels);
-            if (plane == 0) // no levels, no colour
+            if (plane == 0) // colours are coded only with levels
                 tile.colours.push_back(static_cast<std::uint8_t>(
                     coding_.rotates && levels.coded_length > 0 ? random_.range(0, rotation_count)
                                                                : 0));
         }
     }
-    // Dependent levels are up to twice as large.
+    // One bit less for dependent quantisation, which dequantises to up to twice the magnitude.
     int magnitude() {
         const int most = options_.magnitude_bits - (coding_.parameters.dependent ? 1 : 0);
         const int bits = random_.range(1, std::max(1, most));

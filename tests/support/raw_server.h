@@ -1,4 +1,4 @@
-// An HTTP server that says exactly what a test wants, right or wrong.
+// An HTTP server that sends exactly the bytes that a test gives, valid or not.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,15 +23,16 @@
 
 namespace tessera::test {
 
-// Listens on a free port of this machine; a thread for each connection.
+// Listens on a free local port, with one thread per connection.
 class RawServer {
 public:
-    // What a request's head is answered with: the bytes to send, and whether the connection stays.
-    // `number` counts requests from 0. Called from several threads.
+    // The response to a request: the bytes to send, and whether the connection stays open. The
+    // handler gets the request's head and its number, counted from 0. It is called from several
+    // threads.
     struct Answer {
         std::string bytes;
         bool keep = true;
-        std::size_t pause_at = std::string::npos; // says no more from there on, but hangs on
+        std::size_t pause_at = std::string::npos; // sends no more, stays connected
     };
     using Handler = std::function<Answer(const std::string& head, unsigned number)>;
 
@@ -62,7 +63,7 @@ public:
         return "http://127.0.0.1:" + std::to_string(port_) + "/" + path;
     }
     unsigned requests() const { return requests_; }
-    // The most that were being answered at one time.
+    // The largest number of requests in progress at one time.
     unsigned most_at_once() const { return most_at_once_; }
 
 private:
@@ -78,7 +79,7 @@ private:
         }
     }
 
-    // Waits so long for bytes to read that it notices when the server stops.
+    // Waits until there are bytes to read, and returns false if the server stops first.
     bool wait(int connection) const {
         while (!stopping_) {
             pollfd descriptor = {connection, POLLIN, 0};
@@ -110,7 +111,7 @@ private:
             const bool sent = send_all(connection, answer.bytes.substr(0, answer.pause_at));
             --at_once_;
             if (answer.pause_at != std::string::npos)
-                wait(connection); // until the other side gives up
+                wait(connection); // until the client closes the connection
             if (!sent || !answer.keep || answer.pause_at != std::string::npos)
                 return;
         }
@@ -133,10 +134,10 @@ private:
     std::atomic<bool> stopping_{false};
     std::atomic<unsigned> requests_{0}, at_once_{0}, most_at_once_{0};
     std::thread acceptor_;
-    std::vector<std::thread> connections_; // of the acceptor until it has ended
+    std::vector<std::thread> connections_; // only acceptor_ uses them until it ends
 };
 
-// The value of a field of a request's head, or "".
+// The value of a field in a request's head, or "" if it is absent.
 inline std::string field_of(const std::string& head, const std::string& name) {
     const std::size_t at = head.find("\r\n" + name + ": ");
     if (at == std::string::npos)
@@ -145,7 +146,7 @@ inline std::string field_of(const std::string& head, const std::string& name) {
     return head.substr(begin, head.find("\r\n", begin) - begin);
 }
 
-// The bytes that a request asks for, both ends included; nothing without a single range.
+// The byte range that a request asks for, first and last byte. Empty if it has no single range.
 inline std::optional<std::pair<std::uint64_t, std::uint64_t>> range_of(const std::string& head) {
     unsigned long long first = 0, last = 0;
     if (std::sscanf(field_of(head, "Range").c_str(), "bytes=%llu-%llu", &first, &last) != 2)
@@ -153,12 +154,12 @@ inline std::optional<std::pair<std::uint64_t, std::uint64_t>> range_of(const std
     return std::pair<std::uint64_t, std::uint64_t>{first, last};
 }
 
-// The parts of a correct answer to a range request, for tests to spoil.
+// The parts of a correct response to a range request, which tests can then falsify.
 struct PartAnswer {
     std::string status = "206 Partial Content";
     std::uint64_t first = 0, last = 0, total = 0;
     std::string etag = "\"v1\"", body;
-    std::vector<std::string> more; // fields
+    std::vector<std::string> more; // header fields
     std::optional<std::uint64_t> content_length;
 
     PartAnswer(const std::string& head, const std::string& file) : total(file.size()) {

@@ -1,4 +1,4 @@
-// Cameras, textures and views for the tests of drawing.
+// Cameras, textures and views for the tests of rendering.
 #pragma once
 
 #include "codec/encoder.h"
@@ -57,7 +57,7 @@ inline std::vector<std::byte> encoded(TexelSource& source, const EncodeOptions& 
     return bytes;
 }
 
-// The verb, in this process.
+// Runs the verb `render` in this process.
 class Render : public testing::Test {
 protected:
     void SetUp() override { folder_ = test::make_test_folder("render"); }
@@ -70,7 +70,7 @@ protected:
         Invocation chosen;
         add_render_command(app, chosen);
         words.insert(words.begin(), "render");
-        std::reverse(words.begin(), words.end()); // as CLI11 wants them
+        std::reverse(words.begin(), words.end()); // CLI11 takes them in reverse order
         try {
             app.parse(words);
         } catch (const CLI::ParseError& e) {

@@ -1,4 +1,4 @@
-// Files made of other files' parts.
+// Builds files from the parts of other files.
 #pragma once
 
 #include "format/container/syntax.h"
@@ -10,7 +10,8 @@
 
 namespace tessera::test {
 
-// What the tiles of level 0 of `file` are decoded with; the tiles are the caller's to give. Borrows from `file`.
+// The contents of `file` without its tiles, for rewriting level 0; the caller adds the tiles.
+// Borrows from `file`.
 inline ContainerContents contents_of(const ContainerReader& file) {
     const FileHeader& header = file.header();
     ContainerContents contents;
@@ -24,7 +25,8 @@ inline ContainerContents contents_of(const ContainerReader& file) {
     return contents;
 }
 
-// The file again, with right checksums, after edit(contents, tiles). Without coarse levels and alignment.
+// Applies edit(contents, tiles) to a file and writes it with correct checksums, without coarse
+// levels and alignment.
 template <class Edit>
 std::vector<std::byte> rewritten(const std::vector<std::byte>& file, const Edit& edit) {
     const auto source = wrap_memory(file);

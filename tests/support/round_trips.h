@@ -1,4 +1,4 @@
-// Encoding and decoding in memory, and how far apart two textures are.
+// Encoding and decoding in memory, and the difference between two textures.
 #pragma once
 
 #include "codec/decoder.h"

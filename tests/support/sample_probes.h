@@ -1,5 +1,5 @@
-// Places and directions to sample at that are hard in some way, and what may be asked of single
-// precision there. Shared by the tests of the sampler on the CPU and on the device.
+// Positions and directions that are difficult to sample at, and the accuracy that single precision
+// can reach there. Shared by the tests of the CPU's and the GPU's sampler.
 #pragma once
 
 #include "format/sampler.h"
@@ -20,14 +20,14 @@ inline glm::dvec3 texel_normal(const Extent4& size, std::uint32_t u, std::uint32
 }
 
 struct Probe {
-    glm::vec3 n, d; // single precision, so that shader and judge are asked the same
+    glm::vec3 n, d; // single precision: the exact input of both samplers
 };
 
 class ProbeMaker {
 public:
     explicit ProbeMaker(const Extent4& size) : size_(size) {}
 
-    // Kinds of place and kinds of direction in turn, so that each meets each.
+    // Goes through all pairs of a kind of position and a kind of direction.
     Probe make(unsigned i) {
         const glm::dvec3 n = place(i % 5);
         const glm::dvec3 d = direction(i / 5 % 5, n);
@@ -38,7 +38,7 @@ private:
     double real(double low, double high) {
         return std::uniform_real_distribution<double>(low, high)(random_);
     }
-    // Up to 10^-1 .. 10^-9 off, either way.
+    // Random sign; the bound of the magnitude is random, 10^-9 to 10^-1.
     double tiny() { return real(-1, 1) * std::pow(10, real(-9, -1)); }
 
     glm::dvec3 place(unsigned kind) {
@@ -55,7 +55,7 @@ private:
             return sphere_normal(tiny(), v);
         case 3:
             return sphere_normal(u, u < 0.5 ? std::abs(tiny()) : 1 - std::abs(tiny()));
-        default: // on the axis, but for rounding
+        default: // on the axis except for rounding
             return {tiny() * 1e-6, u < 0.5 ? 1 : -1, u < 0.25 ? 0 : tiny() * 1e-6};
         }
     }
@@ -73,7 +73,7 @@ private:
             t = std::round(t * size_[axis_t] * 2) / (size_[axis_t] * 2) + tiny();
         } else if (kind == 2) { // grazing
             (real(0, 1) < 0.5 ? s : t) = real(0, 1) < 0.5 ? tiny() : 1 + tiny();
-        } else if (kind == 3) { // +-ey and near it
+        } else if (kind == 3) { // at +-ey or near it
             t = (real(0, 1) < 0.5 ? 0 : 1) + (real(0, 1) < 0.2 ? 0 : tiny());
         } else if (kind == 4) { // into the surface
             s = real(1, 2);
@@ -85,11 +85,12 @@ private:
     std::mt19937_64 random_{7};
 };
 
-// What can be asked of single precision for one probe.
+// How well a probe is conditioned in single precision.
 struct Condition {
-    // The least planar length of d, its length in the plane of ez and ex, at the surface texels.
+    // The smallest length of d in the plane of ez and ex, over the surface texels that are sampled.
     double planar = 1;
-    // d points into the surface at one of them and x is 0 but for rounding: s is 0 or 1 by chance.
+    // True if, at one of them, d points into the surface and its x is 0 up to rounding. Then s is 0
+    // or 1 arbitrarily.
     bool jumps = false;
 };
 

@@ -1,4 +1,4 @@
-// Files to sample on the device.
+// Files that tests sample on the GPU.
 #pragma once
 
 #include "decoder_glsl/gl_view_renderer.h"
@@ -13,7 +13,7 @@
 
 namespace tessera::test::sampled_files {
 
-// An open file, its texels decoded on the CPU.
+// An open file and its texels, decoded on the CPU.
 class SampledFile final : public TexelLookup {
 public:
     explicit SampledFile(Bytes bytes) : file(std::move(bytes)), source_(wrap_memory(file)) {
@@ -40,7 +40,8 @@ private:
     Bytes texels_;
 };
 
-// Rough in one half, smooth in a quarter, and background in the rest: tiles of all kinds.
+// Noise in one half, smooth in a quarter and background in the rest, so that there are tiles of all
+// kinds.
 inline Bytes make_mixed_file(SampleType type, std::uint8_t channels, double quality, bool layers,
                              const Extent4& size, const Extent4& tile) {
     const TextureDesc desc{size, type, channels};
@@ -59,7 +60,7 @@ inline Bytes make_mixed_file(SampleType type, std::uint8_t channels, double qual
     EncodeOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.tile_extent = tile;
-    options.effort = 0; // predictions have tests of their own
+    options.effort = 0; // predictions are tested elsewhere
     options.threads = 2;
     options.layers = layers;
     Bytes file;
@@ -68,7 +69,7 @@ inline Bytes make_mixed_file(SampleType type, std::uint8_t channels, double qual
     return file;
 }
 
-// Encoded once.
+// Encodes each file once.
 inline const Bytes& mixed_file(SampleType type, std::uint8_t channels, double quality,
                                bool layers = false, const Extent4& size = {80, 40, 12, 10},
                                const Extent4& tile = {32, 16, 8, 8}) {
@@ -81,7 +82,7 @@ inline const Bytes& mixed_file(SampleType type, std::uint8_t channels, double qu
 
 class GpuSample : public GpuTest {
 protected:
-    // Colours at the probes, drawn until no tile is late.
+    // Colours at the probes. Draws until all tiles that it needs are resident.
     static std::vector<glm::vec4> sampled(SampledTexture& texture,
                                           const std::vector<Probe>& probes) {
         const auto program = compute_program("sample_points.comp.glsl", texture.defines());

@@ -1,10 +1,11 @@
-// The decoder's shaders as C++: GLM supplies the types, this file the words of shaders/dialect.glsl,
-// the buffers (with guard bands) and the passes. Include it in one source of a program only.
+// Runs the decoder's shaders as C++. GLM supplies the types; this file supplies the macros of
+// shaders/dialect.glsl, the buffers (with guard bands) and the passes. Include it in only one
+// source of a program.
 //
-// Buffers are checked at every access: an index outside throws, which no shader may cause, whatever
-// the bytes. Behind what a batch asks for lies a guard band inside the buffer, as in a buffer that was
-// made for a larger batch: what is written there shows, too. Every loop round counts; the largest
-// count of one invocation is kept.
+// Every access to a buffer is checked: an index out of range throws, which no shader may cause,
+// whatever the bytes. The words that a batch uses are followed by a guard band, as if the buffer
+// had been allocated for a larger batch, so that writes beyond the batch are detected, too. Every
+// loop iteration is counted, and the largest count of one invocation is kept.
 #pragma once
 
 #include "decoder_glsl/batch/decode_batch.h"
@@ -44,7 +45,7 @@ public:
     }
     int length() const { return static_cast<int>(words_.size()); }
     const std::vector<Word>& words() const { return words_; }
-    // Whether the words from `first` on all hold `value`.
+    // True if all words from `first` on equal `value`.
     bool holds(std::size_t first, const Word& value) const {
         return std::all_of(words_.begin() + static_cast<std::ptrdiff_t>(first), words_.end(),
                            [&](const Word& word) { return word == value; });
@@ -61,7 +62,7 @@ private:
 inline Buffer<uint> tsr_tables, tsr_batch, tsr_work;
 inline Buffer<uvec4> tsr_coefficients;
 inline Buffer<uint> tsr_own, tsr_cross; // shared memory of levels.comp
-inline Buffer<int> tsr_patch_memory;    // and of texels.comp
+inline Buffer<int> tsr_patch_memory;    // shared memory of texels.comp
 
 inline uint TSR_ATOMIC_ADD(uint index, uint value) {
     const uint before = tsr_work[index];
@@ -72,9 +73,9 @@ inline void TSR_ATOMIC_OR(uint index, uint value) {
     tsr_work[index] |= value;
 }
 
-constexpr uint unpainted = 0xDEADDEADu; // no sample: those have 16 bits
+constexpr uint unpainted = 0xDEADDEADu; // not a sample, which has 16 bits
 
-// The picture the texels go to.
+// The image that texels are written to.
 struct Image {
     int width = 0, height = 0, layers = 0;
     std::vector<uvec4> pixels;
@@ -98,7 +99,7 @@ inline void tsr_write_texel(ivec3 at, uvec4 samples) {
         image.at(at.x, at.y, at.z) = samples;
 }
 
-// All of GLSL's subset that the passes use, as it stands.
+// The shaders' GLSL, included unchanged.
 #include "decoder_glsl/shaders/corrections.comp.glsl"
 #include "decoder_glsl/shaders/filter.comp.glsl"
 #include "decoder_glsl/shaders/groups.comp.glsl"
@@ -108,16 +109,16 @@ inline void tsr_write_texel(ivec3 at, uvec4 samples) {
 #include "decoder_glsl/shaders/texels.comp.glsl"
 #include "decoder_glsl/shaders/tree.comp.glsl"
 
-// Runs the passes of a batch one invocation after the other.
+// Runs the passes of a batch, one invocation after another.
 class Machine {
 public:
-    static constexpr uint stale = 0xA5A5A5A5u; // what earlier work left in a buffer
-    static constexpr std::size_t guard = 1024; // words behind what a batch asks for
+    static constexpr uint stale = 0xA5A5A5A5u; // stands for what earlier work left in a buffer
+    static constexpr std::size_t guard = 1024; // words after those that a batch uses
 
     std::uint64_t most_rounds = 0; // of one invocation
     std::uint32_t most_waves = 0;  // of one batch
-    // After so many rounds in all, no more invocations are begun: damaged batches can ask for more
-    // than a test has time for.
+    // When all invocations together have taken this many rounds, no more are started: damaged
+    // batches can ask for more work than a test has time for.
     std::uint64_t patience = ~std::uint64_t{0};
 
     void load_tables(std::span<const std::uint32_t> words) {
@@ -134,7 +135,7 @@ public:
         std::vector<uint> words = batch.words;
         words.resize(words.size() + guard, stale);
         tsr_batch.set(std::move(words));
-        // What earlier work left there must not matter, but for the counters.
+        // Apart from the counters, the previous contents must not matter.
         tsr_work.assign(batch.work_words + guard, stale);
         tsr_work[tsr_w_items] = tsr_work[tsr_w_wave] = 0;
         tsr_coefficients.assign(batch.coefficients + guard, uvec4(stale));
@@ -144,7 +145,7 @@ public:
             invoke([&] { tsr_decode_tree(tile); });
         for (uint segment = 0; segment < batch.most_segments; ++segment)
             for (uint tile = 0; tile < tiles; ++tile) {
-                if (tile % tsr_levels_group == 0) { // a new group finds anything in shared memory
+                if (tile % tsr_levels_group == 0) { // shared memory is uninitialised in a new group
                     tsr_own.assign(tsr_levels_group * tsr_memory_words, 0x5A5A5A5Au);
                     tsr_cross.assign(tsr_levels_group * tsr_memory_words, 0x5A5A5A5Au);
                 }
@@ -167,10 +168,10 @@ public:
         most_waves = std::max(most_waves, batch.waves);
     }
 
-    // The damage word of a tile of the batch.
+    // The damage word of a tile in the batch.
     static uint damage(uint slot) { return tsr_work[tsr_state_at(slot) + tsr_st_damaged]; }
 
-    // Whether nothing was written behind what the batch asked for.
+    // True if nothing was written beyond the words that the batch uses.
     static bool guards_hold(const DecodeBatch& batch) {
         return tsr_work.holds(batch.work_words, stale) &&
                tsr_coefficients.holds(batch.coefficients, uvec4(stale));

@@ -1,5 +1,5 @@
-// Any bytes as payloads of tiles, through the shaders and through the CPU's TileDecoder, and what the
-// two must agree on. Include it in one source of a program only, as shader_machine.h.
+// Decodes arbitrary bytes as tile payloads with the shaders and with the CPU's TileDecoder, and
+// checks that both agree. Include it in only one source of a program, like shader_machine.h.
 #pragma once
 
 #include "codec/reconstruct/tile_decoder.h"
@@ -15,10 +15,11 @@
 
 namespace tessera::test {
 
-// No invocation may take more rounds through its loops (FORMAT.md 3.1 is made for this bound).
+// The most rounds that one invocation may take through its loops. FORMAT.md 3.1 limits the work of
+// a segment for the sake of this bound.
 constexpr std::uint64_t shader_round_limit = 16384;
 
-// A file whose tiles are all background: only what stands before the tiles matters here.
+// A file whose tiles are all background. Only its header and parameters matter here.
 inline std::vector<std::byte> empty_file(const TextureDesc& desc, const Extent4& tile_extent,
                                          const CodingParameters& parameters, bool corrections) {
     const auto section = write_coding_parameters(parameters);
@@ -43,10 +44,10 @@ class ShaderOracle {
 public:
     using Payload = std::vector<std::byte>;
     struct Layout {
-        bool folded = false; // the texture folded over layers; else tiles side by side with gaps
+        bool folded = false; // texture folded over layers, or tiles side by side with gaps
     };
 
-    // Precondition: a file that opens.
+    // Precondition: `file` is valid.
     explicit ShaderOracle(std::vector<std::byte> file)
         : file_(std::move(file)), source_(wrap_memory(file_)),
           reader_(std::move(*ContainerReader::open(*source_))),
@@ -69,11 +70,11 @@ public:
         return tile_shape(reader_.grid().box(tile));
     }
     std::uint64_t most_rounds() const { return machine_.most_rounds; }
-    std::uint64_t accepted() const { return accepted_; } // tiles so far
+    std::uint64_t accepted() const { return accepted_; } // number of tiles
     std::uint64_t refused() const { return refused_; }
 
-    // Decodes payload i as tile i of the grid. Returns what is wrong; empty: nothing. The shaders must
-    // refuse exactly the payloads that the CPU refuses: no difference is known or allowed.
+    // Decodes payload i as tile i of the grid. Returns a description of the first difference, or ""
+    // if there is none. The shaders must refuse exactly the payloads that the CPU refuses.
     std::string check(std::span<const Payload> payloads, const Layout& layout) {
         const DecodeBatch batch = make_batch(payloads, layout);
         load();
@@ -96,8 +97,9 @@ public:
         return painted_pixels() == texels ? "" : "texels between the tiles";
     }
 
-    // The same with the batch's words changed. No texel is right then, and on a GPU texels outside
-    // the image are dropped; but the shaders end and stay inside their buffers, which throw.
+    // Like check(), but changes the batch's words first. The texels are then undefined, and texels
+    // outside the image are dropped as on a GPU. The shaders must terminate and stay inside their
+    // buffers, which throw otherwise.
     std::string check_changed(std::span<const Payload> payloads, const Layout& layout,
                               const std::function<void(std::span<std::uint32_t>)>& change,
                               std::uint64_t patience) {
@@ -173,7 +175,7 @@ private:
                    std::to_string(Machine::damage(slot));
         if (!sound && !damage)
             return "the shaders accept what the CPU refuses";
-        // Nothing of a damaged tile shows: it is background.
+        // A damaged tile must be background.
         if (!sound && !decoder_.decode({}, shape, texels).ok())
             return "an empty payload is refused";
         if (!same_texels(slot, texels, layout))
@@ -202,7 +204,7 @@ private:
         return true;
     }
 
-    // The four channels that a texel is stored as.
+    // The four stored channels of a texel.
     Sample4 stored(const std::byte* texel) const {
         const SampleType type = colour_.desc.type;
         const auto c = [&](std::size_t i) -> std::uint32_t {
@@ -227,7 +229,7 @@ private:
             pixels.begin(), pixels.end(), [](const auto& p) { return p.x != shaders::unpainted; }));
     }
 
-    // Blocks and numbers of nodes and levels against those that the CPU's decoder holds.
+    // Compares blocks and the numbers of nodes and levels with those of the CPU's decoder.
     std::string check_blocks(std::uint32_t slot) const {
         using namespace shaders;
         const TileLevels& levels = decoder_.levels();

@@ -1,4 +1,4 @@
-// The programs among the embedded shader files, by the convention of shader_source.h.
+// Finds the programs among the embedded shader files, by the convention of shader_source.h.
 #pragma once
 
 #include "decoder_glsl/shader_source.h"
@@ -20,7 +20,7 @@ struct ShaderProgram {
     std::string label() const { return defines.empty() ? name : name + " " + defines[0].first; }
 };
 
-// The names behind `word` at the start of a line.
+// The names that follow `word` at the start of a line.
 inline std::set<std::string> names_after(std::string_view text, std::string_view word) {
     std::set<std::string> names;
     for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
@@ -32,15 +32,15 @@ inline std::set<std::string> names_after(std::string_view text, std::string_view
     return names;
 }
 
-// The switches of sample.glsl.
+// The combinations of sample.glsl's switches.
 inline std::vector<std::vector<ShaderDefine>> sampling_variants() {
     const ShaderDefine filter{"TESSERA_HARDWARE_FILTER", "1"};
     const ShaderDefine cache{"TESSERA_RESIDENT_CACHE", "1"};
     return {{filter}, {cache}, {cache, filter}};
 }
 
-// Every program as it is, and once more for each switch that only the host can set: a macro that
-// the program asks for with #ifdef and that no file defines.
+// Every program, and one variant for each switch that only the host sets: a macro that the program
+// tests with #ifdef and that no file defines.
 inline std::vector<ShaderProgram> shader_programs() {
     std::set<std::string> defined = {"__cplusplus", "TSR_GL450", "TSR_ES310", "TSR_VULKAN"};
     for (const ShaderFile& file : shader_files())

@@ -1,4 +1,4 @@
-// The transform in double precision, by its definition.
+// The transform in double precision, computed from its definition.
 #pragma once
 
 #include "format/tile/block.h"
@@ -11,7 +11,7 @@
 
 namespace tessera::test {
 
-// Orthonormal DCT-II in double precision: matrix[k * n + x].
+// The orthonormal DCT-II matrix: matrix[k * n + x].
 inline const std::vector<double>& dct_matrix(int n) {
     static std::array<std::vector<double>, max_tile_side + 1> matrices;
     std::vector<double>& matrix = matrices[static_cast<std::size_t>(n)];

@@ -1,4 +1,4 @@
-// A folder of a test's own, for fixtures, which remove it; and whole files as strings.
+// Temporary folders for tests, which their fixtures remove, and whole files as strings.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 
 namespace tessera::test {
 
-// Makes it; its name holds the process and the running test, so that parallel tests do not meet.
+// Creates a folder. Its name contains the process and the running test, so that parallel tests do
+// not collide.
 inline std::filesystem::path make_test_folder(const std::string& suite) {
     const auto folder = std::filesystem::temp_directory_path() /
                         ("tessera_" + suite + "_" + std::to_string(getpid()) + "_" +

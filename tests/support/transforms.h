@@ -1,4 +1,4 @@
-// Transforms of whole blocks, for the tests of their parts.
+// Transforms of whole blocks, for the tests of the kernels.
 #pragma once
 
 #include "codec/kernels/kernels.h"
@@ -14,7 +14,7 @@ inline const std::vector<BlockShape> shapes_4d = {
     shape_of(4, 4, 1, 1),   shape_of(7, 5, 3, 2),   shape_of(17, 9, 5, 3),  shape_of(1, 1, 8, 8),
     shape_of(2, 2, 2, 2),   shape_of(5, 1, 31, 6)};
 
-// How many frequencies of an axis are coded.
+// The number of coded frequencies along an axis.
 inline int coded(const BlockShape& shape, std::size_t axis) {
     return std::min<int>(shape.n[axis], max_frequencies);
 }
@@ -29,7 +29,7 @@ template <class Visit> void for_each_coded(const BlockShape& shape, Visit visit)
                     visit(static_cast<std::size_t>(((t * n[2] + s) * n[1] + v) * n[0] + u));
 }
 
-// The passes of FORMAT.md 4.3 on a block with all coded frequencies, by the kernels.
+// Runs the passes of FORMAT.md 4.3 on a block with all coded frequencies, with the kernels.
 inline std::vector<std::int32_t> inverse_by_kernels(const std::vector<std::int32_t>& block,
                                                     const BlockShape& shape) {
     std::vector<std::int32_t> x, y(block.size());
@@ -55,8 +55,8 @@ inline std::vector<std::int32_t> inverse_by_kernels(const std::vector<std::int32
     return x;
 }
 
-// Fixed-point coefficients as the dequantiser scales them (FORMAT.md 4.1), but exact: the standard
-// wants the error of the transform alone, so the 11-bit mantissas of the scales stay out of it.
+// Fixed-point coefficients in the scale of the dequantiser (FORMAT.md 4.1), but exact: the bound is
+// on the error of the transform alone, so the rounding of the scales to 11 bits is left out.
 inline std::vector<std::int32_t> exact_fixed_point(const std::vector<double>& x,
                                                    const BlockShape& shape) {
     const auto& n = shape.n;

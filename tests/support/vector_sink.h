@@ -1,4 +1,4 @@
-// Appends what a container writer puts out to a vector.
+// Appends the output of a container writer to a vector.
 #pragma once
 
 #include "format/container/container_writer.h"

@@ -1,4 +1,4 @@
-// Drives a headless Chromium through its pipe (DevTools protocol); no packages.
+// Drives a headless Chromium through its pipe (DevTools protocol), without packages.
 import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -36,7 +36,7 @@ export class Browser {
         message.error ? answer.reject(Error(message.error.message)) : answer.resolve(message.result);
     }
 
-    // sessionId: null speaks to the browser instead of the tab.
+    // sessionId null addresses the browser instead of the tab.
     send(method, params = {}, sessionId = this.session) {
         const id = ++this.lastId;
         const answer = new Promise((resolve, reject) => this.answers.set(id, {resolve, reject}));
@@ -44,7 +44,7 @@ export class Browser {
         return Promise.race([answer, this.gone]);
     }
 
-    // A new tab; the one before it is closed.
+    // Opens a new tab and closes the previous one.
     async open(url, width = 640, height = 480, ratio = 1) {
         const old = this.target;
         this.target = (await this.send('Target.createTarget', {url: 'about:blank'}, null)).targetId;
@@ -60,7 +60,7 @@ export class Browser {
         return this.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: ratio, mobile: false});
     }
 
-    // The value of an expression in the page, promises awaited.
+    // Evaluates an expression in the page and awaits promises.
     async evaluate(expression) {
         const {result, exceptionDetails} = await this.send('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true});
         if (exceptionDetails)
@@ -79,7 +79,8 @@ export class Browser {
         return this.evaluate(`document.getElementById('note')?.textContent`);
     }
 
-    // The viewer's picture when it is as good as it gets: {width, height, rgba}, rows from the top.
+    // The viewer's final picture, after all tiles have arrived: {width, height, rgba}, rows from
+    // the top.
     async picture() {
         await this.until('!!(window.tessera && tessera.loader)', 'the viewer starts');
         const [width, height, text] = await this.evaluate(`(async () => {
@@ -109,7 +110,7 @@ export class Browser {
             await this.mouse('mouseMoved', from[0] + (to[0] - from[0]) * part, from[1] + (to[1] - from[1]) * part, {buttons: 1});
         await this.mouse('mouseReleased', ...to);
     }
-    // Fingers at these places, then at those.
+    // Moves touching fingers from the positions `from` to the positions `to`.
     async fingers(from, to) {
         const points = places => places.map(([x, y], id) => ({x, y, id}));
         await this.send('Input.dispatchTouchEvent', {type: 'touchStart', touchPoints: points(from)});

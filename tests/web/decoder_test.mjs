@@ -1,6 +1,6 @@
-// The decoder for browsers gives the library's texels, from a file in memory and from byte ranges; what
-// is damaged is an Error.
-//   node decoder_test.mjs MODULE.js DECODER.wasm TESSERA GOLDEN-FOLDER SCRATCH-FOLDER
+// Tests that the browser's decoder gives the library's texels, from a file in memory and from byte
+// ranges, and reports damage as an Error.
+//   node decoder_test.mjs MODULE.js DECODER.wasm TESSERA GOLDEN-FOLDER SCRATCH-FOLDER [TEST]
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {createHash} from 'node:crypto';
@@ -22,7 +22,7 @@ process.on('exit', () => fs.rmSync(scratch, {recursive: true, force: true}));
 
 const sha1 = bytes => createHash('sha1').update(bytes).digest('hex');
 const run = (...words) => execFileSync(tool, words, {stdio: ['ignore', 'pipe', 'inherit']});
-// FNV-1a-64, as tests/golden/manifest.txt has it.
+// FNV-1a-64, the hash of tests/golden/manifest.txt.
 function fnv(bytes) {
     let high = 0xcbf29ce4, low = 0x84222325;
     for (const byte of bytes) {
@@ -42,7 +42,7 @@ function nativeTexels(file) {
     return fs.readFileSync(raw);
 }
 
-// A source that counts what it hands out.
+// An asynchronous source that counts its reads and bytes.
 function slowSource(bytes) {
     const source = {size: bytes.length, reads: 0, sent: 0, async read(offset, length) {
         await new Promise(setImmediate);
@@ -60,7 +60,7 @@ function bake(name, ...words) {
 }
 const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
-// Noise beside it: more bytes than are read at once.
+// Moving views with noise, so that the file is larger than one read.
 function movingViews(name, size) {
     let seed = 1;
     const texels = texelsOf(size, (...place) => movingColour(...place).map(x => {
@@ -73,13 +73,13 @@ function movingViews(name, size) {
     return file;
 }
 const aligned = movingViews('aligned.tess', [48, 40, 4, 3]);
-// Files and the hash of their texels: what the library decodes, in whose own tests the golden ones stand.
+// Files with the hash of their texels. The library's own tests check those of the golden files.
 const golden = fs.readFileSync(path.join(goldenFolder, 'manifest.txt'), 'utf8').trim().split('\n')
                    .map(line => line.split(' ')).map(([name, hash]) => [path.join(goldenFolder, name), hash]);
 const files = golden.concat([aligned, layered, mesh].map(name => [name, fnv(nativeTexels(name))]));
 assert(files.length >= 15);
 
-// The picture that WebGL samples, from texels one by one.
+// The picture that WebGL samples, built texel by texel. Null for half floats.
 function expectedAtlas(file, texels) {
     const {size: [U, V, S, T], channels, type} = file.info;
     const out = new Uint8Array(U * V * S * T * 4);
@@ -97,7 +97,7 @@ function expectedAtlas(file, texels) {
 }
 
 const tests = {
-    async texelsAreTheLibrarys() {
+    async texelsEqualThoseOfTheLibrary() {
         for (const [name, hash] of files) {
             const bytes = fs.readFileSync(name);
             const file = codec.openBytes(bytes), texels = file.box(everything(file));
@@ -113,7 +113,7 @@ const tests = {
         }
     },
 
-    // Where texels of aligned views lie in the grid of tiles is FORMAT.md part 2.
+    // FORMAT.md part 2 defines where texels of aligned views lie in the tile grid.
     async tilesOfAlignedViews() {
         const bytes = fs.readFileSync(aligned), source = slowSource(bytes);
         const file = await codec.openSource(source), {info} = file, [U, V, S, T] = info.size;
@@ -123,7 +123,7 @@ const tests = {
         assert.deepEqual(info.tiles, [4, 3, 1, 1]);
         assert.deepEqual(info.levels[0].size, info.size);
         const at = (u, v, s, t) => 3 * (((v * U + u) * T + t) * S + s);
-        const sides = [[0, 14, 28, 41, 54], [0, 15, 30, 44]]; // of the tiles
+        const sides = [[0, 14, 28, 41, 54], [0, 15, 30, 44]]; // where tiles begin and end along u and v
 
         const part = [17, 31, 9, 30, 1, 3, 2, 3], read = source.sent;
         assert.throws(() => file.box(part), /have not been fetched/);
@@ -160,14 +160,14 @@ const tests = {
         await assert.rejects(file.fetchGridBox([0, 55, 0, 1, 0, 1, 0, 1]), /54x44x4x3/);
         await assert.rejects(file.fetchBox([0, 49, 0, 1, 0, 1, 0, 1]), /48x40x4x3/);
 
-        // Of others the grid is the texture.
+        // Without alignment the grid equals the texture.
         const plain = codec.openBytes(fs.readFileSync(layered));
         assert.deepEqual([plain.info.alignment, plain.info.gridSize], [[0, 0], plain.info.size]);
         const box = [3, 20, 5, 17, 2, 9, 1, 6];
         assert.equal(sha1(await plain.fetchGridBox(box)), sha1(plain.box(box)));
     },
 
-    async halvesAreToneMapped() {
+    async halfFloatsAreToneMapped() {
         const file = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb_half.tess')));
         const texels = file.box([3, 4, 5, 6, 0, 4, 0, 4]), atlas = file.atlas([3, 4, 5, 6]);
         for (let i = 0; i < 16; ++i)
@@ -181,7 +181,7 @@ const tests = {
             }
     },
 
-    async aPartTakesAPartOfTheBytes() {
+    async aBoxReadsOnlyPartOfTheFile() {
         const bytes = fs.readFileSync(layered), source = slowSource(bytes);
         assert(bytes.length > 2 * 8192);
         const file = await codec.openSource(source);
@@ -211,7 +211,7 @@ const tests = {
         assert.equal(codec.openBytes(cut, {partial: true}).atlas([0, 40, 0, 24]).length, 40 * 24 * 12 * 10 * 4);
     },
 
-    async descriptionsAreThere() {
+    async infoDescribesTheFile() {
         const sphere = codec.openBytes(fs.readFileSync(layered)).info;
         assert.equal(sphere.proxy, 'sphere');
         assert.equal(sphere.angularMap, 'hemisphere-alpha-beta');
@@ -240,8 +240,8 @@ const tests = {
         await assert.rejects(loadTessera(new Uint8Array(8)), Error);
     },
 
-    // Wherever a byte is wrong, there is an Error or there are texels; the module is never left unusable.
-    async damageIsAnError() {
+    // A flipped bit anywhere gives an Error or texels, and the module stays usable.
+    async damageIsReportedAsAnError() {
         let refused = 0;
         const random = (state => () => (state = Math.imul(state, 1664525) + 1013904223 >>> 0))(7);
         for (const name of [layered, path.join(goldenFolder, 'rgb8.tess'), mesh]) {
@@ -280,7 +280,7 @@ const tests = {
         assert.equal(sha1(texels), sha1(file.box(everything(file))));
     },
 
-    async rangesOfAServer() {
+    async readsRangesFromAServer() {
         const bytes = fs.readFileSync(layered);
         const {createServer} = await import('node:http');
         let failures = 1, requests = 0, version = '"1"';

@@ -1,5 +1,5 @@
-// The npm package as whoever installs it sees it: names resolve, the shaders of the three.js material are
-// GLSL ES 3.00, the types are sound (where there is a tsc).
+// Tests the npm package as its users see it: names resolve, the shaders of the three.js material
+// are valid GLSL ES 3.00, and the types are sound (if tsc is installed).
 //   node package_test.mjs PACKAGE-FOLDER TESSERA SCRATCH-FOLDER [GLSLANG-VALIDATOR]
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
@@ -12,7 +12,7 @@ fs.rmSync(scratch, {recursive: true, force: true});
 fs.mkdirSync(path.join(scratch, 'node_modules'), {recursive: true});
 process.on('exit', () => fs.rmSync(scratch, {recursive: true, force: true}));
 
-// What would be published is there, nothing else, and resolves by its name.
+// The package contains exactly the files to publish, and its name resolves.
 const about = JSON.parse(fs.readFileSync(path.join(folder, 'package.json'), 'utf8'));
 assert.deepEqual(fs.readdirSync(folder).sort(), [...about.files, 'package.json'].sort());
 fs.cpSync(folder, path.join(scratch, 'node_modules', about.name), {recursive: true});
@@ -32,7 +32,7 @@ function bake(name, ...words) {
     return codec.openBytes(fs.readFileSync(file));
 }
 
-// What the material asks of three.js.
+// Stands in for the classes of three.js that the material uses, and records their arguments.
 class Recorded {
     constructor(...given) {
         this.given = given;

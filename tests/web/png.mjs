@@ -1,4 +1,4 @@
-// The pixels of an 8-bit RGB or RGBA PNG that is not interlaced.
+// Reads the pixels of an 8-bit RGB or RGBA PNG that is not interlaced.
 import {inflateSync} from 'node:zlib';
 
 export function readPng(file) {
@@ -26,7 +26,8 @@ export function readPng(file) {
     return {width, height, channels, pixels: out};
 }
 
-// Of two pictures: the share of pixels whose samples differ by at most one step, the largest difference, PSNR.
+// Compares two pictures: the share of pixels whose samples differ by at most one step, the largest
+// difference, and the PSNR.
 export function compared(picture, png) {
     if (picture.width !== png.width || picture.height !== png.height)
         throw Error(`${picture.width}x${picture.height} is not ${png.width}x${png.height}`);

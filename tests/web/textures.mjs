@@ -1,6 +1,6 @@
-// Textures that tests make, as .rgb files have them.
+// Textures for tests, in the layout of .rgb files.
 
-// colour(u, v, s, t): red, green, blue
+// colour(u, v, s, t) returns [red, green, blue].
 export function texelsOf([U, V, S, T], colour) {
     const out = Buffer.alloc(U * V * S * T * 3);
     let at = 0;
@@ -12,7 +12,8 @@ export function texelsOf([U, V, S, T], colour) {
     return out;
 }
 
-// Of cameras that see one picture move by two texels a view, along v the other way.
+// A colour of moving views: per view, the picture moves by two texels along u and by minus two
+// along v.
 export function movingColour(u, v, s, t) {
     const x = u - 2 * s, y = v + 2 * t;
     return [0, 1, 2].map(c => 128 + 50 * Math.sin(0.3 * x + c) + 50 * Math.cos(0.3 * y - 0.01 * x * y));

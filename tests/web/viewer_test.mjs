@@ -1,6 +1,8 @@
-// The viewer in a real browser: what it draws is what `tessera render` draws, and hands and networks may do what
-// they do.   node viewer_test.mjs TESSERA [CHROMIUM [PART OF A TEST'S NAME]]
-// Exit codes: 0 all is well, 1 not, 77 there is no Chromium (or this tool has no decoder for browsers).
+// Tests the viewer in a real browser: it must draw what `tessera render` draws, and cope with user
+// input and bad networks.
+//   node viewer_test.mjs TESSERA [CHROMIUM [PART OF A TEST'S NAME]]
+// Exit codes: 0 all tests pass, 1 a test fails, 77 Chromium or the tool's browser decoder is
+// missing.
 import assert from 'node:assert/strict';
 import {execFileSync, spawn, spawnSync} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
@@ -12,14 +14,15 @@ import {compared, readPng} from './png.mjs';
 import {movingColour, texelsOf} from './textures.mjs';
 
 const [tool, program = 'chromium', only = ''] = process.argv.slice(2);
-const renderer = process.env.TESSERA_RENDERER || tool; // another build to compare with
-const near = 0.999;          // of the pixels are within a step of 255
+const renderer = process.env.TESSERA_RENDERER || tool; // another build may draw the reference
+const near = 0.999;          // share of pixels that must be within one step of 255
 const pageBudget = 200_000;  // bytes of viewer and decoder in a page
 const folder = mkdtempSync(join(tmpdir(), 'tessera-viewer-'));
 const inFolder = name => join(folder, name);
 const tessera = (...args) => execFileSync(tool, args, {stdio: ['ignore', 'pipe', 'pipe']});
 
-// Views of 5x5 cameras: a pattern far away and a square nearer, which moves by two texels from camera to camera.
+// Views of 5x5 cameras: a pattern far away, and a nearer square that moves by two texels from
+// camera to camera.
 function planarColour(u, v, s, t) {
     const x = u - 2 * (s - 2), y = v - 2 * (t - 2), isNear = x >= 18 && x < 30 && y >= 10 && y < 22;
     return isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60];
@@ -48,13 +51,14 @@ function agrees(picture, png, what) {
     console.log(`${what}: ${(100 * share).toFixed(3)} % within 1 of 255, at most ${most}, ${psnr.toFixed(1)} dB`);
     assert(share >= near, `${what}: only ${100 * share} % of the pixels agree`);
 }
-// Not one colour everywhere.
+// True if the picture has more than 20 colours.
 const hasContent = ({rgba}) => new Set(rgba.toString('latin1').match(/.{4}/gs)).size > 20;
 
 const tests = {
-    async 'pages that stand alone show what render draws'(browser) {
+    async 'standalone pages show what render draws'(browser) {
         const inside = {eye: '0.1,1.15,0.05', look: '1,0.3,1.2', fov: 80};
-        // Of a mesh, edges are more of a smaller picture: there a device's raster is coarser than rays.
+        // The mesh is drawn larger, because pixels at its edges, where rasterising and ray casting
+        // differ, are a smaller share of a larger picture.
         for (const [name, size, ...poses] of [['sphere', '200x150', {}, {eye: '0.5,10,0.2'}], ['inside', '200x150', inside],
                                               ['mesh', '400x300', {}, {eye: '30,18,9', fov: 12, rays: 1}]]) {
             tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
@@ -65,19 +69,20 @@ const tests = {
         }
     },
 
-    async 'viewer and decoder keep their budget'() {
+    async 'viewer and decoder stay within their size budget'() {
         const page = readFileSync(inFolder('sphere.html'), 'latin1');
         const own = page.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '').replace(/base64,[^"]*/, '').length;
         console.log(`viewer and decoder: ${own} bytes of a page of ${page.length}`);
         assert(own < pageBudget, `${own} bytes`);
-        assert(!/(src|href)="(?!data:)/.test(page), 'the page needs nothing else');
+        assert(!/(src|href)="(?!data:)/.test(page), 'the page loads another resource');
     },
 
     async 'planar views: parallax, focus and aperture'(browser) {
         tessera('view', inFolder('planar.tess'), '-o', inFolder('planar.html'), '-q');
         await browser.open(`file://${inFolder('planar.html')}${hash({})}`, 200, 150);
         const middle = await browser.picture();
-        // The middle camera, one texel for 25 / 6 pixels: those of the view at their places.
+        // The middle camera draws each texel 25 / 6 pixels wide, so the texels of its view appear
+        // at their positions.
         const texels = texelsOf([48, 36, 5, 5], planarColour);
         let wrong = 0;
         for (let v = 1; v < 35; ++v)
@@ -86,11 +91,11 @@ const tests = {
                 const texel = 3 * (((v * 48 + u) * 5 + 2) * 5 + 2);
                 wrong += [0, 1, 2].some(c => Math.abs(middle.rgba[pixel + c] - texels[texel + c]) > 60);
             }
-        assert(wrong < 0.1 * 34 * 46, `${wrong} texels are not where they belong`);
+        assert(wrong < 0.1 * 34 * 46, `${wrong} texels are at wrong positions`);
         const pose = () => browser.evaluate('tessera.pose');
         await browser.drag([100, 75], [60, 75]);
         const moved = await browser.picture();
-        assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'dragging shows parallax');
+        assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'dragging showed no parallax');
         if (spawnSync(renderer, ['render', inFolder('planar.tess'), '-o', inFolder('v.png'), '-q']).status === 5)
             console.log('        (this tool renders no planar views: not compared)');
         else {
@@ -110,15 +115,15 @@ const tests = {
         const focused = await browser.picture(), {disparity, reach} = await pose();
         assert.equal(disparity.toFixed(3), '2.000');
         assert(reach > 1.5);
-        assert(compared(focused, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'focus and aperture change the picture');
+        assert(compared(focused, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'focus and aperture did not change the picture');
     },
 
-    async 'hands: drag, wheel, keys, reset'(browser) {
+    async 'input: drag, wheel, keys, touch, reset'(browser) {
         await browser.open(`file://${inFolder('mesh.html')}${hash({rays: 1}, '400x300')}`, 400, 300);
         await browser.picture();
         await browser.drag([200, 150], [260, 170]);
         await browser.mouse('mouseWheel', 200, 150, {deltaX: 0, deltaY: -150});
-        const picture = await browser.picture(); // first: on a busy machine events are still on their way
+        const picture = await browser.picture(); // read before the pose, because events may arrive late on a busy machine
         const {eye, look} = await browser.evaluate('tessera.pose');
         assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
         agrees(picture, rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'), 'mesh after drag and wheel');
@@ -129,12 +134,12 @@ const tests = {
         const distance = () => browser.evaluate('Math.hypot(...tessera.pose.eye.map((x, i) => x - tessera.pose.look[i]))');
         const before = await distance();
         await browser.fingers([[180, 150], [220, 150]], [[140, 150], [260, 150]]);
-        assert(await distance() < 0.6 * before, 'two fingers apart come nearer');
+        assert(await distance() < 0.6 * before, 'spreading two fingers did not move the camera nearer');
         await browser.evaluate(`document.querySelector('[data-action=reset]').click()`);
         assert.deepEqual(await browser.evaluate('tessera.pose.eye'), [10, 0, 0]);
     },
 
-    async 'displays of high density and other windows'(browser) {
+    async 'high-density displays and resized windows'(browser) {
         await browser.open(`file://${inFolder('sphere.html')}`, 120, 90, 2);
         await browser.picture();
         assert.deepEqual(await browser.evaluate('[tessera.gl.canvas.width, tessera.gl.canvas.height]'), [240, 180]);
@@ -143,7 +148,7 @@ const tests = {
         assert(hasContent(await browser.picture()));
     },
 
-    async 'what cannot be shown says why'(browser) {
+    async 'says why it cannot show a file'(browser) {
         const page = readFileSync(inFolder('sphere.html'), 'latin1');
         const file = readFileSync(inFolder('sphere.tess'));
         file[20] ^= 255; // in the header
@@ -159,7 +164,7 @@ const tests = {
         assert.match(await browser.note(), /WebGL2/);
     },
 
-    async 'from a server: in parts, over a bad line, in a small cache'(browser, {url}) {
+    async 'from a server: in parts, with lost requests, in a small cache'(browser, {url}) {
         const line = await badLine(url);
         try {
             await browser.open(`${line.url}?f=sphere.tess${hash({}).replace('#', '#parts&cache=1.6&')}`);
@@ -167,8 +172,8 @@ const tests = {
             const {slots, tiles, first, coarse} = await browser.evaluate(`({slots: tessera.cache.slots, tiles: tessera.cache.grid.tiles,
                 coarse: !!tessera.renderer.coarse, first: tessera.source.asked})`);
             assert(slots < tiles && coarse, `${slots} of ${tiles}`);
-            assert(line.broken > 0 && first > line.broken, 'requests were lost and asked again');
-            for (const pose of [{eye: '-10,0,0'}, {}]) { // there and back: tiles make room for others
+            assert(line.broken > 0 && first > line.broken, 'lost requests were not repeated');
+            for (const pose of [{eye: '-10,0,0'}, {}]) { // there and back, so that tiles are replaced in the cache
                 await browser.evaluate(`location.hash = '${hash(pose).replace('#', '#parts&cache=1.6&')}'`);
                 await browser.until(`tessera.pose.eye.join() === '${pose.eye ?? '10,0,0'}'`, 'the hash is followed');
                 agrees(await browser.picture(), rendered('sphere.tess', pose), `sphere from a server ${JSON.stringify(pose)}`);
@@ -178,13 +183,13 @@ const tests = {
         }
         await browser.open(`${url}?f=mesh.tess${hash({rays: 1}, '400x300')}`);
         agrees(await browser.picture(), rendered('mesh.tess', {rays: 1}, '400x300'), 'mesh from a server');
-        assert(await browser.evaluate('tessera.source.asked') <= 2, 'a small file comes at once');
+        assert(await browser.evaluate('tessera.source.asked') <= 2, 'a small file took more than two requests');
         await browser.open(`${url}?f=nothing.tess`);
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
         assert.match(await browser.note(), /no such file/);
     },
 
-    async 'view serves its file and no other'(browser) {
+    async 'view serves only its file'(browser) {
         const {url, stop} = await startServer('view', inFolder('sphere.tess'), '--no-open');
         try {
             assert(url.endsWith('?f=sphere.tess'), url);
@@ -197,7 +202,7 @@ const tests = {
     },
 };
 
-// Between browser and server: every third request of a part is cut off.
+// A proxy between browser and server that cuts off every third range request.
 async function badLine(server) {
     const line = {broken: 0};
     let parts = 0;

@@ -1,5 +1,5 @@
-/* A program in C that uses Tessera: encodes a gradient, opens it, reads a box, compares.
- *   consumer_c [FILE.tess]   with a path the gradient is written there, too */
+/* A C program that uses Tessera: encodes a gradient, opens the file, reads a box and compares.
+ *   consumer_c [FILE.tess]   also writes the encoded gradient to FILE.tess, if given */
 #include <tessera/codec/tessera.h>
 
 #include <stdio.h>

@@ -1,5 +1,6 @@
-// A program in C++ that uses Tessera: encodes a gradient into a file, opens it, reads a box, compares.
-//   consumer_cpp FILE.tess   the file to write; afterwards a file beside it that is not there is opened
+// A C++ program that uses Tessera: encodes a gradient into a file, opens it, reads a box and
+// compares.
+//   consumer_cpp FILE.tess   writes FILE.tess, then tries to open a file that does not exist
 #include <tessera/codec/decoder.h>
 #include <tessera/codec/encoder.h>
 #include <tessera/format/texture.h>
@@ -18,7 +19,7 @@ int gradient(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t)
     return static_cast<int>(4 * u + 4 * v + 2 * s + 2 * t);
 }
 
-// Calls visit(value) for the texels of a box in their order.
+// Calls visit(value) with the expected value of each texel of a box, in box order.
 template <class Visit> void for_each_texel(const Box4& box, Visit visit) {
     for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
         for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
@@ -64,7 +65,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "error: %s\n", status.message().c_str());
         return static_cast<int>(status.code());
     }
-    // Errors are values: a file that is not there is a Status, not a crash.
+    // A missing file is reported as a Status.
     const Result<Decoder> none = Decoder::open_file(path + ".none");
     return none.ok() || none.status().code() != ErrorCode::io ? 1 : 0;
 }

@@ -1,5 +1,5 @@
-// A program in C++ that uses the GPU's side of Tessera: what a device with OpenGL 4.5 is needed for is
-// linked, and what needs none is run.
+// A C++ program that uses the GPU decoder. It links the functions that need OpenGL 4.5, but runs
+// only those that need no device.
 #include <tessera/decoder_glsl/gl_context.h>
 #include <tessera/decoder_glsl/gl_view_renderer.h>
 #include <tessera/decoder_glsl/shader_source.h>
@@ -14,7 +14,7 @@ int main(int argc, char**) {
         std::fprintf(stderr, "error: no sample.glsl\n");
         return 1;
     }
-    if (argc > 1) { // a device is not asked for by the test
+    if (argc > 1) { // the test gives no argument, so that it needs no device
         const auto context = HeadlessContext::create();
         std::printf("%s\n", context.ok() ? "a device" : context.status().message().c_str());
     }

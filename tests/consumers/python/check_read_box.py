@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whether read_box.py reads what consumer_c writes.   check_read_box.py LIBRARY CONSUMER_C"""
+"""Checks that read_box.py reads the file that consumer_c writes.   check_read_box.py LIBRARY CONSUMER_C"""
 import os
 import subprocess
 import sys
@@ -15,7 +15,7 @@ def read_box(*arguments):
 
 
 def check_picture(path, u0, v0, width, height, s, t):
-    """Against the gradient of consumers/c/main.c, which is coded with an error of at most 1."""
+    """Compares with the gradient of consumers/c/main.c, whose coding error is at most 1."""
     with open(path, "rb") as file:
         head, pixels = file.readline(), file.read()
     assert head == b"P5 %d %d 255\n" % (width, height), head

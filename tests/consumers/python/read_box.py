@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Reads a box of a .tess file through the shared library and writes it as pictures.
+"""Reads a box of a .tess file through the shared library and writes one picture per direction.
 
     read_box.py LIBRARY FILE.tess OUTPUT [u0:u1,v0:v1,s0:s1,t0:t1]
 
-One picture for each direction: OUTPUT-s-t.pgm or .ppm. Without a box: the middle direction, whole.
+Writes OUTPUT-s-t.pgm or .ppm. The default box is the whole picture of the middle direction.
 """
 import ctypes as c
 import sys
@@ -15,7 +15,7 @@ class Texture(c.Structure):  # tessera_texture
     _fields_ = [("size", Extent), ("type", c.c_int32), ("channels", c.c_uint32)]
 
 
-def load(path):  # errors of its functions end the script
+def load(path):  # an error of a function ends the script
     library = c.CDLL(path)
     library.tessera_last_error.restype = library.tessera_error_name.restype = c.c_char_p
     library.tessera_close.argtypes, library.tessera_close.restype = [c.c_void_p], None
@@ -48,7 +48,7 @@ def main(library, path, output, box=None):
     tessera.tessera_decode_box(decoder, begin, end, texels, count.value, None)
     tessera.tessera_close(decoder)
     n, (width, height, ns, nt) = texture.channels, (e - b for b, e in zip(begin, end))
-    for view in range(ns * nt):  # texels stand in the order v, u, t, s; s is fastest
+    for view in range(ns * nt):  # texels are in the order v, u, t, s; s is fastest
         pixels = bytearray(width * height * n)
         for channel in range(n):
             pixels[channel::n] = bytes(texels[view * n + channel::ns * nt * n])

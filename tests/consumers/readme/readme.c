@@ -6,9 +6,9 @@ int read_box(const char* path, void* texels, size_t bytes) {
     tessera_decoder* decoder = NULL;
     int error = tessera_open_path(path, NULL, &decoder);
     if (error == TESSERA_OK)
-        error = tessera_decode_box(decoder, begin, end, texels, bytes, NULL); /* size of the box */
+        error = tessera_decode_box(decoder, begin, end, texels, bytes, NULL); /* NULL: defaults */
     tessera_close(decoder);
-    return error; /* 0, or a code; tessera_last_error() has the sentence */
+    return error; /* 0 or an error code; tessera_last_error() has the message */
 }
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* A program in C of a project that builds Tessera's decoder as a part of itself: decodes a file.
- *   consumer_c   the file is DECODED */
+/* A C program of a project that builds Tessera's decoder as a part of itself. Decodes the file
+ * that the macro DECODED names. */
 #include <tessera/codec/tessera.h>
 
 #include <stdio.h>

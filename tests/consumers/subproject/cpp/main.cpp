@@ -1,4 +1,4 @@
-// The same in C++.
+// The C++ version of ../main.c.
 #include <tessera/codec/decoder.h>
 
 #include <cstdio>
