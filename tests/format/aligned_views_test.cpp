@@ -1,4 +1,4 @@
-// Where the texels of aligned views lie in the grid of tiles, by the words of FORMAT.md part 2.
+// Tests the positions of aligned views' texels in the tile grid, as FORMAT.md part 2 defines them.
 #include "format/levels.h"
 #include "tests/support/random_box.h"
 
@@ -24,7 +24,7 @@ int shift_by(int step, int view, int views) {
     return step >= 0 ? step * view : -step * (views - 1 - view);
 }
 
-// visit(place in the grid, texel of the texture)
+// Calls visit(position in the grid, texel of the texture) for every texel.
 template <class Visit> void for_each_aligned(const AlignedCase& c, const Visit& visit) {
     for (std::uint32_t v = 0; v < c.size[1]; ++v)
         for (std::uint32_t u = 0; u < c.size[0]; ++u)
@@ -55,7 +55,7 @@ std::size_t index_in(const Box4& box, const Extent4& at) {
            (at[2] - box.begin[2]);
 }
 
-TEST(AlignedViews, PlacesAreThoseOfTheFormat) {
+TEST(AlignedViews, PositionsMatchTheFormat) {
     for (const AlignedCase& c : aligned_cases) {
         const AlignedViews views(c.size, c.alignment);
         Extent4 size{0, 0, 0, 0};
@@ -71,7 +71,7 @@ TEST(AlignedViews, PlacesAreThoseOfTheFormat) {
     EXPECT_EQ(none.grid_size(), (Extent4{9, 7, 4, 3}));
 }
 
-TEST(AlignedViews, TilesAreThoseThatHoldATexel) {
+TEST(AlignedViews, TouchedTilesHoldATexelOfTheBox) {
     Random random(5);
     for (const AlignedCase& c : aligned_cases)
         for (int round = 0; round < 20; ++round) {
@@ -90,8 +90,8 @@ TEST(AlignedViews, TilesAreThoseThatHoldATexel) {
         }
 }
 
-// Texels that lie in both boxes are copied, and no others, either way, for texels of any size.
-TEST(AlignedViews, CopiesBothWays) {
+// Only texels that lie in both boxes are copied, in either direction and for any texel size.
+TEST(AlignedViews, CopiesInBothDirections) {
     Random random(6);
     for (const AlignedCase& c : aligned_cases)
         for (const std::size_t bytes : {1, 3, 4, 8})

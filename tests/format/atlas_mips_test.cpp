@@ -1,4 +1,4 @@
-// Mips of an atlas, against the second implementation and against what a chart must give.
+// Compares the mips of an atlas with the second decoder's and checks their sizes and selection.
 #include "tests/reference/spec_mesh_sampling.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random_rays.h"
@@ -68,15 +68,15 @@ void expect_as_specified(const SurfaceMesh& mesh, const TileGrid& grid) {
     }
 }
 
-TEST(AtlasMips, AreThoseOfTheSpecification) {
+TEST(AtlasMips, MatchTheSpecification) {
     const Extent4 size{48, 32, 5, 4}, tile{16, 16, 4, 4};
-    expect_as_specified(six_charts(2, false), {size, tile}); // charts a texel apart
-    expect_as_specified(triangle_soup(9, 4), {size, tile});  // over each other
+    expect_as_specified(six_charts(2, false), {size, tile}); // charts one texel apart
+    expect_as_specified(triangle_soup(9, 4), {size, tile});  // overlapping charts
     expect_as_specified(six_charts(1, true), {{45, 29, 5, 4}, {64, 64, 4, 4}}); // one tile
     expect_as_specified(six_charts(1, true), {{1, 1, 1, 1}, {1, 1, 1, 1}});
 }
 
-TEST(AtlasMips, AreAsManyAsTilesCanBeHalved) {
+TEST(AtlasMips, CountFollowsTheBeginningsOfTiles) {
     const SurfaceMesh mesh = six_charts(1, false);
     for (const auto& [extent, tile] : {std::pair{96u, 32u},
                                        {96u, 24u},
@@ -101,7 +101,7 @@ TEST(AtlasMips, AreAsManyAsTilesCanBeHalved) {
     EXPECT_EQ(AtlasMips().count(), 0u);
 }
 
-TEST(AtlasMips, ArePickedByWhatAPixelCovers) {
+TEST(AtlasMips, AreSelectedByTheFootprintOfAPixel) {
     const AtlasMips mips(six_charts(1, false), {{96, 64, 2, 2}, {32, 32, 2, 2}});
     ASSERT_EQ(mips.count(), 4u);
     for (const double a : {0.0, 0.7, 1.0, 1.42, 3.0, 5.6, 17.0, 1e9})
@@ -111,8 +111,8 @@ TEST(AtlasMips, ArePickedByWhatAPixelCovers) {
     EXPECT_EQ(mips.mip_for({INFINITY, INFINITY}), 4.0);
 }
 
-// Sizes and triangles cost a file next to nothing.
-TEST(AtlasMips, AreNotMadeOfWhatOnlyClaimsToBeLarge) {
+// Large sizes and many triangles cost a file few bytes, so mips are not built for them.
+TEST(AtlasMips, AreNotBuiltForSmallFilesThatClaimLargeSizes) {
     SurfaceMesh mesh = six_charts(1, false);
     const Extent4 tile{32, 32, 2, 2};
     EXPECT_EQ(AtlasMips(mesh, {{1u << 20, 1u << 20, 2, 2}, tile}).count(), 0u);
@@ -123,7 +123,7 @@ TEST(AtlasMips, AreNotMadeOfWhatOnlyClaimsToBeLarge) {
     for (int i = 0; i < 8; ++i)
         mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
     EXPECT_EQ(AtlasMips(mesh, grid).count(), 0u);
-    // Triangles without area are walked along, too.
+    // Triangles without area cost time along their edges, too.
     mesh.uv = {{0.5f, 0.0f}, {0.5f, 0.5f}, {0.5f, 1.0f}};
     mesh.positions.resize(3);
     mesh.triangles.assign(10000, {0, 1, 2});

@@ -1,4 +1,4 @@
-// Bits, read as they were written.
+// Tests that the bit reader returns what the bit writer wrote.
 #include "format/io/bit_reader.h"
 #include "format/io/bit_writer.h"
 #include "format/levels.h"
@@ -57,7 +57,7 @@ TEST(Bits, OnesStopAtZeroAndAtLimit) {
     EXPECT_EQ(reader.ones(24), 3u);
     EXPECT_EQ(reader.ones(24), 0u);
     EXPECT_EQ(reader.ones(24), 24u);
-    EXPECT_EQ(reader.ones(32), 8u); // and its 0
+    EXPECT_EQ(reader.ones(32), 8u); // and the 0 after them
     EXPECT_EQ(reader.position(), 5u + 24 + 9);
 }
 

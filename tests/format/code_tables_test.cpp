@@ -1,4 +1,4 @@
-// Tables of the entropy coder.
+// Tests the tables of the entropy coder.
 #include "format/tile/coding_parameters.h"
 #include "format/tile/rans.h"
 #include "tests/support/format_values.h"
@@ -48,7 +48,7 @@ void check_tables(const CodeTables& tables) {
         ASSERT_NO_FATAL_FAILURE(check_table(table));
 }
 
-TEST(CodeTables, EverySymbolHasItsShare) {
+TEST(CodeTables, EverySymbolHasAFrequency) {
     ASSERT_NO_FATAL_FAILURE(check_tables(CodeTables(default_parameters())));
     Parameters parameters;
     for (int p = 0; p < parameter_count_of_odds; ++p) {
@@ -60,8 +60,8 @@ TEST(CodeTables, EverySymbolHasItsShare) {
         ASSERT_NO_FATAL_FAILURE(check_tables(CodeTables(random_parameters(random))));
 }
 
-// The first symbol of each group's first table, and of its last one where there are several.
-TEST(CodeTables, EachHasItsPlaceInTheOrderOfParameters) {
+// Checks the first symbol of each group's first table and, if the group has several, of its last.
+TEST(CodeTables, FollowTheOrderOfParameters) {
     Random random(9);
     const Parameters parameters = random_parameters(random);
     const CodeTables tables(parameters);

@@ -1,4 +1,4 @@
-// Step codes and the section CODE.
+// Tests step codes and the section CODE.
 #include "format/tile/coding_parameters.h"
 #include "format/tile/rans.h"
 #include "tests/support/format_values.h"
@@ -94,11 +94,11 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->correction_error, want.correction_error);
         EXPECT_EQ(got->parameters, want.parameters);
     }
-    // Defaults cost nothing beyond the fixed part.
+    // Default values add nothing to the fixed part.
     EXPECT_LE(write_coding_parameters({}).size(), 24u);
 }
 
-TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
+TEST(CodingParameters, ParametersOfCopiesAreOmittedWithoutPredictions) {
     CodingParameters coding;
     int left_out = 0;
     for (int i = 0; i < parameter_count; ++i)
@@ -115,7 +115,7 @@ TEST(CodingParameters, ThoseOfCopiesAreLeftOutWithoutPredictions) {
     EXPECT_EQ(got->parameters, coding.parameters);
 }
 
-TEST(CodingParameters, ThoseOfBasePicturesAreLeftOutWithoutThem) {
+TEST(CodingParameters, ParametersOfBasePicturesAreOmittedWithoutThem) {
     CodingParameters coding;
     coding.prediction = true;
     const std::size_t bytes = write_coding_parameters(coding).size();
@@ -162,7 +162,7 @@ TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     EXPECT_TRUE(both->smooth_copies);
 }
 
-TEST(CodingParameters, TakesTheLargestOffsetsAndAllFlags) {
+TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {
     constexpr std::size_t offsets = 10, flags = 23;
     CodingParameters coding;
     coding.colour_rotation = coding.prediction = coding.dependent = coding.smooth_copies = true;
@@ -207,7 +207,7 @@ TEST(CodingParameters, DamageIsRefusedOrHarmless) {
             expect_in_range(*got);
         else
             ASSERT_EQ(got.status().code(), ErrorCode::invalid_file);
-        // Half a word or a missing field is always noticed.
+        // Half a word or a missing field is always detected.
         ASSERT_TRUE(!got || (length % 2 == bytes.size() % 2 && length >= 24)) << length;
     }
     for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {

@@ -1,4 +1,4 @@
-// Rotated axes of colour.
+// Tests the rotated colour axes.
 #include "format/tile/colour_rotation.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST(ColourRotation, AxesAreOrthonormalAndRightHanded) {
 TEST(ColourRotation, DirectionsAscendAndArePrimitive) {
     for (int index = 0; index < rotation_count; ++index) {
         const auto d = rotation_direction(index);
-        EXPECT_GT(d, (std::array{0, 0, 0})); // its first component that is not 0 is positive
+        EXPECT_GT(d, (std::array{0, 0, 0})); // the first nonzero component is positive
         EXPECT_TRUE(((d[0] | d[1] | d[2]) & 1) != 0) << index;
         if (index > 0) {
             EXPECT_LT(rotation_direction(index - 1), d);

@@ -1,4 +1,4 @@
-// Files that no writer makes, with every checksum right.
+// Tests how opening refuses files that no writer produces, although all checksums are correct.
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
@@ -18,7 +18,7 @@ using namespace tessera::test;
 
 using Bytes = std::vector<std::byte>;
 
-// A valid file with other bytes in its header or section table, and a right header checksum.
+// A valid file with changed bytes in its header or section table, and a correct header checksum.
 template <class T> Bytes patched(std::size_t offset, T value) {
     static const Bytes good = rich_sample()->write();
     Bytes file = good;
@@ -94,14 +94,14 @@ TEST(Hostile, FieldsOutOfRange) {
     field(patched(71, u8{1}), "alpha"); // three channels
     field(patched(77, u8{0}), "level_count");
     field(patched(77, u8{2}), "level_count");
-    field(patched(78, u8{1}), "align_u"); // without the feature
+    field(patched(78, u8{1}), "align_u"); // the feature bit is missing
     field(patched(79, u8{255}), "align_v");
-    field(patched(16, u64{1} << 6), "align_u"); // without an alignment
+    field(patched(16, u64{1} << 6), "align_u"); // the alignment is 0
     field(patched(120, u32{1}), "reserved");
 }
 
-// Everything that does not go with aligned views, and grids of tiles beyond what a texture may be.
-TEST(Hostile, AlignmentsOutOfPlace) {
+// Header fields that contradict aligned views, and tile grids beyond the limits of a texture.
+TEST(Hostile, AlignmentsThatDoNotFit) {
     const auto aligned = [](const Extent4& size, u32 alignment, u64 features = u64{1} << 6) {
         Bytes file = patched(16, features);
         for (std::size_t axis = 0; axis < 4; ++axis)
@@ -118,13 +118,13 @@ TEST(Hostile, AlignmentsOutOfPlace) {
     field(aligned({most, 1, 2, 1}, 0x0001), "align_v: extent u is 1048577");
     field(aligned({1, most, 1, 2}, 0x8000), "align_v: extent v is 1048704");
     field(aligned({most, 1, most, 1}, 0x0080), "align_v: extent u is 135266176");
-    field(aligned({1, 1, 8192, 8192}, 0x7F7F), "2^48"); // 2^20 each, but not together
-    // A grid that may be is not the one that section LEVL has.
+    field(aligned({1, 1, 8192, 8192}, 0x7F7F), "2^48"); // sides allowed, product too large
+    // The grid is allowed but differs from the one in section LEVL.
     for (const u32 alignment : {0x0001u, 0x7FFFu, 0x8080u, 0x0100u})
         expect_refused(aligned({258, 2, 2, 2}, alignment), ContainerRule::levels, "LEVL");
     Bytes file = aligned({258, 1, 1, 1}, 0x0101);
     EXPECT_TRUE(open_status(file))
-        << open_status(file).message(); // one view: the grid is the texture
+        << open_status(file).message(); // with one view the grid is the texture
     for (const u8 proxy : {1, 2, 3, 200}) {
         store_le(file.data() + 72, proxy);
         store_le(file.data() + 92,
@@ -150,7 +150,7 @@ TEST(Hostile, GeometryOutOfRange) {
     field(patched(92, 1.0f), "sphere_radius"); // the proxy is a mesh
     field(patched(92, nan), "sphere_radius");
     field(patched(72, u8{1}), "sphere_radius"); // a sphere of radius 0
-    field(patched(96, 1.0f), "viewing_radius"); // farther than the far one
+    field(patched(96, 1.0f), "viewing_radius"); // larger than the far radius
     field(patched(96, -1.0f), "viewing_radius");
     field(patched(100, infinity), "viewing_radius");
     field(patched(100, nan), "viewing_radius");
@@ -162,7 +162,7 @@ TEST(Hostile, GeometryOutOfRange) {
     field(half, "background[1]");
 }
 
-TEST(Hostile, UnknownMeaningsAreOnlyNoted) {
+TEST(Hostile, UnknownValuesAreAcceptedWithANote) {
     for (std::size_t offset = 72; offset <= 76; ++offset) {
         const auto findings = validate_container(*wrap_memory(patched(offset, u8{200})));
         EXPECT_FALSE(any_fatal(findings)) << offset;
@@ -203,7 +203,8 @@ TEST(Hostile, SizesThatOverflow) {
     expect_refused(file, ContainerRule::root, "ROOT");
 }
 
-// The sections of rich_sample: meta 0, CODE 1, LEVL 2, prxy 3, xtra 4, ROOT 5, INDX 6, DATA 7.
+// Offset of an entry in the section table. The sections of rich_sample are meta 0, CODE 1, LEVL 2,
+// prxy 3, xtra 4, ROOT 5, INDX 6, DATA 7.
 constexpr std::size_t entry_at(std::size_t section) {
     return 128 + 24 * section;
 }
@@ -218,7 +219,7 @@ Bytes renamed(std::size_t section, const char* type) {
 TEST(Hostile, SectionTable) {
     using enum ContainerRule;
     expect_refused(renamed(4, "Xtra"), section_known, "\"Xtra\"", ErrorCode::unsupported);
-    EXPECT_TRUE(open_status(renamed(4, "abcd"))) << "optional ones are skipped";
+    EXPECT_TRUE(open_status(renamed(4, "abcd"))) << "an unknown optional section was not skipped";
     expect_refused(renamed(4, "ab1d"), section_table, "four letters");
     expect_refused(renamed(4, "meta"), section_table, "twice");
     expect_refused(renamed(4, "CODE"), section_table, "twice");
@@ -243,7 +244,7 @@ TEST(Hostile, SectionTable) {
     expect_refused(patched(32, u64{1} << 62), file_size, "cut off");
 }
 
-// Changes a byte of a section and rights all checksums above it.
+// Changes a byte of a section and corrects all checksums above it.
 Bytes with_section_byte(std::size_t section, std::size_t at, unsigned flip) {
     Bytes file = patched(0, u8{0x89});
     const auto offset = load_le<u64>(file.data() + entry_at(section) + 8);
@@ -259,7 +260,8 @@ TEST(Hostile, SectionBodies) {
     expect_refused(with_section_byte(0, 0, 2), metadata, "packing");
     for (std::size_t at = 0; at < 24; ++at)
         expect_refused(with_section_byte(2, at, 1), levels, "LEVL");
-    // Groups 0 and 1 and the ends; the middle may only move within bounds, which the records see.
+    // The positions of groups 0 and 1 and both ends are checked. The middle is only bounded;
+    // reading the index records detects its changes.
     for (const std::size_t at : {0u, 7u, 8u, 11u, 24u, 31u, 32u, 35u})
         expect_refused(with_section_byte(5, at, 1), root, "ROOT");
     for (const std::size_t at : {12u + 7, 12u + 11})
@@ -287,7 +289,7 @@ TEST(Hostile, HugeIndexRecordIsNotRead) {
     Bytes file = sample.write();
     const u64 index = u64{3} << 30, head = load_le<u32>(file.data() + 40);
     store_le(file.data() + 32, head + index);
-    store_le(file.data() + entry_at(3) + 16, index); // CODE LEVL ROOT INDX DATA
+    store_le(file.data() + entry_at(3) + 16, index); // sections are CODE LEVL ROOT INDX DATA
     store_le(file.data() + entry_at(4) + 8, head + index);
     const u64 root = load_le<u64>(file.data() + entry_at(2) + 8);
     store_le(file.data() + root, head + index);

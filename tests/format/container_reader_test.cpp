@@ -1,4 +1,4 @@
-// What reading a container costs, and its errors.
+// Tests how many reads a container costs, and its errors.
 #include "format/container/container_writer.h"
 #include "format/container/index.h"
 #include "format/container/open_container.h"
@@ -19,7 +19,7 @@ using namespace tessera::test;
 
 using Bytes = std::vector<std::byte>;
 
-// A sample whose head is exactly the first read, which brings nothing else then.
+// Fills the sample's head to the size of the first read, which then contains nothing else.
 void fill_head(Sample& sample) {
     sample.contents.codec_parameters = {};
     sample.code.resize(first_read_bytes - load_le<std::uint32_t>(sample.write().data() + 40));
@@ -44,7 +44,7 @@ TEST(Container, ColdTileTakesThreeReads) {
     ASSERT_EQ(source.reads().size(), 3u);
     EXPECT_EQ(source.reads()[2].length, sample.tiles[tile].size());
     EXPECT_EQ(source.reads()[2].offset, reader->locate(tile)->offset);
-    EXPECT_EQ(source.reads().size(), 3u) << "the index record is kept";
+    EXPECT_EQ(source.reads().size(), 3u) << "the index record is read again";
 }
 
 TEST(Container, LongHeadTakesASecondRead) {
@@ -62,7 +62,7 @@ TEST(Container, LongHeadTakesASecondRead) {
     EXPECT_TRUE(std::ranges::equal(reader->codec_parameters(), sample.code));
 }
 
-TEST(Container, HeadsAreHeldUpToABound) {
+TEST(Container, HeadsLargerThanTheLimitAreRefused) {
     const Bytes file = rich_sample()->write();
     const auto memory = wrap_memory(file);
     const auto reader = ContainerReader::open(*memory);
@@ -73,7 +73,7 @@ TEST(Container, HeadsAreHeldUpToABound) {
               ErrorCode::over_budget);
 }
 
-TEST(Container, WhatTheFirstReadBringsIsNotReadAgain) {
+TEST(Container, BytesOfTheFirstReadAreNotReadAgain) {
     const Sample sample(random_tiles(5, 12));
     const Bytes file = sample.write();
     ASSERT_LT(file.size(), first_read_bytes);
@@ -112,10 +112,10 @@ TEST(Container, PagesAreReadOnce) {
     EXPECT_EQ(source.reads().size(), 1 + reader->group_count() + pages);
 }
 
-TEST(Container, SumsAndNamesTheTilesThatHoldBytes) {
+TEST(Container, ListsAndSumsTheTilesThatHaveBytes) {
     std::vector<Bytes> tiles = random_tiles(600, 15);
     tiles[255] = Random(16).bytes(20);
-    tiles.back() = Random(17).bytes(500); // the largest, and the last of its group
+    tiles.back() = Random(17).bytes(500); // the largest tile, and the last of its group
     const Sample sample(std::move(tiles));
     const Bytes file = sample.write();
     const auto memory = wrap_memory(file);
@@ -142,11 +142,11 @@ TEST(Container, SumsAndNamesTheTilesThatHoldBytes) {
     EXPECT_EQ(sum->largest, 500u);
 }
 
-// Two requests bring any neighbourhood that fits the window; loading its tiles then needs none.
+// Two requests fetch any set of tiles that fits the window. Loading these tiles then reads nothing.
 TEST(Container, PrefetchTakesTwoReads) {
     for (const bool large : {false, true}) {
         Sample sample(random_tiles(1000, 15, large));
-        sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
+        sample.code.resize(first_read_bytes); // puts the index beyond what open() reads
         sample.contents.codec_parameters = sample.code;
         const Bytes file = sample.write();
         const auto memory = wrap_memory(file);
@@ -156,7 +156,7 @@ TEST(Container, PrefetchTakesTwoReads) {
         EXPECT_TRUE(reader->wants_prefetch());
         source.reset();
         std::vector<std::uint64_t> tiles(40);
-        std::iota(tiles.begin(), tiles.end(), 500); // two groups
+        std::iota(tiles.begin(), tiles.end(), 500); // in two groups
         const Result<std::size_t> brought = reader->prefetch(tiles);
         ASSERT_TRUE(brought) << brought.status().message();
         EXPECT_EQ(*brought, tiles.size());
@@ -168,14 +168,14 @@ TEST(Container, PrefetchTakesTwoReads) {
         }
         EXPECT_EQ(source.reads().size(), 2u);
         EXPECT_EQ(*reader->prefetch(tiles), tiles.size());
-        EXPECT_EQ(source.reads().size(), 2u) << "nothing is missing";
+        EXPECT_EQ(source.reads().size(), 2u) << "fetched tiles are read again";
         EXPECT_EQ(*reader->prefetch({}), 0u);
         const std::uint64_t none[] = {1, 1000};
         EXPECT_EQ(reader->prefetch(none).status().code(), ErrorCode::bad_argument);
     }
 }
 
-// What is prefetched stays below what the cache holds, so that a walk reads every page once.
+// A prefetch stays within the cache, so that a sequential walk reads every page once.
 TEST(Container, PrefetchIsBounded) {
     std::vector<Bytes> tiles(600);
     for (std::size_t i = 0; i < tiles.size(); ++i)
@@ -208,7 +208,7 @@ TEST(Container, PrefetchIsBounded) {
     EXPECT_LE(bytes, file.size());
 }
 
-// Counts the bytes of the requested ranges, without those of the gaps that are read with them.
+// Counts the bytes of the requested ranges, without the gaps between them that are read, too.
 class RequestedBytes : public CountingByteSource {
 public:
     using CountingByteSource::CountingByteSource;
@@ -226,7 +226,7 @@ public:
 
 TEST(Container, ThreadsPrefetchEachPageOnce) {
     Sample sample(random_tiles(1000, 16));
-    sample.code.resize(first_read_bytes); // so that the index lies beyond what open() reads
+    sample.code.resize(first_read_bytes); // puts the index beyond what open() reads
     sample.contents.codec_parameters = sample.code;
     const Bytes file = sample.write();
     const auto memory = wrap_memory(file);
@@ -253,11 +253,11 @@ TEST(Container, ThreadsPrefetchEachPageOnce) {
     for (const SectionInfo& section : reader->sections())
         if (section.type == "INDX" || section.type == "DATA")
             wanted += section.length;
-    // Not all bytes read: how wide the gaps between ranges are depends on what other threads claimed.
+    // The gaps between ranges are not counted, because their widths depend on the other threads.
     EXPECT_EQ(source.requested, wanted);
 }
 
-TEST(Container, PrefetchLeavesDamageToReading) {
+TEST(Container, PrefetchIgnoresDamageThatLoadingReports) {
     const Sample sample(random_tiles(600, 17));
     const Bytes good = sample.write();
     const auto intact = wrap_memory(good);

@@ -1,4 +1,4 @@
-// Damage is found, and named.
+// Tests that validation detects damage and names what is damaged.
 #include "format/container/container_writer.h"
 #include "format/container/index.h"
 #include "format/container/syntax.h"
@@ -28,7 +28,7 @@ TEST(Damage, EveryTruncationIsRefused) {
     EXPECT_EQ(open_status(longer).code(), ErrorCode::invalid_file);
 }
 
-TEST(Damage, EveryFlipIsFound) {
+TEST(Damage, EveryFlippedBitIsDetected) {
     Bytes file = rich_sample()->write();
     ASSERT_FALSE(found_by_reading(file));
     for (std::size_t i = 0; i < file.size(); ++i)
@@ -45,10 +45,10 @@ TEST(Damage, PageFindingNamesTheTiles) {
     Bytes file = sample->write();
     file.back() ^= std::byte{1};
     const std::vector<Finding> findings = validate_container(*wrap_memory(file));
-    ASSERT_EQ(findings.size(), 2u); // and the note about section xtra
+    ASSERT_EQ(findings.size(), 2u); // one of them is the note about section xtra
     EXPECT_EQ(findings[0].number, static_cast<int>(ContainerRule::unknown_optional));
     EXPECT_FALSE(findings[0].fatal);
-    EXPECT_EQ(findings[0].tile_count, 0u) << "it is not about tiles";
+    EXPECT_EQ(findings[0].tile_count, 0u) << "the note names tiles";
     EXPECT_EQ(findings[1].number, static_cast<int>(ContainerRule::page_crc));
     EXPECT_EQ(findings[1].first_tile, 257u);
     EXPECT_EQ(findings[1].tile_count, 1u);
@@ -57,8 +57,8 @@ TEST(Damage, PageFindingNamesTheTiles) {
         EXPECT_NE(findings[1].text.find(words), std::string::npos) << findings[1].text;
 }
 
-TEST(Damage, WhatIsNotReceivedIsCounted) {
-    constexpr std::size_t tiles = 300, received = 280; // of two groups
+TEST(Damage, TilesThatAreNotReceivedAreCounted) {
+    constexpr std::size_t tiles = 300, received = 280; // in two groups
     Sample sample(std::vector<Bytes>(tiles, Bytes(1)));
     sample.contents.page_bytes = 0;
     Bytes file = sample.write();
@@ -73,7 +73,7 @@ TEST(Damage, WhatIsNotReceivedIsCounted) {
     EXPECT_NE(findings[0].text.find("20 of 300 tiles"), std::string::npos) << findings[0].text;
 }
 
-TEST(Damage, ProgressGoesFromGroupToGroup) {
+TEST(Damage, ProgressAdvancesWithEachGroup) {
     const Bytes file = rich_sample()->write();
     double last = 0, all = 0;
     int steps = 0;
@@ -88,7 +88,7 @@ TEST(Damage, ProgressGoesFromGroupToGroup) {
     EXPECT_EQ(last, all);
 }
 
-// What a later version may mean is no damage, and is said.
+// Values that a later version may define are reported as notes, not as damage.
 TEST(Damage, UnknownValuesAreNoted) {
     const auto noted = [](int beyond) {
         auto sample = rich_sample();
@@ -124,11 +124,11 @@ TEST(Damage, IndexFindingNamesTheGroup) {
     const auto reader = ContainerReader::open(*source);
     ASSERT_TRUE(reader);
     EXPECT_EQ(reader->locate(3).status().code(), ErrorCode::invalid_file);
-    EXPECT_TRUE(reader->locate(257)) << "the other group is whole";
+    EXPECT_TRUE(reader->locate(257)) << "the other group is damaged, too";
 }
 
-TEST(Damage, PagesOfAnotherFileAreNotTaken) {
-    // Same lengths, other bytes: DATA of one under the head of the other.
+TEST(Damage, PagesOfAnotherFileAreRefused) {
+    // DATA of one file under the head of another, with the same lengths and different bytes.
     auto a = rich_sample(), b = rich_sample();
     b->tiles[257] = Random(77).bytes(30);
     Bytes file = a->write();
@@ -154,8 +154,8 @@ TEST(Damage, FindingsAreLimited) {
     EXPECT_EQ(findings.back().number, static_cast<int>(ContainerRule::more));
 }
 
-// As many findings as there may be are no reason to stop before the last group.
-TEST(Damage, NothingIsLeftOutUnsaid) {
+// Reaching the limit of findings does not stop validation before the last group.
+TEST(Damage, OmittedFindingsAreReported) {
     constexpr std::size_t groups = 4, of_each = 250, tiles = 256 * groups + 1;
     Sample sample(std::vector<Bytes>(tiles, Bytes(1)));
     sample.contents.page_bytes = 0;
@@ -171,7 +171,7 @@ TEST(Damage, NothingIsLeftOutUnsaid) {
     EXPECT_EQ(last(), static_cast<int>(ContainerRule::more));
 }
 
-TEST(Damage, MeshesThatAreNoneAreFound) {
+TEST(Damage, InvalidMeshesAreReported) {
     auto sample = rich_sample();
     const Bytes noise = Random(5).bytes(20);
     sample->contents.proxy_mesh = noise;

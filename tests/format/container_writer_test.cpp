@@ -1,4 +1,4 @@
-// Containers of every kind come back as they were written.
+// Tests that containers of every kind are read as they were written.
 #include "format/container/container_writer.h"
 #include "format/container/syntax.h"
 #include "format/container_reader.h"
@@ -58,18 +58,19 @@ TEST(ContainerWriter, RoundTripOfLargeTiles) {
     expect_round_trip(sample);
 }
 
-// Unless told otherwise pages are as small as 1 % of the tiles' bytes in checksums allows.
+// By default, pages are as small as possible while their checksums stay below 1 % of the tiles'
+// bytes.
 TEST(ContainerWriter, PagesAreAsSmallAsOnePercentAllows) {
     const auto page_bytes = [](const std::vector<Bytes>& tiles) {
         const Bytes file = Sample(tiles).write();
         return ContainerReader::open(*wrap_memory(file))->header().page_bytes();
     };
     EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(400))), 0u);
-    EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(399))), 1024u) << "two tiles at least";
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(399))), 1024u) << "two tiles per page";
     EXPECT_EQ(page_bytes(std::vector<Bytes>(300, Bytes(200))), 512u);
     EXPECT_EQ(page_bytes(std::vector<Bytes>(256, Bytes(10))), 512u);
-    EXPECT_EQ(page_bytes(std::vector<Bytes>(10, Bytes(1))), 1024u) << "no more helps";
-    EXPECT_EQ(page_bytes(std::vector<Bytes>(10)), 0u) << "nothing to check";
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(10, Bytes(1))), 1024u) << "larger pages save nothing";
+    EXPECT_EQ(page_bytes(std::vector<Bytes>(10)), 0u) << "no pages without bytes";
 }
 
 TEST(ContainerWriter, ThousandGroups) {
@@ -133,10 +134,10 @@ TEST(ContainerWriter, SameContentsGiveSameBytes) {
     auto other = rich_sample();
     other->tiles[257][0] ^= std::byte{1};
     const Bytes a = rich_sample()->write(), b = other->write();
-    EXPECT_FALSE(std::equal(a.begin() + 112, a.begin() + 120, b.begin() + 112)) << "identity";
+    EXPECT_FALSE(std::equal(a.begin() + 112, a.begin() + 120, b.begin() + 112)) << "same identity";
 }
 
-TEST(ContainerWriter, WriterRefusesWhatAReaderWould) {
+TEST(ContainerWriter, RefusesWhatReadersRefuse) {
     const auto refused = [](auto change) {
         auto sample = rich_sample();
         change(sample->contents);
@@ -151,18 +152,18 @@ TEST(ContainerWriter, WriterRefusesWhatAReaderWould) {
     EXPECT_TRUE(refused([](auto& c) { c.page_bytes = 65552; }));
     EXPECT_TRUE(refused([](auto& c) { c.tile_extent[1] = 0; }));
     EXPECT_TRUE(refused([](auto& c) { c.tile_extent = {32, 32, 32, 32}; }));
-    EXPECT_TRUE(refused([](auto& c) { c.desc.size = {1u << 20, 1u << 13, 1, 1}; })) << "tiles";
+    EXPECT_TRUE(refused([](auto& c) { c.desc.size = {1u << 20, 1u << 13, 1, 1}; })) << "many tiles";
     EXPECT_TRUE(refused([](auto& c) { c.desc.channels = 5; }));
     EXPECT_TRUE(refused([](auto& c) { c.required_features = 1; }));
     EXPECT_TRUE(refused([](auto& c) { c.background[3] = 1; }));
-    EXPECT_TRUE(refused([](auto& c) { c.description.proxy = Proxy::none; })) << "mesh";
+    EXPECT_TRUE(refused([](auto& c) { c.description.proxy = Proxy::none; })) << "mesh data";
     EXPECT_TRUE(refused([](auto& c) { c.extra[0].type = "CODE"; }));
     EXPECT_TRUE(refused([](auto& c) { c.extra[0].type = "abc"; }));
     EXPECT_TRUE(refused([](auto& c) { c.extra.push_back(c.extra[0]); }));
     EXPECT_TRUE(refused([](auto& c) { c.metadata[""] = "x"; }));
 }
 
-TEST(ContainerWriter, BoundsOnTilesAndSectionsAreReached) {
+TEST(ContainerWriter, AcceptsTheLargestTileAndTheMostSections) {
     Sample tiles({Bytes()});
     const std::size_t longest =
         (1u << 18) + 16 * tiles.contents.desc.channels * texel_count(tiles.contents.tile_extent);
@@ -188,7 +189,7 @@ TEST(ContainerWriter, BoundsOnTilesAndSectionsAreReached) {
     EXPECT_EQ(container_bytes(sections.contents).status().code(), ErrorCode::bad_argument);
 }
 
-TEST(ContainerWriter, WriterPassesOnSinkErrors) {
+TEST(ContainerWriter, ReturnsErrorsOfTheSink) {
     struct FullSink : ByteSink {
         Status append(std::span<const std::byte>) override { return {ErrorCode::io, "full"}; }
     } sink;

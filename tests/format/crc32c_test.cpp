@@ -1,4 +1,4 @@
-// Checksums: known ones, and both ways to them.
+// Compares checksums with known values, and the two implementations with each other.
 #include "format/io/bit_reader.h"
 #include "format/io/crc32c.h"
 #include "format/levels.h"

@@ -1,4 +1,4 @@
-// The basis is the rounded cosine.
+// Tests that the basis is the rounded cosine.
 #include "format/tile/dct_basis.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ TEST(Basis, IsTheRoundedCosineFarFromTies) {
                     32768.0L *
                     std::cos((2 * x + 1) * k * std::numbers::pi_v<long double> / (2 * n));
                 ASSERT_EQ(basis(n)[k * n + x], std::lround(exact));
-                // Symmetric about the middle: the kernels rely on it.
+                // The kernels rely on this symmetry.
                 ASSERT_EQ(basis(n)[k * n + x], (k % 2 ? -1 : 1) * basis(n)[k * n + n - 1 - x]);
                 nearest_tie = std::min(
                     nearest_tie, static_cast<double>(std::fabs(exact - std::floor(exact) - 0.5L)));

@@ -1,4 +1,4 @@
-// Levels to coefficients, against exact arithmetic.
+// Compares the dequantiser with exact arithmetic.
 #include "format/tile/coding_parameters.h"
 #include "tests/support/block_shapes.h"
 #include "tests/support/format_values.h"
@@ -30,7 +30,7 @@ TEST(Dequantizer, ScalesAreTheRoundedIdeal) {
                                               std::sqrt(static_cast<long double>(shape.texels()));
                     ASSERT_GE(scale.mantissa, 1024);
                     ASSERT_LE(scale.mantissa, 2047);
-                    // Half a unit, and the bits that the integer root drops.
+                    // Half a unit of rounding, plus the bits that the integer root drops.
                     ASSERT_NEAR(static_cast<double>(std::ldexp(ideal, -scale.exponent)),
                                 scale.mantissa, 0.51)
                         << name_of(shape) << " step " << step.value() << " axes " << axes;
@@ -38,7 +38,7 @@ TEST(Dequantizer, ScalesAreTheRoundedIdeal) {
             }
 }
 
-// Floor division, for any sign of nothing: all values here are positive.
+// All values are positive, so that integer division rounds down.
 std::int64_t dequantize_twin(std::int64_t magnitude, Scale scale, std::int64_t offset) {
     const std::int64_t product = magnitude * scale.mantissa - scale.mantissa * offset / 64;
     const long double exact = std::ldexp(static_cast<long double>(product), scale.exponent);
@@ -46,7 +46,7 @@ std::int64_t dequantize_twin(std::int64_t magnitude, Scale scale, std::int64_t o
     return rounded > coefficient_limit ? coefficient_limit : static_cast<std::int64_t>(rounded);
 }
 
-TEST(Dequantizer, MatchesExactTwinAndSaturates) {
+TEST(Dequantizer, MatchesExactArithmeticAndSaturates) {
     Random random(3);
     std::int64_t saturated = 0;
     for (int round = 0; round < 300000; ++round) {
@@ -62,7 +62,7 @@ TEST(Dequantizer, MatchesExactTwinAndSaturates) {
         saturated += got == coefficient_limit;
     }
     EXPECT_GT(saturated, 1000);
-    for (const int magnitude : {1, 2, 3, 100}) // monotone across the two offsets
+    for (const int magnitude : {1, 2, 3, 100}) // monotone even where the offset changes
         EXPECT_LT(dequantize(magnitude, {1024, 0}, {31, 31}),
                   dequantize(magnitude + 1, {1024, 0}, {31, 31}));
 }

@@ -1,4 +1,4 @@
-// The tables beside FORMAT.md are what the library computes.
+// Tests that the tables in format/tables/ equal what the library computes.
 #include "format/io/crc32c.h"
 #include "format/tile/code_tables.h"
 #include "format/tile/colour_rotation.h"
@@ -40,7 +40,7 @@ TEST(FormatTables, Basis) {
     for (int n = 1; n <= max_tile_side; ++n) {
         ASSERT_LE(wave + n + 1, std::end(basis_waves)) << n;
         for (int k = 0; k < std::min(n, max_frequencies); ++k)
-            for (int x = 0; x < n; ++x) { // by the rule in the table's header
+            for (int x = 0; x < n; ++x) { // follows the rule in the header of the table
                 int a = (2 * x + 1) * k % (4 * n);
                 a = a > 2 * n ? 4 * n - a : a;
                 ASSERT_EQ(basis(n)[k * n + x], a <= n ? wave[a] : -wave[2 * n - a])

@@ -1,4 +1,4 @@
-// Places on the sphere and directions, there and back.
+// Tests the maps between texture coordinates and positions on the sphere or directions.
 #include "tests/support/angular_maps.h"
 #include "tests/support/random_rays.h"
 
@@ -11,7 +11,7 @@ using namespace test;
 
 constexpr double window_radius = 3.5;
 
-TEST(Geometry, PlacesRoundTrip) {
+TEST(Geometry, PositionsRoundTrip) {
     auto random = generator(4);
     for (int i = 0; i < 2000; ++i) {
         const double u = uniform(random, 0, 1);
@@ -20,7 +20,7 @@ TEST(Geometry, PlacesRoundTrip) {
         EXPECT_NEAR(back.x, u, 1e-12);
         EXPECT_NEAR(back.y, v, 1e-12);
     }
-    EXPECT_EQ(sphere_place({0, 0, -1}).x, 0.0); // the seam, once and not twice
+    EXPECT_EQ(sphere_place({0, 0, -1}).x, 0.0); // the seam has one coordinate, not two
     EXPECT_EQ(sphere_place({0, 0, 1}), (glm::dvec2{0.5, 0.5}));
     EXPECT_EQ(sphere_place({1, 0, 0}), (glm::dvec2{0.75, 0.5}));
 }
@@ -57,7 +57,7 @@ TEST(Geometry, PolesOfTheDirections) {
     EXPECT_NEAR(direction_angles(frame, -frame.ey).y, 0.0, 1e-7);
 }
 
-TEST(Geometry, ArcSinePastOneIsNoNaN) {
+TEST(Geometry, ArcSineAboveOneGivesNoNaN) {
     const double past = 1.0 + 1e-15;
     const SurfaceFrame frame = surface_frame({0, 0, 1});
     EXPECT_EQ(direction_angles(frame, {past, 0, 0}).x, 1.0);

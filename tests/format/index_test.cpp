@@ -1,4 +1,5 @@
-// Records of the index and the rule for pages, against slow twins and hostile bytes.
+// Tests index records and the rule for pages, with slow reference implementations and hostile
+// bytes.
 #include "format/container/index.h"
 #include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
@@ -14,7 +15,7 @@ namespace {
 
 using namespace tessera::test;
 
-// The rule of 1.4 read word for word, byte by byte.
+// The rule of FORMAT.md 1.4, applied byte by byte.
 std::vector<std::uint32_t> pages_word_for_word(const std::vector<std::uint32_t>& tiles,
                                                std::uint64_t target) {
     std::vector<std::uint32_t> pages;
@@ -63,7 +64,7 @@ std::vector<std::uint32_t> random_lengths(Random& random, std::size_t count) {
     return lengths;
 }
 
-TEST(Pages, RuleMatchesItsTwin) {
+TEST(Pages, MatchTheRuleAppliedByteByByte) {
     Random random(4);
     for (int round = 0; round < 2000; ++round) {
         const auto lengths = random_lengths(random, random() % 257);
@@ -127,7 +128,7 @@ TEST(IndexRecord, SpecialRoundTrips) {
     expect_index_round_trip({1});
     expect_index_round_trip(std::vector<std::uint32_t>(256, 0));
     expect_index_round_trip(std::vector<std::uint32_t>(256, 1));
-    // Few long tiles among short ones: q reaches 24 and the 32 plain bits are taken.
+    // With few long tiles among short ones, q reaches 24 and the 32 plain bits are used.
     std::vector<std::uint32_t> lengths(200, 3);
     lengths[5] = 400'000'000;
     lengths[100] = 3'000'000'000;
@@ -136,7 +137,7 @@ TEST(IndexRecord, SpecialRoundTrips) {
     expect_index_round_trip({0xFFFFFFFF, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
 }
 
-TEST(IndexRecord, TakesTheSmallestCode) {
+TEST(IndexRecord, UsesTheShortestCode) {
     // 6 bits and then, with k = 0, two bits for each 2: 6 + 512 bits.
     const Record record = make_record(std::vector<std::uint32_t>(256, 2));
     EXPECT_EQ(record.bytes.size(), 65u + 4 + 4);
@@ -150,17 +151,17 @@ void reseal(Record& record) {
     store_le(record.bytes.data() + body, crc32c(std::span(record.bytes).first(body), crc32c(seed)));
 }
 
-// Writer and reader could change together.
-TEST(IndexRecord, HasTheBitsThatItAlwaysHad) {
+// Freezes the bits, because a round trip does not notice when writer and reader change together.
+TEST(IndexRecord, BitsAreFrozen) {
     std::vector<std::uint32_t> lengths(200, 1);
     lengths[7] = 0;
-    lengths[90] = 100'000; // further than 24 ones go
+    lengths[90] = 100'000; // beyond the range of 24 ones
     const Record record = make_record(lengths);
     const auto body = std::span(record.bytes).first(record.bytes.size() - 4);
     EXPECT_EQ(crc32c(body), 0x5FE6790Fu);
 }
 
-TEST(IndexRecord, EveryFlipIsFoundByTheChecksum) {
+TEST(IndexRecord, EveryFlippedBitFailsTheChecksum) {
     const Record good = make_record({5, 0, 9000, 70000, 1});
     for (std::size_t bit = 0; bit < good.bytes.size() * 8; ++bit) {
         Record bad = good;
@@ -172,7 +173,7 @@ TEST(IndexRecord, EveryFlipIsFoundByTheChecksum) {
 }
 
 TEST(IndexRecord, HostileRecordsWithAGoodChecksum) {
-    // Whatever the bits say: refused, or a tiling of exactly the group's bytes.
+    // Any bits must be refused or give a partition of exactly the group's bytes.
     Random random(6);
     const Record good = make_record({5, 0, 900, 700, 1, 64, 64, 0, 3});
     for (int round = 0; round < 20000; ++round) {
@@ -194,7 +195,7 @@ TEST(IndexRecord, HostileRecordsWithAGoodChecksum) {
     }
 }
 
-TEST(IndexRecord, TilesOfMoreBytesThanATileCanHaveAreRefused) {
+TEST(IndexRecord, TilesLongerThanTheLimitAreRefused) {
     Record record = make_record({5, 600000, 7});
     record.key.longest = 600000;
     EXPECT_TRUE(read_index_record(record.bytes, record.key).ok());

@@ -1,4 +1,4 @@
-// The table of coarse levels.
+// Tests the table of coarse levels.
 #include "format/container/level_table.h"
 #include "format/container/syntax.h"
 #include "format/levels.h"
@@ -15,7 +15,7 @@ std::vector<LevelEntry> some_levels(const Extent4& size) {
     return {LevelEntry{size, 0, 0, 0}, coarse_level(size, 1, 0, 2), coarse_level(size, 3, 1, 4)};
 }
 
-TEST(LevelTable, GroupsHoldEveryTileOnceTheCoarsestLevelFirst) {
+TEST(LevelTable, GroupsHoldEveryTileOnceWithTheCoarsestLevelFirst) {
     const auto table = LevelTable::make(some_levels({70, 33, 17, 9}), {4, 4, 4, 4});
     ASSERT_TRUE(table.ok()) << table.status().message();
     std::vector<int> seen(table->tile_count());

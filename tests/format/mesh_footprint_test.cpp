@@ -1,4 +1,4 @@
-// The sixteen texels, against the second implementation and against what a fold must give.
+// Compares the sixteen texels of a footprint with the second decoder's, and checks edges and folds.
 #include "format/surface_mesh.h"
 #include "tests/reference/spec_mesh_sampling.h"
 #include "tests/support/angular_maps.h"
@@ -47,7 +47,7 @@ void expect_as_specified(const Extent4& size, AngularMap map, const SurfaceFrame
     }
 }
 
-TEST(MeshFootprint, IsThatOfTheSpecification) {
+TEST(MeshFootprint, MatchesTheSpecification) {
     auto random = generator(7);
     for (const Extent4& size : {Extent4{8, 6, 4, 4}, {5, 3, 3, 2}, {1, 1, 1, 1}, {2, 1, 1, 5}})
         for (const AngularMap map : {hemisphere, mirrored})
@@ -58,24 +58,24 @@ TEST(MeshFootprint, IsThatOfTheSpecification) {
             }
 }
 
-// At the poles, the folds and the corners of both maps.
-TEST(MeshFootprint, IsThatOfTheSpecificationAtTheEdges) {
+// Checks the poles, folds and corners of both maps.
+TEST(MeshFootprint, MatchesTheSpecificationAtTheEdges) {
     const Extent4 size{4, 4, 4, 6};
     for (const AngularMap map : {hemisphere, mirrored})
         for (int n = 0; n < 27; ++n)
             for (int k = 0; k < 27; ++k) {
                 const glm::dvec3 normal(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
                 const glm::dvec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-                if (n == 13) // no normal
+                if (n == 13) // the zero vector is no normal
                     continue;
-                // Powers of two have no rounding that could fall on either side of a fold.
+                // Powers of two need no rounding, which could choose either side of a fold.
                 const bool exact = glm::dot(normal, normal) == 1 && glm::dot(d, d) <= 1;
                 if (exact)
                     expect_as_specified(size, map, surface_frame(normal), {0, 1}, d);
             }
 }
 
-TEST(MeshFootprint, AddsUpToOneOutsideToo) {
+TEST(MeshFootprint, WeightsAddUpToOneEvenOutside) {
     const Extent4 size{4, 3, 5, 2};
     for (const AngularMap map : {hemisphere, mirrored})
         for (const double x : {-3.0, 0.0, 1.0, 7.0})
@@ -89,7 +89,7 @@ TEST(MeshFootprint, AddsUpToOneOutsideToo) {
             }
 }
 
-TEST(MeshFootprint, EndsAtTheAtlasEdgesAndTheHorizon) {
+TEST(MeshFootprint, IsClampedAtTheAtlasEdgesAndTheHorizon) {
     const Weights corner = weights_of(mesh_footprint({4, 4, 4, 4}, hemisphere, {0, 1}, {1, 0}));
     EXPECT_EQ(corner.size(), 1u);
     EXPECT_EQ(corner.begin()->first, (std::array<std::uint32_t, 4>{0, 3, 3, 0}));
@@ -104,20 +104,20 @@ TEST(MeshFootprint, FoldsOverTheEdgesOfTheMirroredSquare) {
         std::erase_if(weights, [](const auto& entry) { return entry.second == 0; });
         return weights;
     };
-    // s = 0 at the centre of row 1: half its own texel, half that of row 6.
+    // s = 0 at the centre of row 1: half of that row's texel and half of row 6's.
     EXPECT_EQ(angles(0, 1.5 / 8), (Weights{{{0, 0, 0, 1}, 0.5}, {{0, 0, 0, 6}, 0.5}}));
     EXPECT_EQ(angles(1, 1.5 / 8), (Weights{{{0, 0, 3, 1}, 0.5}, {{0, 0, 3, 6}, 0.5}}));
     EXPECT_EQ(angles(1.5 / 4, 0), (Weights{{{0, 0, 1, 0}, 0.5}, {{0, 0, 2, 0}, 0.5}}));
     EXPECT_EQ(angles(1.5 / 4, 1), (Weights{{{0, 0, 1, 7}, 0.5}, {{0, 0, 2, 7}, 0.5}}));
     for (const double s : {0.0, 1.0})
-        for (const double t : {0.0, 1.0}) // the object's down
+        for (const double t : {0.0, 1.0}) // the direction down
             EXPECT_EQ(angles(s, t), (Weights{{{0, 0, 0, 0}, 0.25},
                                              {{0, 0, 3, 0}, 0.25},
                                              {{0, 0, 0, 7}, 0.25},
                                              {{0, 0, 3, 7}, 0.25}}));
 }
 
-// What is seen changes little where the mirrored direction crosses a fold.
+// The footprint changes little where the mirrored direction crosses a fold.
 TEST(MeshFootprint, IsContinuousAcrossTheFold) {
     auto random = generator(8);
     const Extent4 size{1, 1, 6, 6};

@@ -1,4 +1,4 @@
-// Normals of meshes whose streams have none.
+// Tests the normals that are computed for meshes without normals.
 #include "format/surface/mesh_check.h"
 #include "tests/support/meshes.h"
 
@@ -29,9 +29,9 @@ TEST(MeshNormals, AreSmoothWhereChartsOfASphereMeet) {
     }
 }
 
-// A square's corner where one of two squares around it is cut in two along it, the other not: angles
-// weigh both alike.
-TEST(MeshNormals, DoNotDependOnHowSquaresAreCut) {
+// Two squares meet in a vertex; only one of them is divided through it. Weighting by angles gives
+// both squares the same weight.
+TEST(MeshNormals, DoNotDependOnHowSquaresAreTriangulated) {
     SurfaceMesh roof; // two slopes of 30 degrees that meet in the ridge 0, 1
     roof.positions = {{0, 0, 0},     {0, 0, 1},      {1, -0.5f, 0},
                       {1, -0.5f, 1}, {-1, -0.5f, 0}, {-1, -0.5f, 1}};
@@ -43,7 +43,7 @@ TEST(MeshNormals, DoNotDependOnHowSquaresAreCut) {
     EXPECT_NEAR(normals[1].x, 0.0f, 1e-6f);
 }
 
-TEST(MeshNormals, OfWhatHasNoAreaPointUp) {
+TEST(MeshNormals, PointUpWithoutArea) {
     SurfaceMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {5, 5, 5}};
     mesh.uv.resize(4);

@@ -1,4 +1,4 @@
-// The frames of a mesh' places.
+// Tests the tangents and frames of points on a mesh.
 #include "format/surface_mesh.h"
 #include "tests/support/meshes.h"
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-// One triangle in the plane z = 0 with the uv of its corners.
+// One triangle in the plane z = 0 with the given uv at its corners.
 SurfaceMesh triangle(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
     SurfaceMesh mesh;
     mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
@@ -29,11 +29,11 @@ TEST(MeshTangents, PointWhereUGrows) {
     expect_tangent(triangle({0, 0}, {1, 0}, {0, 1}), {1, 0, 0});
     expect_tangent(triangle({0, 0}, {0, 1}, {1, 0}), {0, 1, 0});  // mirrored
     expect_tangent(triangle({1, 0}, {0, 0}, {1, 1}), {-1, 0, 0}); // mirrored
-    expect_tangent(triangle({1, 1}, {0, 1}, {1, 0}), {-1, 0, 0}); // turned
+    expect_tangent(triangle({1, 1}, {0, 1}, {1, 0}), {-1, 0, 0}); // rotated
     expect_tangent(triangle({0, 0}, {1, 1}, {1, 0}), glm::normalize(glm::vec3{0, 1, 0}));
 }
 
-TEST(MeshTangents, AreTheLeastAxisWhereUvHaveNoArea) {
+TEST(MeshTangents, UseAnAxisWhereUvHaveNoArea) {
     expect_tangent(triangle({0, 0}, {0, 0}, {0, 0}), {1, 0, 0});
     expect_tangent(triangle({0, 0}, {0.5f, 0.5f}, {1, 1}), {1, 0, 0});
     SurfaceMesh mesh = triangle({0, 0}, {0, 0}, {0, 0});
@@ -50,7 +50,7 @@ TEST(MeshTangents, AreAtRightAnglesToNormals) {
     }
 }
 
-TEST(MeshTangents, OfPointsMakeFramesOfThree) {
+TEST(MeshTangents, GivePointsOrthonormalFrames) {
     const SurfaceMesh mesh = six_charts(3, true);
     const std::vector<glm::vec3> tangents = mesh_tangents(mesh);
     Random random(4);
@@ -69,8 +69,8 @@ TEST(MeshTangents, OfPointsMakeFramesOfThree) {
     EXPECT_LT(glm::distance(glm::vec2(corner.uv), mesh.uv[mesh.triangles[7][1]]), 1e-6f);
 }
 
-// The normals of the corners cancel out at the point: that of the first corner stands in.
-TEST(MeshTangents, OfPointsWithoutNormalTakeTheFirstCorners) {
+// The normals of the corners cancel out at the point, so the first corner's normal is used.
+TEST(MeshTangents, PointsWhoseNormalsCancelUseTheFirstCorner) {
     SurfaceMesh mesh = triangle({0, 0}, {1, 0}, {0, 1});
     mesh.normals = {{0, 0, 1}, {0, 0, -1}, {0, 0, 1}};
     const SurfacePoint p = surface_point(mesh, mesh_tangents(mesh), 0, {0.5, 0});

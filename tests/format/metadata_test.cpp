@@ -1,4 +1,4 @@
-// The section of metadata.
+// Tests the metadata section.
 #include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
 #include "format/levels.h"
@@ -45,7 +45,7 @@ TEST(Metadata, LimitsOfTheWriter) {
     EXPECT_FALSE(fits(large));
 }
 
-TEST(Metadata, OnlyUtf8) {
+TEST(Metadata, RefusesTextThatIsNotUtf8) {
     const auto fits = [](const std::string& value) { return pack_metadata({{"k", value}}).ok(); };
     for (const char* good : {"", "a", "\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80", "\xED\x9F\xBF",
                              "\xEF\xBF\xBF", "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF"})
@@ -87,13 +87,13 @@ TEST(Metadata, HostileSections) {
     EXPECT_FALSE(unpack_metadata(stored({{"a", "\xFF"}})));
     std::vector<std::byte> section = stored({{"a", "1"}});
     section[0] = std::byte{2};
-    EXPECT_FALSE(unpack_metadata(section)) << "unknown packing";
+    EXPECT_FALSE(unpack_metadata(section)) << "an unknown packing is accepted";
 
     std::vector<std::byte> packed = *pack_metadata({{"k", std::string(1000, 'v')}});
     ASSERT_EQ(packed[0], std::byte{1});
     std::vector<std::byte> longer = packed;
     longer.push_back(std::byte{0});
-    EXPECT_FALSE(unpack_metadata(longer)) << "bytes after the frame";
+    EXPECT_FALSE(unpack_metadata(longer)) << "bytes after the frame are accepted";
     for (const std::uint32_t size : {0u, 1u, 1010u, 1012u, 1u << 24, (1u << 24) + 1, 0xFFFFFFFFu}) {
         store_le(packed.data() + 1, size);
         EXPECT_FALSE(unpack_metadata(packed)) << size;
@@ -129,7 +129,7 @@ TEST(Metadata, ValuesAreParsedByTheirNames) {
     EXPECT_STREQ(name_of(Transfer::linear), "linear");
     EXPECT_STREQ(name_of(Primaries::bt709), "bt709");
     EXPECT_STREQ(name_of(AlphaMode::premultiplied), "premultiplied");
-    // As files of other programs and command lines spell them.
+    // Accepts the spellings of other programs.
     EXPECT_EQ(parse_value<Transfer>("sRGB"), Transfer::srgb);
     EXPECT_EQ(parse_value<Primaries>("BT.709"), Primaries::bt709);
     EXPECT_EQ(parse_value<SurfaceMap>("sphere longitude/latitude"),

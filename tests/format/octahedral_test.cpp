@@ -1,4 +1,4 @@
-// Directions and the square, there and back, and what happens at every edge of both.
+// Tests the maps between directions and the square, including all edges.
 #include "format/surface_mesh.h"
 #include "tests/support/angular_maps.h"
 #include "tests/support/random_rays.h"
@@ -27,7 +27,7 @@ void expect_place(AngularMap map, const SurfaceFrame& frame, const glm::dvec3& d
 
 const SurfaceFrame upright{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}; // ez = (0, 1, 0)
 
-TEST(Octahedral, PlacesAndDirectionsAreInverse) {
+TEST(Octahedral, PositionsAndDirectionsAreInverse) {
     auto random = generator(1);
     for (const AngularMap map : {hemisphere, mirrored})
         for (int i = 0; i < 2000; ++i) {
@@ -36,7 +36,7 @@ TEST(Octahedral, PlacesAndDirectionsAreInverse) {
             const glm::dvec3 d = octahedral_direction(map, frame, s, t);
             EXPECT_NEAR(glm::length(d), 1.0, close);
             if (glm::dot(d, frame.ez) < 1e-3)
-                continue; // into the surface: nobody sees that
+                continue; // directions into the surface are never seen
             const glm::dvec2 back = octahedral_place(map, frame, d);
             EXPECT_NEAR(back.x, s, 1e-9);
             EXPECT_NEAR(back.y, t, 1e-9);
@@ -65,7 +65,7 @@ TEST(Octahedral, HemisphereHasTheNormalInTheMiddleAndTheHorizonOnTheRim) {
     }
 }
 
-TEST(Octahedral, DirectionsIntoTheSurfaceAreTakenForThoseAlongIt) {
+TEST(Octahedral, DirectionsIntoTheSurfaceAreProjectedOntoIt) {
     auto random = generator(2);
     for (const AngularMap map : {hemisphere, mirrored})
         for (int i = 0; i < 500; ++i) {
@@ -79,18 +79,18 @@ TEST(Octahedral, DirectionsIntoTheSurfaceAreTakenForThoseAlongIt) {
         }
 }
 
-TEST(Octahedral, WhatHasNoDirectionIsTakenForTheNormal) {
+TEST(Octahedral, UndefinedDirectionsAreTreatedAsTheNormal) {
     for (const glm::dvec3& d : {glm::dvec3{0, -1, 0}, glm::dvec3{0.0}}) {
         expect_place(hemisphere, upright, d, 0.5, 0.5);
         expect_place(mirrored, upright, d, 0.5, 0.5);
     }
 }
 
-// Of an upright surface r = (-dx, dy, -dz); the other poles are seen from surfaces turned to them.
-TEST(Octahedral, MirroredSquareHasTheObjectsUpInTheMiddleAndDownAtTheCorners) {
+// On an upright surface r = (-dx, dy, -dz). The other poles are seen from surfaces that face them.
+TEST(Octahedral, MirroredSquareHasUpInTheMiddleAndDownAtTheCorners) {
     const auto at = [](const glm::dvec3& r, double s, double t) {
         SurfaceFrame frame;
-        frame.ez = r; // seen along the normal: r = d = n
+        frame.ez = r; // seen along the normal, r = d = n
         expect_place(mirrored, frame, r, s, t);
     };
     at({0, 1, 0}, 0.5, 0.5);
@@ -101,7 +101,7 @@ TEST(Octahedral, MirroredSquareHasTheObjectsUpInTheMiddleAndDownAtTheCorners) {
     at({0, -1, 0}, 1, 1); // zero counts as positive
     const double half = std::sqrt(0.5);
     at({half, 0, half}, 0.75, 0.75);
-    at({half, -half, 0}, 1, 0.75); // on the seam z = 0 below: the positive side of it
+    at({half, -half, 0}, 1, 0.75); // on the seam z = 0 of the lower half, z counts as positive
     at({0, -half, half}, 0.75, 1);
     at({-half, -half, 0}, 0, 0.75);
     for (const double s : {0.0, 1.0})
@@ -111,7 +111,7 @@ TEST(Octahedral, MirroredSquareHasTheObjectsUpInTheMiddleAndDownAtTheCorners) {
         }
 }
 
-TEST(Octahedral, EdgesOfTheMirroredSquareAreTheSameRunTheOtherWay) {
+TEST(Octahedral, EdgesOfTheMirroredSquareAreSymmetric) {
     auto random = generator(3);
     for (int i = 0; i < 500; ++i) {
         const SurfaceFrame frame = random_frame(random);

@@ -1,4 +1,4 @@
-// Files that appear whole or not at all, and files as sources of bytes.
+// Tests that output files appear complete or not at all, and reading files as byte sources.
 #include "format/byte_source.h"
 #include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
@@ -65,7 +65,7 @@ TEST_F(Files, LeavesNothingBehindWithoutCommit) {
     EXPECT_EQ(files(), 1);
 }
 
-TEST_F(Files, StaleTemporaryFileDoesNotHinder) {
+TEST_F(Files, IgnoresAStaleTemporaryFile) {
     const std::string target = path("a.tess");
     std::ofstream(target + "." + std::to_string(::getpid()) + ".tmp") << "stale";
     Result<OutputFile> file = OutputFile::create(target);
@@ -79,7 +79,7 @@ void expect_io_error(const Status& status, const std::string& path, const std::s
     EXPECT_NE(status.message().find(word), std::string::npos) << status.message();
 }
 
-TEST_F(Files, TargetsThatCannotBe) {
+TEST_F(Files, RefusesInvalidTargets) {
     expect_io_error(OutputFile::create(folder_.string()).status(), folder_.string(), "directory");
     expect_io_error(OutputFile::create("/dev/full").status(), "/dev/full", "regular");
     expect_io_error(OutputFile::create(path("none/a")).status(), path("none/a"), "No such file");
@@ -89,7 +89,7 @@ TEST_F(Files, TargetsThatCannotBe) {
 TEST_F(Files, ReadOnlyFolder) {
     std::filesystem::permissions(folder_, static_cast<std::filesystem::perms>(0555));
     const auto child = [this] {
-        constexpr uid_t nobody = 65534; // root may write everywhere
+        constexpr uid_t nobody = 65534; // as root every write would succeed
         if (::geteuid() == 0 && ::setuid(nobody) != 0)
             std::_Exit(2);
         expect_io_error(OutputFile::create(path("a")).status(), path("a"), "denied");
@@ -102,7 +102,7 @@ TEST_F(Files, FailingRename) {
     const std::string target = path("a");
     Result<OutputFile> file = OutputFile::create(target);
     ASSERT_TRUE(file && file->append(bytes_of("x")));
-    std::filesystem::create_directory(target); // appears while we write
+    std::filesystem::create_directory(target); // appears during the write
     expect_io_error(file->commit(), target, "rename");
     EXPECT_EQ(files(), 1);
 }
@@ -120,7 +120,7 @@ TEST_F(Files, FoldersReplaceFolders) {
     EXPECT_FALSE(std::filesystem::exists(path("views/first")));
 }
 
-TEST_F(Files, FoldersMoveToOthers) {
+TEST_F(Files, FoldersCanBeMoved) {
     {
         Result<OutputFolder> first = OutputFolder::create(path("first"));
         Result<OutputFolder> second = OutputFolder::create(path("second"));
@@ -129,14 +129,14 @@ TEST_F(Files, FoldersMoveToOthers) {
         *first = std::move(*same);
         OutputFolder kept;
         kept = std::move(*first);
-        EXPECT_TRUE(kept.commit()) << "of a folder that was moved, first to itself";
+        EXPECT_TRUE(kept.commit()) << "a moved folder cannot be committed";
     }
     EXPECT_EQ(slurp(path("first/a")), "a");
-    EXPECT_EQ(files(), 1) << "the other one is discarded";
+    EXPECT_EQ(files(), 1) << "the other folder was not discarded";
 }
 
-// A process without standard input gets its number for the first file that it opens.
-TEST_F(Files, NumberZeroIsADescriptor) {
+// Without standard input, the first file that a process opens gets descriptor 0.
+TEST_F(Files, DescriptorZeroIsValid) {
     const auto child = [this] {
         ::close(STDIN_FILENO);
         Result<OutputFolder> folder = OutputFolder::create(path("views"));
@@ -148,7 +148,7 @@ TEST_F(Files, NumberZeroIsADescriptor) {
 }
 
 TEST_F(Files, FullDisk) {
-    // In a child: the limit stands in for a full disk.
+    // In a child process, because a limit on file size simulates the full disk.
     const auto child = [this] {
         std::signal(SIGXFSZ, SIG_IGN);
         const rlimit limit{1000, 1000};
@@ -168,7 +168,7 @@ TEST_F(Files, FullDisk) {
     EXPECT_EXIT(child(), ::testing::ExitedWithCode(0), "");
 }
 
-TEST_F(Files, Sources) {
+TEST_F(Files, ReadsSources) {
     std::ofstream(path("a")) << "0123456789";
     Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
     ASSERT_TRUE(file) << file.status().message();
@@ -192,9 +192,9 @@ TEST_F(Files, Sources) {
     expect_io_error((*file)->read(4, four), path("a"), "shorter");
 }
 
-TEST_F(Files, SourcesThatCannotBeReadAnyMore) {
+TEST_F(Files, ReportsReadErrorsOfOpenSources) {
     std::ofstream(path("a")) << "0123456789";
-    const int descriptor = ::dup(STDERR_FILENO); // the next one to be given away
+    const int descriptor = ::dup(STDERR_FILENO); // the next descriptor that open() will return
     ::close(descriptor);
     Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
     ASSERT_TRUE(file) << file.status().message();
@@ -205,7 +205,7 @@ TEST_F(Files, SourcesThatCannotBeReadAnyMore) {
     expect_io_error((*file)->read(4, four), path("a"), "cannot read at offset 4");
 }
 
-TEST_F(Files, ReadMany) {
+TEST_F(Files, ReadsManyRanges) {
     std::ofstream(path("a")) << "0123456789";
     Result<std::unique_ptr<ByteSource>> file = open_file(path("a"));
     ASSERT_TRUE(file) << file.status().message();
@@ -219,7 +219,7 @@ TEST_F(Files, ReadMany) {
         EXPECT_EQ(a[1], std::byte{'7'});
         EXPECT_EQ(b[0], std::byte{'0'});
         EXPECT_EQ(c[0], std::byte{'5'});
-        ASSERT_EQ(counting.reads().size(), 1u) << "near ranges count as one request";
+        ASSERT_EQ(counting.reads().size(), 1u) << "nearby ranges were not read in one request";
         EXPECT_EQ(counting.reads()[0].offset, 0u);
         EXPECT_EQ(counting.reads()[0].length, 8u);
         const ReadRequest outside[] = {{0, a}, {9, b}};
@@ -230,7 +230,7 @@ TEST_F(Files, ReadMany) {
     }
 }
 
-TEST_F(Files, SourcesThatCannotBe) {
+TEST_F(Files, RefusesInvalidSources) {
     expect_io_error(open_file(path("none")).status(), path("none"), "No such file");
     expect_io_error(open_file(folder_.string()).status(), folder_.string(), "directory");
     expect_io_error(open_file("/dev/null").status(), "/dev/null", "regular");

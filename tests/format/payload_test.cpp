@@ -1,4 +1,4 @@
-// A payload's table, byte by byte (FORMAT.md 3.2).
+// Tests a payload's table byte by byte (FORMAT.md 3.2).
 #include "format/tile/limits.h"
 #include "format/tile/payload.h"
 
@@ -22,7 +22,8 @@ bool refuses(std::initializer_list<int> values, int texels = correction_chunk) {
     return split_payload(bytes_of(values), texels, parts).code() == ErrorCode::invalid_file;
 }
 
-// The streams: segments, then corrections; {} if it is refused.
+// Parses a payload and returns its streams, segments first, then corrections. Empty if it is
+// refused.
 Places places(std::initializer_list<int> values, int texels = correction_chunk) {
     const Bytes payload = bytes_of(values);
     PayloadParts parts;
@@ -36,11 +37,11 @@ Places places(std::initializer_list<int> values, int texels = correction_chunk) 
     return found;
 }
 
-TEST(Payload, StreamsLieBehindTheTable) {
+TEST(Payload, StreamsFollowTheTable) {
     EXPECT_EQ(places({7, 7, 7, 7}), (Places{{0, 4}}));
     EXPECT_EQ(places({0}), (Places{{1, 0}}));
     EXPECT_EQ(places({0, 7, 7}), (Places{{1, 2}}));
-    EXPECT_EQ(places({1, 0, 0, 0, 0}), (Places{{5, 0}, {5, 0}})); // the table ends the payload
+    EXPECT_EQ(places({1, 0, 0, 0, 0}), (Places{{5, 0}, {5, 0}})); // ends after the table
     EXPECT_EQ(places({1, 3, 0, 1, 0, 7, 7, 8, 8}), (Places{{5, 2}, {7, 2}}));
     EXPECT_EQ(places({2, 5, 0, 0, 0, 6, 0, 1, 0, 8, 8}), (Places{{9, 0}, {9, 0}, {9, 2}}));
     EXPECT_EQ(places({128, 1, 0, 1, 0, 7, 7, 9, 9}), (Places{{5, 2}, {7, 2}}));
@@ -48,7 +49,7 @@ TEST(Payload, StreamsLieBehindTheTable) {
               (Places{{5, 0}, {5, 0}, {5, 2}}));
 }
 
-// They have no corrections, so that all bits of the first byte count segments.
+// Large tiles have no corrections, so all bits of the first byte count segments.
 TEST(Payload, LargeTilesHaveMoreSegments) {
     PayloadParts parts;
     for (const int texels : {max_corrected_texels, max_corrected_texels + 1}) {
@@ -67,7 +68,7 @@ TEST(Payload, LargeTilesHaveMoreSegments) {
     }
 }
 
-TEST(Payload, KeepsTheBlocksOfSegments) {
+TEST(Payload, ReadsTheFirstBlockOfEachSegment) {
     PayloadParts parts;
     const Bytes payload = bytes_of({2, 5, 0, 0, 0, 0xFF, 0x0F, 0, 0});
     ASSERT_TRUE(split_payload(payload, 1, parts));
@@ -81,13 +82,13 @@ TEST(Payload, RefusesTablesThatDoNotFit) {
     EXPECT_TRUE(refuses({1, 0, 0}));                           // cut off
     EXPECT_TRUE(refuses({2, 5, 0, 0, 0, 5, 0, 0, 0}));         // out of order
     EXPECT_TRUE(refuses({1, 0, 0x10, 0, 0}));                  // no such block
-    EXPECT_TRUE(refuses({1, 0, 0, 1, 0}));                     // longer than what is there
-    EXPECT_TRUE(refuses({1, 0, 0, 2, 0, 7, 7}));               // by a word
+    EXPECT_TRUE(refuses({1, 0, 0, 1, 0}));                     // longer than the payload
+    EXPECT_TRUE(refuses({1, 0, 0, 2, 0, 7, 7}));               // longer by a word
     EXPECT_TRUE(refuses({128, 2, 0, 1, 0, 9, 9}));             // no such chunk
-    EXPECT_TRUE(refuses({128, 1, 0, 0, 0}));                   // of nothing
+    EXPECT_TRUE(refuses({128, 1, 0, 0, 0}));                   // an empty chunk
     EXPECT_TRUE(refuses({128, 1, 0}));                         // cut off
-    EXPECT_TRUE(refuses({128}));                               // before the mask
-    EXPECT_TRUE(refuses({129, 0, 0, 1, 0, 1, 0, 1, 0, 7, 7})); // a word for both
+    EXPECT_TRUE(refuses({128}));                               // cut off before the mask
+    EXPECT_TRUE(refuses({129, 0, 0, 1, 0, 1, 0, 1, 0, 7, 7})); // one word is missing
 }
 
 } // namespace

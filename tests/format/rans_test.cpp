@@ -1,4 +1,4 @@
-// The entropy coder: round trips, and any bytes.
+// Tests the entropy coder with round trips and with arbitrary bytes.
 #include "format/tile/rans.h"
 #include "tests/support/random.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 struct CodedSymbol {
     std::uint32_t start, frequency;
-    int bits; // 12: a table's symbol; else raw
+    int bits; // 12: a symbol of a table; otherwise raw bits
 };
 
 std::vector<CodedSymbol> random_symbols(Random& random, int count, double skew) {
@@ -55,7 +55,8 @@ TEST(Rans, RandomStreamsRoundTripAndEndExactly) {
                                             random.unit() * 1.5);
         const Bytes bytes = encode(symbols);
         ASSERT_EQ(bytes.size() % 2, 0u);
-        // Exactly as long as the stream, so that the address sanitizer sees a read past its end.
+        // The buffer is exactly as long as the stream, so that the address sanitizer detects reads
+        // past it.
         RansDecoder decoder(bytes);
         for (const CodedSymbol& s : symbols)
             ASSERT_NO_FATAL_FAILURE(decode(decoder, s));
@@ -68,16 +69,16 @@ TEST(Rans, RandomStreamsRoundTripAndEndExactly) {
             bits += s.bits - std::log2(s.frequency);
         ASSERT_LE(static_cast<double>(bytes.size()), bits / 8 * 1.005 + 4);
 
-        if (!symbols.empty() && symbols.back().start != 0) { // one symbol early is noticed
+        if (!symbols.empty() && symbols.back().start != 0) { // stopping early is detected
             RansDecoder early(bytes);
             for (std::size_t i = 0; i + 1 < symbols.size(); ++i)
                 ASSERT_NO_FATAL_FAILURE(decode(early, symbols[i]));
             ASSERT_FALSE(early.ended_well());
         }
-        for (const std::size_t more : {1u, 2u}) { // so is what follows
+        for (const std::size_t more : {1u, 2u}) { // so are bytes after the stream
             Bytes longer = bytes;
             longer.insert(longer.end(), more,
-                          std::byte{1}); // zero words behind zeros are no change
+                          std::byte{1}); // not zero: zeros could not be detected
             RansDecoder tail(longer);
             for (const CodedSymbol& s : symbols)
                 tail.consume(s.frequency == 1 && s.bits != 12 ? 0 : s.start, s.frequency);

@@ -1,4 +1,4 @@
-// Which reads are made one.
+// Tests which reads are merged.
 #include "format/byte_source.h"
 #include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-TEST(ReadPlan, MergesWhatIsNear) {
+TEST(ReadPlan, MergesNearbyRanges) {
     std::vector<std::byte> buffer(100);
     const auto plan = [&](std::vector<std::pair<std::uint64_t, std::size_t>> ranges,
                           std::uint64_t near, std::uint64_t longest) {
@@ -38,8 +38,8 @@ TEST(ReadPlan, MergesWhatIsNear) {
     EXPECT_EQ(plan({{end - 20, 20}, {0, 10}}, 32768, end), "0+10:1 18446744073709551595+20:0 ");
 }
 
-// Sparse ranges stay apart, dense ones are joined, and what is read in vain stays a small share.
-TEST(ReadPlan, WastesASixteenthAtMost) {
+// Sparse ranges stay separate and dense ones are merged, so that few unneeded bytes are read.
+TEST(ReadPlan, WastesAtMostASixteenth) {
     std::vector<std::byte> buffer(300'000);
     const auto lengths = [&](std::vector<std::pair<std::uint64_t, std::size_t>> ranges) {
         std::vector<ReadRequest> requests;
@@ -52,16 +52,16 @@ TEST(ReadPlan, WastesASixteenthAtMost) {
     };
     using Lengths = std::vector<std::uint64_t>;
     EXPECT_EQ(lengths({}), Lengths{});
-    EXPECT_EQ(lengths({{0, 10}, {4106, 10}}), Lengths{4116}) << "near";
+    EXPECT_EQ(lengths({{0, 10}, {4106, 10}}), Lengths{4116}) << "gap of 4096";
     EXPECT_EQ(lengths({{0, 10}, {4107, 10}}), (Lengths{10, 10}));
     EXPECT_EQ(lengths({{0, 80'000}, {90'000, 80'000}}), Lengths{170'000});
     EXPECT_EQ(lengths({{0, 30'000}, {40'000, 30'000}}), (Lengths{30'000, 30'000}));
     EXPECT_EQ(lengths({{0, 60'000}, {66'000, 60'000}, {138'000, 10'000}}),
               (Lengths{126'000, 10'000}))
-        << "the nearest first";
+        << "the smallest gap is not merged first";
     EXPECT_EQ(lengths({{0, 30'000}, {35'500, 30'000}, {71'000, 30'000}, {106'500, 30'000}}),
               (Lengths{30'000, 30'000, 30'000, 30'000}))
-        << "all of equal gaps or none";
+        << "equal gaps are treated differently";
     EXPECT_EQ(lengths({{0, 300'000}, {332'769, 300'000}}), (Lengths{300'000, 300'000}));
     EXPECT_EQ(lengths({{0, 300'000}, {332'768, 300'000}}), Lengths{632'768});
 }

@@ -1,5 +1,5 @@
-// Sampling: hand cases for the double-precision sampler, then the shader's geometry, compiled as
-// C++, against it.
+// Tests the double-precision sampler on cases computed by hand, then compares the shader's
+// geometry, compiled as C++, with it.
 #include "format/sampler.h"
 #include "format/samples.h"
 #include "tests/support/sample_probes.h"
@@ -26,7 +26,7 @@ using test::Probe;
 using test::ProbeMaker;
 using test::texel_normal;
 
-// A texture of one channel whose texels are computed.
+// A texture with one channel and computed texels.
 class Procedural final : public TexelLookup {
 public:
     using Function = std::function<double(const Extent4& texel)>;
@@ -46,7 +46,7 @@ private:
     Function value_;
 };
 
-// Every texel any 8-bit value, whatever its neighbours have.
+// Pseudo-random 8-bit values without correlation between neighbours.
 double rough(const Extent4& texel) {
     std::uint64_t hash = 0x9E3779B97F4A7C15u;
     for (std::uint32_t coordinate : texel) {
@@ -70,8 +70,9 @@ double sampled(TexelLookup& texture, const glm::dvec3& n, const glm::dvec3& d) {
     return sample(texture, n, d)->x;
 }
 
-// The same places, seen along the normals of the other side; ey is that of outside, ex its opposite.
-TEST(Sampler, FromInsideGivesTheTexelAtItsCentreToo) {
+// The same positions seen from inside, along the opposite normals. ey is the same as outside, ex is
+// negated.
+TEST(Sampler, TexelCentresGiveTheTexelFromInside) {
     const Extent4 size{8, 5, 4, 3};
     Procedural texture(size, rough);
     for (std::uint32_t v = 0; v < 5; ++v)
@@ -151,19 +152,19 @@ TEST(Sampler, ClampsAtThePoles) {
         EXPECT_NEAR(sampled(texture, low, low), texture.at(4, 0, 0, 0), 1e-9);
         EXPECT_NEAR(sampled(texture, high, high), texture.at(4, 7, 0, 0), 1e-9);
     }
-    // On the axis itself u = 1/2, between texels 7 and 8.
+    // On the axis u = 1/2, which lies between texels 7 and 8.
     const double pole = (texture.at(7, 7, 0, 0) + texture.at(8, 7, 0, 0)) / 2;
     EXPECT_NEAR(sampled(texture, {0, 2, 0}, {0, 1, 0}), pole, 1e-9);
 }
 
 TEST(Sampler, ClampsTheEndsOfSAndT) {
-    const Extent4 size{1, 3, 4, 4}; // the frame of the middle place is the world's
+    const Extent4 size{1, 3, 4, 4}; // the frame of the middle texel is the world's
     Procedural texture(size, rough);
     const glm::dvec3 n = texel_normal(size, 0, 1);
     EXPECT_NEAR(n.z, 1, 1e-12);
     const double half_t = (texture.at(0, 1, 0, 1) + texture.at(0, 1, 0, 2)) / 2;
     EXPECT_NEAR(sampled(texture, n, {-1, 0, 0}), half_t, 1e-9);
-    EXPECT_NEAR(sampled(texture, n, {-1, 0, -0.5}), half_t, 1e-9) << "into the surface";
+    EXPECT_NEAR(sampled(texture, n, {-1, 0, -0.5}), half_t, 1e-9) << "direction into the surface";
     const double half_s = (texture.at(0, 1, 1, 3) + texture.at(0, 1, 2, 3)) / 2;
     EXPECT_NEAR(sampled(texture, n, {0, 1, 0}), half_s, 1e-9) << "d = ey has s = 1/2";
 }
@@ -171,7 +172,7 @@ TEST(Sampler, ClampsTheEndsOfSAndT) {
 TEST(Sampler, EachSurfaceTexelHasItsOwnFrame) {
     const Extent4 size{8, 4, 16, 16};
     Procedural texture(size, rough);
-    const glm::dvec3 n = sphere_normal(3.0 / 8, 2.5 / 4); // half way between texels 2 and 3
+    const glm::dvec3 n = sphere_normal(3.0 / 8, 2.5 / 4); // halfway between texels 2 and 3
     const glm::dvec3 d = glm::normalize(n + glm::dvec3{0.3, 0.2, -0.1});
     double expected = 0;
     for (std::uint32_t u : {2u, 3u})
@@ -187,7 +188,7 @@ TEST(Sampler, ReadsSamplesAsNumbers) {
               (glm::dvec4{1, 0, 0, 0}));
 }
 
-// The shader.
+// The error of the shader's arc tangent.
 
 double arc_error(double y, double x) {
     const float a = static_cast<float>(y), b = static_cast<float>(x);
@@ -221,7 +222,7 @@ TEST(Shader, SineAndCosine) {
     EXPECT_LT(worst, 1.2e-7);
 }
 
-// How the host's code uses the shader's functions: texels in code, sums in single precision.
+// Uses the shader's functions as the shaders do: samples as codes, sums in single precision.
 double sampled_by_shader(const Procedural& texture, const glm::vec3& n, const glm::vec3& d) {
     const Extent4& size = texture.desc().size;
     const glm::ivec2 surface(size[axis_u], size[axis_v]), angular(size[axis_s], size[axis_t]);
@@ -249,11 +250,11 @@ double sampled_by_shader(const Procedural& texture, const glm::vec3& n, const gl
     return sum;
 }
 
-// The rounding of d and of the frame, 1e-7 or so, turns s by 1e-7 / planar. Below the planar length
-// of 1e-4 this is of the size of a texel's steps, and at 0 s is meaningless; at jumps, too. There,
-// shader and judge are asked for a texture that does not depend on s, so that all else is compared.
-// From 1e-4 to 3e-4 the tolerance grows with that error, from there on it is 1/255.
-TEST(Shader, AgreesWithTheJudge) {
+// Rounding d and the frame by about 1e-7 turns s by 1e-7 / planar. Below a planar length of 1e-4
+// this error is as large as a texel, and at 0 and at jumps s is undefined. There the test uses a
+// texture that does not depend on s, so that everything else is still compared. From 1e-4 to 3e-4
+// the tolerance grows with that error; above, it is 1/255.
+TEST(Shader, AgreesWithTheDoublePrecisionSampler) {
     for (const Extent4& size : {Extent4{64, 32, 16, 16}, Extent4{512, 256, 32, 32}}) {
         const auto first_of_s = [](const Procedural::Function& f) {
             return [f](const Extent4& x) { return f({x[axis_u], x[axis_v], 0, x[axis_t]}); };

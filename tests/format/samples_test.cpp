@@ -1,4 +1,4 @@
-// Sample codes.
+// Tests sample codes and the traits of sample types.
 #include "format/samples.h"
 
 #include <array>
@@ -41,7 +41,7 @@ TEST(SampleCodes, TraitsAgreeWithEachOther) {
             ASSERT_EQ(has_code(stored, type), std::isfinite(sample_value(stored, type)));
             with_code += has_code(stored, type);
         }
-        // Zero has two samples where there is a sign.
+        // Types with a sign have two zeros.
         EXPECT_EQ(with_code, traits.largest_code - traits.smallest_code + 1 + traits.is_float);
         const std::int64_t largest = std::int64_t{traits.largest_code} << traits.value_bits;
         EXPECT_LT(largest, traits.value_limit);

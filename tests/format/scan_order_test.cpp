@@ -1,4 +1,4 @@
-// The order of coefficients.
+// Tests the order of coefficients.
 #include "format/tile/rans.h"
 #include "tests/support/block_shapes.h"
 #include "tests/support/format_values.h"
@@ -39,7 +39,8 @@ TEST(ScanOrder, SortsByCostThenRaster) {
                 last = now;
                 ASSERT_EQ(order.position_class[i], i == 0 ? 0 : std::min(1 + cost / 24, 19u));
                 ASSERT_EQ(order.context[i].position, i == 0 ? 0 : std::min(1 + cost / 96, 5u));
-                // What the contexts look at is coded before: one step down along any axis.
+                // Contexts use the neighbours one step down along each axis, which must be coded
+                // before.
                 int stride = 1;
                 for (std::size_t axis = 0; axis < 4; ++axis) {
                     ASSERT_TRUE(k[axis] == 0 || seen.contains(raster - stride))
@@ -53,7 +54,7 @@ TEST(ScanOrder, SortsByCostThenRaster) {
         }
 }
 
-TEST(ScanOrder, NeighboursAreThoseThatCameBefore) {
+TEST(ScanOrder, NeighboursPrecedeInTheOrder) {
     for (const ScanWeights& weights : {default_scan_weights, ScanWeights{1, 255, 7, 90}})
         for (const BlockShape& shape : shapes) {
             const ScanOrder order = make_scan_order(shape, weights);

@@ -14,7 +14,7 @@ Result<int> half_of(int number) {
     return number / 2;
 }
 
-TEST(Result, OfSuccessWithoutValueIsAnError) {
+TEST(Result, SuccessWithoutAValueIsAnError) {
     const Result<int> made = Status();
     EXPECT_FALSE(made.ok());
     EXPECT_FALSE(made.status().ok());
@@ -29,16 +29,17 @@ TEST(Result, HasAValueOrAnError) {
     EXPECT_EQ(half_of(7).status().message(), "7 is odd");
 }
 
-// Success of a check must not pass for a value: this is the mistake that was made 50 times.
+// Returns the status of a successful result instead of its value. This easy mistake must give an
+// error.
 Result<int> forgets_the_value() {
     return half_of(6).status();
 }
 
-TEST(Result, MadeOfAnotherOnesSuccessIsAnError) {
+TEST(Result, SuccessStatusOfAnotherResultIsAnError) {
     EXPECT_EQ(forgets_the_value().status().code(), ErrorCode::runtime);
 }
 
-TEST(Result, TakesAContextLikeAStatus) {
+TEST(Result, AcceptsAContextLikeAStatus) {
     EXPECT_EQ(*half_of(6).with_context("six"), 3);
     EXPECT_TRUE(half_of(6).with_context("six").status().message().empty());
     const Result<int> bad = half_of(7).with_context("seven");
@@ -58,7 +59,7 @@ Status check_all(int a, int b, int& seen) {
     return {};
 }
 
-TEST(Try, TakesAStatusOrAResult) {
+TEST(Try, AcceptsAStatusOrAResult) {
     int seen = 0;
     EXPECT_EQ(check_all(1, 2, seen).message(), "1 is odd");
     EXPECT_EQ(seen, 0);
@@ -90,13 +91,13 @@ Result<int> quarter_of(int number) {
     return quarter;
 }
 
-TEST(TryAssign, GivesTheValueOrLeaves) {
+TEST(TryAssign, GivesTheValueOrReturnsTheError) {
     EXPECT_EQ(*quarter_of(12), 3);
     EXPECT_EQ(quarter_of(5).status().message(), "5 is odd");
     EXPECT_EQ(quarter_of(6).status().message(), "3 is odd");
 }
 
-TEST(TryAssign, AssignsToWhatIsThere) {
+TEST(TryAssign, AssignsToAnExistingVariable) {
     const auto run = []() -> Result<int> {
         int value = 0;
         TESSERA_TRY_ASSIGN(value, half_of(8));
@@ -107,7 +108,7 @@ TEST(TryAssign, AssignsToWhatIsThere) {
 
 TEST(TryAssign, MovesTheValue) {
     const auto make = [](int number) -> Result<std::unique_ptr<int>> {
-        // A use inside a use, and commas of a template.
+        // A nested use, and commas in a template.
         TESSERA_TRY_ASSIGN(const int half, [&]() -> Result<int> {
             TESSERA_TRY_ASSIGN(const auto one, half_of(number));
             return std::map<int, int>{{0, one}}.at(0);

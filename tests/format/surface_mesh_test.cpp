@@ -1,4 +1,4 @@
-// Meshes to bytes and back; bytes that are wrong.
+// Tests encoding and decoding of meshes, and damaged streams.
 #include "format/surface/mesh_check.h"
 #include "format/surface_mesh.h"
 #include "tests/support/meshes.h"
@@ -27,8 +27,8 @@ SurfaceMesh there_and_back(const SurfaceMesh& mesh, const MeshQuantisation& bits
     return back ? *back : SurfaceMesh{};
 }
 
-// A triangle's corners in the mesh's numbers on a grid, from the least corner on, which keeps the
-// sense of its turn.
+// The corners of each triangle in grid units, beginning with the least corner. The orientation is
+// kept.
 using Corner = std::array<long, 5>;
 using Triangle = std::array<Corner, 3>;
 
@@ -50,7 +50,7 @@ std::vector<Triangle> grid_triangles(const SurfaceMesh& mesh, double steps_xyz, 
     return all;
 }
 
-// Moves a mesh to the grid that 8 bits of a cube of side 2 give, so that nothing is rounded.
+// Snaps a mesh to the grid of 8 bits over a cube of side 2, so that quantising rounds nothing.
 SurfaceMesh on_grid(SurfaceMesh mesh) {
     for (glm::vec3& p : mesh.positions)
         p = glm::round((p + 1.0f) * 127.5f);
@@ -59,7 +59,7 @@ SurfaceMesh on_grid(SurfaceMesh mesh) {
     return mesh;
 }
 
-TEST(MeshStream, TrianglesComeBackInSomeOrder) {
+TEST(MeshStream, TrianglesSurviveInAnyOrder) {
     for (const bool round : {false, true})
         for (const unsigned normal_bits : {0u, 8u}) {
             const SurfaceMesh mesh = on_grid(six_charts(6, round));
@@ -72,8 +72,8 @@ TEST(MeshStream, TrianglesComeBackInSomeOrder) {
     EXPECT_EQ(back.triangles.size(), soup.triangles.size());
 }
 
-// Of a sphere every place has a nearest decoded vertex; normals and uv go with it.
-TEST(MeshStream, NumbersAreOffByHalfAStepAtMost) {
+// On a sphere every position has a unique nearest decoded vertex, whose normal and uv are compared.
+TEST(MeshStream, ErrorsAreAtMostHalfAStep) {
     const SurfaceMesh mesh = six_charts(5, true);
     for (const unsigned bits : {8u, 11u, 14u}) {
         const SurfaceMesh back = there_and_back(mesh, {bits, bits, 8});
@@ -98,7 +98,7 @@ TEST(MeshStream, BytesAreTheSameEveryTime) {
     const SurfaceMesh mesh = six_charts(4, true);
     EXPECT_EQ(*encode_mesh(mesh, {}), *encode_mesh(mesh, {}));
     SurfaceMesh without = mesh;
-    without.normals.clear(); // not looked at
+    without.normals.clear(); // the encoder ignores them
     EXPECT_EQ(*encode_mesh(mesh, {}), *encode_mesh(without, {}));
     EXPECT_LT(encode_mesh(mesh, {})->size(), encode_mesh(mesh, {12, 12, 8})->size());
 }
@@ -112,7 +112,7 @@ void refuses(const char* what, const MeshQuantisation& bits,
     EXPECT_NE(status.message().find(what), std::string::npos) << status.message();
 }
 
-TEST(MeshStream, RefusesToEncodeWhatIsNoMesh) {
+TEST(MeshStream, RefusesToEncodeInvalidMeshes) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinity = std::numeric_limits<float>::infinity();
     const MeshQuantisation all{12, 12, 8};
@@ -137,7 +137,7 @@ TEST(MeshStream, RefusesToEncodeWhatIsNoMesh) {
     refuses("normal bits", {12, 12, 2}, [](SurfaceMesh&) {});
 }
 
-TEST(MeshStream, TakesNumbersUpToTheirBounds) {
+TEST(MeshStream, AcceptsNumbersUpToTheirBounds) {
     SurfaceMesh mesh = six_charts(1, false);
     mesh.positions[0].x = max_mesh_coordinate;
     mesh.positions[1].y = -max_mesh_coordinate;
@@ -148,7 +148,7 @@ TEST(MeshStream, TakesNumbersUpToTheirBounds) {
     refuses("uv 1", {}, [](SurfaceMesh& m) { m.uv[1].y = std::nextafter(1 + uv_tolerance, 2.0f); });
 }
 
-TEST(MeshStream, LeavesOutTrianglesWithTwoCornersAtOnePlace) {
+TEST(MeshStream, DropsTrianglesWithTwoEqualCorners) {
     SurfaceMesh mesh = six_charts(1, false);
     const std::size_t count = mesh.triangles.size();
     for (std::uint32_t i = 0; i < 100000; ++i) {
@@ -159,8 +159,8 @@ TEST(MeshStream, LeavesOutTrianglesWithTwoCornersAtOnePlace) {
     EXPECT_EQ(there_and_back(mesh, {}).triangles.size(), count);
 }
 
-// Vertices that fall together when quantised leave triangles without area.
-TEST(MeshStream, KeepsTrianglesThatQuantisingMakesFlat) {
+// Quantising merges vertices, which leaves triangles without area.
+TEST(MeshStream, KeepsTrianglesThatLoseTheirAreaInQuantising) {
     SurfaceMesh mesh = triangle_soup(20, 3);
     for (std::size_t i = 3; i < mesh.positions.size(); ++i)
         mesh.positions[i] = mesh.positions[i - i % 3] + 1e-6f * static_cast<float>(i % 3);
@@ -170,8 +170,8 @@ TEST(MeshStream, KeepsTrianglesThatQuantisingMakesFlat) {
         EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);
 }
 
-// An edge of five triangles, a vertex of two cones, a strip with one twist.
-TEST(MeshStream, TakesWhatIsNoManifold) {
+// An edge with five triangles, a vertex shared by two cones, and a strip with one twist.
+TEST(MeshStream, AcceptsMeshesThatAreNotManifold) {
     SurfaceMesh mesh;
     const auto vertex = [&](float x, float y, float z) {
         mesh.positions.emplace_back(x, y, z);
@@ -181,7 +181,7 @@ TEST(MeshStream, TakesWhatIsNoManifold) {
     const std::uint32_t a = vertex(0, 0, 0), b = vertex(0, 0, 1);
     for (int i = 0; i < 5; ++i)
         mesh.triangles.push_back({a, b, vertex(1, static_cast<float>(i), 0)});
-    for (int i = 0; i < 4; ++i) // a reversed neighbour
+    for (int i = 0; i < 4; ++i) // neighbours with reversed orientation
         mesh.triangles.push_back({b, static_cast<std::uint32_t>(2 + i), a});
     for (const float z : {-1.0f, 1.0f})
         mesh.triangles.push_back({a, vertex(3, 3, z), vertex(4, 3, z)});
@@ -192,7 +192,7 @@ Bytes box_stream(unsigned normal_bits) {
     return *encode_mesh(six_charts(1, false), {10, 10, normal_bits});
 }
 
-TEST(MeshStream, RefusesStreamsThatAreCutOffOrGoOn) {
+TEST(MeshStream, RefusesStreamsThatAreTooShortOrTooLong) {
     for (const unsigned normal_bits : {0u, 6u}) {
         const Bytes whole = box_stream(normal_bits);
         for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -205,7 +205,7 @@ TEST(MeshStream, RefusesStreamsThatAreCutOffOrGoOn) {
     }
 }
 
-// Whatever comes of it: an error, or a mesh in range.
+// The result must be an error or a mesh within the limits.
 TEST(MeshStream, SurvivesFlippedBits) {
     for (const unsigned normal_bits : {0u, 6u}) {
         const Bytes whole = box_stream(normal_bits);
@@ -225,7 +225,7 @@ TEST(MeshStream, SurvivesFlippedBits) {
     }
 }
 
-// The counts stand behind twelve bytes; a box' are one byte each.
+// The counts follow the first twelve bytes. For a box, each is one byte.
 TEST(MeshStream, RefusesCountsBeforeReservingMemory) {
     const auto claiming = [](std::initializer_list<int> counts) {
         Bytes stream = box_stream(0);
@@ -236,7 +236,7 @@ TEST(MeshStream, RefusesCountsBeforeReservingMemory) {
     };
     EXPECT_EQ(claiming({8, 12}), ErrorCode::ok);
     EXPECT_EQ(claiming({8, 0}), ErrorCode::invalid_file);
-    EXPECT_EQ(claiming({37, 12}), ErrorCode::invalid_file);                   // vertices
+    EXPECT_EQ(claiming({37, 12}), ErrorCode::invalid_file);                   // too many vertices
     EXPECT_EQ(claiming({8, 0x80, 0x80, 0x80, 0x04}), ErrorCode::unsupported); // 2^23 triangles
     EXPECT_EQ(claiming({8, 0x81, 0x80, 0x80, 0x08}), ErrorCode::invalid_file);
     EXPECT_EQ(claiming({8, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}), ErrorCode::invalid_file);
@@ -256,27 +256,28 @@ TEST(MeshStream, RefusesOtherKindsOfStreams) {
     says(0, 'd', "not a Draco stream");
     says(5, 1, "1.2");
     says(6, 1, "2.1");
-    says(7, 0, "not a mesh"); // a cloud of points
+    says(7, 0, "not a mesh"); // a point cloud
     says(8, 0, "Edgebreaker");
     says(10, 0x80, "metadata");
     says(11, 1, "traversal");
     says(14, 3, "seams");
 }
 
-TEST(MeshStream, SaysWhereItsHeadIsCutOff) {
+TEST(MeshStream, ReportsACutOffHead) {
     const Bytes stream = box_stream(0);
     const auto cut_at = [&](std::size_t size) {
         return decode_mesh(std::span(stream).first(size), no_limit).status();
     };
-    for (std::size_t size = 0; size < 15; ++size) { // to the number of seams, which counts follow
+    for (std::size_t size = 0; size < 15; ++size) { // up to the number of seams
         EXPECT_EQ(cut_at(size).code(), ErrorCode::invalid_file) << size;
         EXPECT_NE(cut_at(size).message().find("is cut off"), std::string::npos) << size;
     }
     EXPECT_EQ(cut_at(15).message().find("is cut off"), std::string::npos);
 }
 
-// An attribute says its kind, its type of numbers, how many, and whether they are normalised.
-TEST(MeshStream, RefusesOtherAttributes) {
+// An attribute declares its kind, its number type, how many numbers it has, and whether they are
+// normalised.
+TEST(MeshStream, RefusesUnknownAttributes) {
     constexpr int positions = 0, normals = 1, colours = 2, floats = 9;
     using Said = std::array<int, 4>;
     const auto refuses = [](const Said& old, const Said& now) {

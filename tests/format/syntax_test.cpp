@@ -1,4 +1,4 @@
-// The header, and names of what it holds.
+// Tests the header and the names of its values.
 #include "format/container/syntax.h"
 #include "format/io/bit_reader.h"
 #include "tests/support/format_bytes.h"
@@ -11,7 +11,7 @@ namespace {
 using namespace tessera::test;
 
 TEST(Header, EveryByteIsAField) {
-    // Storing what was loaded gives back every byte, for any bytes.
+    // Loading and storing a header must give back every byte.
     const std::vector<std::byte> noise = random_bytes(header_bytes, 7);
     const auto stored_again = store_header(load_header(std::span(noise).first<header_bytes>()));
     for (std::size_t i = file_identifier.size(); i < header_bytes; ++i)

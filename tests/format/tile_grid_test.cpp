@@ -1,4 +1,4 @@
-// How a texture is cut into tiles.
+// Tests how a texture is divided into tiles.
 #include "format/io/bit_reader.h"
 #include "format/levels.h"
 #include "tests/support/format_bytes.h"
@@ -30,7 +30,7 @@ TEST(TileGrid, BalancedAlongAnAxis) {
         }
 }
 
-TEST(TileGrid, EveryTexelOnceInTileOrder) {
+TEST(TileGrid, TilesHoldEveryTexelOnceInOrder) {
     const Extent4 size{7, 5, 9, 4};
     const TileGrid grid(size, {3, 2, 8, 3});
     EXPECT_EQ(grid.count(), (Extent4{3, 3, 2, 2}));
@@ -49,7 +49,7 @@ TEST(TileGrid, EveryTexelOnceInTileOrder) {
     EXPECT_EQ(grid.coordinates(1), (Extent4{1, 0, 0, 0})); // u is fastest
 }
 
-TEST(TileGrid, TouchedIsWhatMeets) {
+TEST(TileGrid, TouchedTilesIntersectTheBox) {
     Random random(3);
     for (int round = 0; round < 300; ++round) {
         Extent4 size, largest;

@@ -1,4 +1,4 @@
-// Windows of tiles that are brought while those before them are used.
+// Tests reading windows of tiles ahead while earlier ones are used.
 #include "format/container/tiles_ahead.h"
 #include "tests/support/vector_sink.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// One texel a tile; the tiles' bytes decode to nothing, but are checked by their pages.
+// A file with one texel per tile. The tiles' bytes do not decode, but pages check them.
 Bytes file_of(const std::vector<Bytes>& tiles) {
     const Bytes code(40);
     ContainerContents contents;
@@ -39,13 +39,13 @@ protected:
     std::unique_ptr<ByteSource> memory_;
 };
 
-TEST_F(Ahead, BringsEveryPageOnce) {
+TEST_F(Ahead, ReadsEveryPageOnce) {
     CountingByteSource source(*memory_, true);
     const auto reader = ContainerReader::open(source);
     ASSERT_TRUE(reader.ok()) << reader.status().message();
     source.reset();
     std::vector<std::uint64_t> order(tiles_.size());
-    std::iota(order.rbegin(), order.rend(), 0); // backwards
+    std::iota(order.rbegin(), order.rend(), 0); // in reverse order
     std::size_t windows = 0;
     {
         TilesAhead ahead(*reader, order);
@@ -53,7 +53,7 @@ TEST_F(Ahead, BringsEveryPageOnce) {
             const auto ready = ahead.ready(done);
             ASSERT_TRUE(ready.ok()) << ready.status().message();
             ASSERT_GT(*ready, 0u);
-            if (*ready > 1) { // a part of a window leaves the rest of it
+            if (*ready > 1) { // using a part of a window leaves the rest
                 EXPECT_EQ(*ahead.ready(done + 1), *ready - 1);
             }
             for (const std::size_t end = done + *ready; done < end; ++done)
@@ -66,10 +66,10 @@ TEST_F(Ahead, BringsEveryPageOnce) {
     for (const auto& read : source.reads())
         bytes += read.length;
     EXPECT_LE(bytes, file_.size());
-    EXPECT_LE(source.reads().size(), 3 + 7 * 2u) << "requests of at most 4 MiB";
+    EXPECT_LE(source.reads().size(), 3 + 7 * 2u) << "more requests than needed at 4 MiB each";
 }
 
-TEST_F(Ahead, LeavesCheapSourcesAlone) {
+TEST_F(Ahead, DoesNotReadAheadFromFastSources) {
     CountingByteSource source(*memory_);
     const auto reader = ContainerReader::open(source);
     ASSERT_TRUE(reader.ok());
@@ -80,8 +80,8 @@ TEST_F(Ahead, LeavesCheapSourcesAlone) {
     EXPECT_TRUE(source.reads().empty());
 }
 
-TEST_F(Ahead, PassesErrorsOn) {
-    // Opens, then fails.
+TEST_F(Ahead, ReturnsErrorsOfTheSource) {
+    // A source that opens and then fails.
     class Broken : public CountingByteSource {
     public:
         using CountingByteSource::CountingByteSource;

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Unfinished, OutputsThatAreNotCommittedGo) {
+TEST(Unfinished, OutputsThatAreNotCommittedAreRemoved) {
     const fs::path folder = test::make_test_folder("unfinished");
     const pid_t child = ::fork();
     if (child == 0) {
