@@ -1,4 +1,4 @@
-// Coarse texels made from a level of the file, against the definition, texel by texel.
+// Compares coarse texels, computed from a level of the file, with their definition texel by texel.
 #include "decoder_glsl/cache/coarse_cells.h"
 #include "decoder_glsl/shaders/shader_layout.h"
 #include "format/samples.h"
@@ -15,7 +15,7 @@ namespace {
 
 using namespace layout;
 
-// Texels by a hash of their place.
+// A level whose texels are a hash of their position.
 class HashedLevel final : public TexelSource {
 public:
     HashedLevel(const Extent4& size, SampleType type, std::uint8_t channels)
@@ -64,7 +64,7 @@ std::array<double, 4> unpacked(const std::uint32_t* word, SampleType type) {
     return value;
 }
 
-// The mean, over the texels of tile `box` that sampling finds in `cell`, of the level's texels.
+// The mean of the level's texels over those texels of tile `box` that sampling looks up in `cell`.
 std::array<double, 4> expected(const HashedLevel& source, const LevelEntry& level, const Box4& box,
                                unsigned cell) {
     const std::uint32_t wanted[4] = {cell % 4, cell / 4 % 4, cell / 16 % 2, cell / 32};
@@ -73,9 +73,9 @@ std::array<double, 4> expected(const HashedLevel& source, const LevelEntry& leve
     for (std::size_t a = 0; a < 4; ++a) {
         const std::uint32_t n = box.end[a] - box.begin[a];
         for (std::uint32_t x = 0; x < n; ++x)
-            if (x * parts[a] / n == wanted[a]) // as sample_cache.glsl looks it up
+            if (x * parts[a] / n == wanted[a]) // the lookup of sample_cache.glsl
                 places[a].push_back(box.begin[a] + x);
-        if (places[a].empty()) // no texel looks there
+        if (places[a].empty()) // no texel uses this cell
             return {-1000, 0, 0, 0};
     }
     const TextureDesc& desc = source.desc();
@@ -134,7 +134,7 @@ void check(const Extent4& size, const Extent4& tile, const LevelEntry& level, Sa
             return Status();
         }));
     EXPECT_EQ(next, grid.tiles());
-    EXPECT_EQ(source.texels_read, texel_count(level.size)) << "each once: all fits one box";
+    EXPECT_EQ(source.texels_read, texel_count(level.size)) << "some texels are read twice";
 }
 
 TEST(CoarseCells, AreMeansOfTheLevelsTexels) {
@@ -151,7 +151,7 @@ TEST(CoarseCells, AreMeansOfTheLevelsTexels) {
     }
 }
 
-// Large levels come in pieces, with little read twice.
+// Large levels are read in pieces, and few texels are read twice.
 TEST(CoarseCells, ReadsBoundedPieces) {
     const Extent4 size{1000, 500, 40, 40};
     const LevelEntry level = coarse_level(size, 1, 1, 0); // 50 million texels
@@ -171,7 +171,7 @@ TEST(CoarseCells, ReadsBoundedPieces) {
     EXPECT_LE(source.texels_read, texel_count(level.size) * 11 / 10);
 }
 
-TEST(CoarseCells, PassErrorsOn) {
+TEST(CoarseCells, ReturnErrors) {
     const Extent4 size{1000, 500, 40, 40};
     const LevelEntry level = coarse_level(size, 2, 1, 0);
     const TileGrid grid(size, {32, 32, 8, 8});
@@ -191,7 +191,7 @@ TEST(CoarseCells, PassErrorsOn) {
     LevelEntry wrong = level;
     wrong.angular_lod = 40;
     EXPECT_EQ(make_coarse_cells(grid, wrong, small, take).code(), ErrorCode::bad_argument);
-    EXPECT_EQ(small.reads, 1u) << "nothing was read for it";
+    EXPECT_EQ(small.reads, 1u) << "texels were read for a wrong level";
 }
 
 } // namespace

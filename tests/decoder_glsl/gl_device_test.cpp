@@ -1,4 +1,4 @@
-// What a device must have.
+// Tests the requirements on a device.
 #include "decoder_glsl/gl/gl_device.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 namespace tessera::test {
 namespace {
 
-TEST(GlDevice, EverythingMissingIsNamed) {
+TEST(GlDevice, NamesEveryMissingFeature) {
     const DeviceLimits needed;
     EXPECT_TRUE(check_limits(needed, needed));
     DeviceLimits offered;
@@ -26,7 +26,7 @@ TEST(GlDevice, EverythingMissingIsNamed) {
     EXPECT_TRUE(check_limits(offered, needed));
 }
 
-TEST(GlDevice, EachLimitCounts) {
+TEST(GlDevice, ChecksEachLimit) {
     const std::pair<std::int64_t DeviceLimits::*, const char*> limits[] = {
         {&DeviceLimits::version, "OpenGL 4.5"},
         {&DeviceLimits::group_invocations, "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS"},

@@ -1,4 +1,4 @@
-// Buffers, textures, programs, fences and timers on the device.
+// Tests buffers, textures, programs, fences and contexts on a GPU.
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/gl/gl_error.h"
 #include "decoder_glsl/gl/gl_objects.h"
@@ -73,7 +73,7 @@ void main() {
     return take(GlProgram::compute(*source, "copy_words"));
 }
 
-TEST_F(Gl, ContextTellsItsDevice) {
+TEST_F(Gl, ContextDescribesItsDevice) {
     std::printf("%s | %s | %s%s\n", context_->vendor().c_str(), context_->device().c_str(),
                 context_->version().c_str(), context_->is_software() ? " | software" : "");
     EXPECT_FALSE(context_->vendor().empty());
@@ -87,7 +87,7 @@ TEST_F(Gl, ContextsAreIndependent) {
     const Words words = counted(8);
     GlBuffer buffer = take(GlBuffer::create(bytes_of(words), "first"));
     {
-        auto second = HeadlessContext::create(); // and takes the thread
+        auto second = HeadlessContext::create(); // becomes current on this thread
         ASSERT_TRUE(second) << second.status().message();
         HeadlessContext moved = std::move(*second);
         const GlBuffer other = take(GlBuffer::create(bytes_of(counted(8, 50)), "second"));
@@ -95,7 +95,7 @@ TEST_F(Gl, ContextsAreIndependent) {
         EXPECT_EQ(read_words(buffer), words);
         ASSERT_TRUE(moved.make_current());
         EXPECT_EQ(read_words(other), counted(8, 50));
-    } // its end must not take the display from the first
+    } // destroying it must leave the first one's display open
     ASSERT_TRUE(context_->make_current());
     EXPECT_EQ(read_words(buffer), words);
 }
@@ -231,7 +231,7 @@ TEST_F(Gl, TextureRoundTrip) {
         ASSERT_TRUE(texture.read(0, all));
         EXPECT_EQ(all, std::vector<std::byte>(texture.bytes()));
         for (std::size_t i = 0; i < layers.size(); ++i)
-            layers[i] = static_cast<std::byte>(i % 100); // no NaN as halves
+            layers[i] = static_cast<std::byte>(i % 100); // no NaN as half floats
         glPixelStorei(GL_UNPACK_ALIGNMENT, 8);
         glPixelStorei(GL_PACK_ROW_LENGTH, 100);
         ASSERT_TRUE(texture.upload(1, layers));
@@ -307,7 +307,7 @@ TEST_F(Gl, ImagesAreWrittenByComputeAndSampled) {
     EXPECT_EQ(read_words(found), Words{0xff010102u});
 }
 
-// What the decoder does: it stores the bits of texels that are then sampled as numbers.
+// The decoder stores the bits of texels, which are later sampled as numbers.
 TEST_F(Gl, ImagesAreWrittenAsBits) {
     struct Case {
         TexelFormat format, as;
@@ -362,8 +362,8 @@ TEST_F(Gl, FencesPass) {
     EXPECT_TRUE(moved.wait(10000));
 }
 
-// OpenGL 4.5 takes ES 3.1 shaders as well.
-TEST_F(Gl, TheDriverTakesEveryProgram) {
+// OpenGL 4.5 accepts ES 3.1 shaders, too.
+TEST_F(Gl, DriverCompilesEveryProgram) {
     const auto programs = shader_programs();
     ASSERT_FALSE(programs.empty());
     for (const ShaderDialect dialect : {ShaderDialect::gl450, ShaderDialect::es310})
@@ -384,10 +384,10 @@ TEST_F(Gl, TheDriverTakesEveryProgram) {
         }
 }
 
-// Tries to create a context in a fresh process whose environment has `variable`, and expects its
-// error, or else its version, to match `pattern`.
+// Creates a context in a new process with `variable` in its environment, and expects the error, or
+// the version if there is none, to match `pattern`.
 void expect_outcome(const char* variable, const char* value, const char* pattern) {
-    GTEST_FLAG_SET(death_test_style, "threadsafe"); // this process may have loaded a driver
+    GTEST_FLAG_SET(death_test_style, "threadsafe"); // this process may already have loaded a driver
     EXPECT_EXIT(
         {
             setenv(variable, value, 1);
@@ -403,7 +403,7 @@ void expect_outcome(const char* variable, const char* value, const char* pattern
 TEST(GlMissing, OldDrivers) {
     if (no_gpu_asked())
         GTEST_SKIP() << "TESSERA_NO_GPU=1";
-    // Only Mesa can pretend.
+    // Only Mesa can report another version.
     expect_outcome("MESA_GL_VERSION_OVERRIDE", "3.3",
                    "OpenGL 4.5 is needed, this device offers 3.3|NVIDIA");
 }

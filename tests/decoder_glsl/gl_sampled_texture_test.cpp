@@ -1,4 +1,5 @@
-// Sampling on the device: both residencies against the sampler on the CPU; damaged files.
+// Compares sampling on the GPU, with both residencies, with the CPU's sampler, and tests damaged
+// files.
 #include "decoder_glsl/gl_view_renderer.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/texture.h"
@@ -13,7 +14,7 @@ namespace {
 
 using namespace tessera::test::sampled_files;
 
-// What tessera_sample() gives for a texel of fewer than four channels.
+// The four channels that tessera_sample() returns for a texel with fewer channels.
 glm::dvec4 as_four(const glm::dvec4& c, int channels) {
     switch (channels) {
     case 1:
@@ -27,7 +28,7 @@ glm::dvec4 as_four(const glm::dvec4& c, int channels) {
     }
 }
 
-// The probes at which s means something (sample_probes.h), with what the CPU makes of them.
+// The well-conditioned probes (sample_probes.h) and their colours computed on the CPU.
 struct Judged {
     std::vector<Probe> probes;
     std::vector<glm::dvec4> expected;
@@ -57,10 +58,10 @@ double worst_difference(const Judged& judged, const std::vector<glm::vec4>& colo
     return worst;
 }
 
-// Weights of filtering hardware have 8 bits: 1/512 off along s and along t.
+// Filtering hardware has 8-bit weights, with an error of up to 1/512 along s and along t.
 constexpr double filter_precision = 2.0 / 512;
 
-// A million find the same worst case.
+// Ten thousand samples are enough: a million find the same worst case.
 TEST_F(GpuSample, ManySamplesAgreeWithTheCpu) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 60));
     const Judged judged = judge(file, 10000);
@@ -92,7 +93,7 @@ TEST_F(GpuSample, EveryTypeAndChannelCount) {
         }
 }
 
-// Whole textures, caches, borders and coarse texels; a small budget makes many batches.
+// Covers whole textures, caches, borders and coarse texels. A small budget gives many batches.
 TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
     for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
         const std::uint8_t channels = type == SampleType::unorm8 ? 3 : 4;
@@ -100,7 +101,7 @@ TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
                                      0.6, 0.005, 4, 0.6)
                              .file);
         const Judged judged = judge(file, 2000);
-        double range = 1; // halves are whatever random levels make
+        double range = 1; // random levels give half floats of any size
         for (const glm::dvec4& colour : judged.expected)
             for (int c = 0; c < 4; ++c)
                 range = std::max(range, std::abs(colour[c]));
@@ -120,13 +121,13 @@ TEST_F(GpuSample, PredictedTilesAreSampledAsOnTheCpu) {
     }
 }
 
-// Tiles of sides above 32, odd ones too; some too long for borders in a cache.
+// Tiles with sides above 32, including odd ones. Some are too long for borders in a cache.
 TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
     const auto check = [](const Bytes& bytes) {
         SampledFile file(bytes);
         SCOPED_TRACE("tiles " + to_string(file.reader().header().tile_extent));
         const Judged judged = judge(file, 2000);
-        double range = 1; // halves are whatever random levels make
+        double range = 1; // random levels give half floats of any size
         for (const glm::dvec4& colour : judged.expected)
             for (int c = 0; c < 4; ++c)
                 range = std::max(range, std::abs(colour[c]));
@@ -150,7 +151,7 @@ TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
             .file);
 }
 
-TEST_F(GpuSample, CoarseTexelsOfSomethingElseAreRefused) {
+TEST_F(GpuSample, CoarseTexelsOfAnotherTextureAreRefused) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     Bytes texels(file.desc().box_bytes(Box4::whole(file.desc().size)));
     MemorySource source(file.desc(), texels);
@@ -160,7 +161,7 @@ TEST_F(GpuSample, CoarseTexelsOfSomethingElseAreRefused) {
               ErrorCode::bad_argument);
 }
 
-TEST_F(GpuSample, SaysWhatDoesNotFit) {
+TEST_F(GpuSample, NamesWhatDoesNotFit) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     const auto refusal = [&](const ContainerReader& reader, Residency residency,
                              std::uint64_t budget) {

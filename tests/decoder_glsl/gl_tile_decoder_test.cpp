@@ -1,4 +1,4 @@
-// The decoder on the device: the same texels as the CPU, bit for bit.
+// Tests that the GPU decodes the same texels as the CPU, bit for bit.
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/texture.h"
 #include "tests/support/decode_cases.h"
@@ -16,7 +16,7 @@ namespace {
 
 class GpuDecode : public GpuTest {};
 
-// Texels that differ over the whole file, decoded in batches of at most `batch_tiles`.
+// Decodes a whole file in batches of at most `batch_tiles` and expects no different texel.
 void expect_decoded_alike(const DecodeCase& test, std::uint32_t batch_tiles) {
     SCOPED_TRACE(test.name);
     const auto source = wrap_memory(test.file);
@@ -29,7 +29,7 @@ void expect_decoded_alike(const DecodeCase& test, std::uint32_t batch_tiles) {
     auto gpu = GlTileDecoder::create(*tables, half);
     ASSERT_TRUE(gpu) << gpu.status().message();
 
-    // A layer a tile.
+    // One layer per tile.
     const TileGrid& grid = reader.grid();
     const Extent4 most = grid.tile_extent();
     TexelPlan plan;
@@ -104,7 +104,7 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
             EncodeOptions options;
             options.rate = rate;
             options.threads = 2;
-            // Bounds of error go without copies.
+            // Bounded errors are coded without copies.
             options.effort = rate.kind == RateTarget::Kind::quality ? copies_effort : quick_effort;
             DecodeCase test;
             test.name = scene.name;
@@ -115,7 +115,7 @@ TEST_F(GpuDecode, EveryCorpusSceneDecodesAsOnTheCpu) {
 }
 #endif
 
-// A payload as damage and forgers leave it. `sound` and `other`: two of the file.
+// A damaged or forged payload, made from two payloads of the file.
 Bytes mutant(Random& random, Bytes sound, const Bytes& other) {
     const auto any = [&random](std::size_t size) {
         return static_cast<std::size_t>(random.range(0, static_cast<int>(size) - 1));
@@ -124,7 +124,7 @@ Bytes mutant(Random& random, Bytes sound, const Bytes& other) {
     switch (kind) {
     case 0:
         return random.bytes(2 * static_cast<std::size_t>(random.range(1, 400)));
-    case 1: // of whom the device must not take others' harm
+    case 1: // valid: damage to its neighbours must not affect it
         return sound;
     case 2:
         sound[any(sound.size())] ^= static_cast<std::byte>(1 << random.range(0, 7));
@@ -133,7 +133,7 @@ Bytes mutant(Random& random, Bytes sound, const Bytes& other) {
         for (int n = random.range(2, 30); n > 0; --n)
             sound[any(sound.size())] = static_cast<std::byte>(random.range(0, 255));
         return sound;
-    case 4: // the sizes of streams, and the first states
+    case 4: // sizes of streams and initial states
         for (std::size_t at = 0; at < std::min<std::size_t>(sound.size(), 16); ++at)
             if (random.chance(0.3))
                 sound[at] = static_cast<std::byte>(random.chance(0.5) ? random.range(0, 255) : 255);
@@ -147,7 +147,7 @@ Bytes mutant(Random& random, Bytes sound, const Bytes& other) {
                      more.end());
         return sound;
     }
-    default: // the end of another
+    default: // the end of another payload
         if (!other.empty()) {
             const std::size_t at = any(std::min(sound.size(), other.size()));
             sound.resize(at);
@@ -161,12 +161,12 @@ struct Mutants {
     unsigned long tried = 0, refused = 0;
 };
 
-// A file of random tiles and tables by `seed`, with mutants in the place of its tiles: the device refuses what
-// the CPU refuses, draws the background there, everything else comes out the same, and nothing is written
-// beside the tiles.
+// Decodes a file of random tiles with mutants in place of its payloads. The GPU must refuse exactly
+// the payloads that the CPU refuses, draw the background there, decode all other tiles equally, and
+// write nothing outside the tiles.
 Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    // Tiles are shorter than their slots here and there.
+    // At some edges tiles are shorter than their slots.
     const DecodeCase good =
         random_case(seed, type, 3, {94, 45, 15, 8}, {16, 16, 8, 8}, 0.6, 0.1, 3, copies);
     const auto source = wrap_memory(good.file);
@@ -188,7 +188,7 @@ Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies)
     TexelPlan plan;
     plan.stride_s = plan.stride_t = 8;
     const auto tiles = static_cast<std::uint32_t>(grid.tiles());
-    const std::uint32_t layers = tiles + 1; // nothing is for the last
+    const std::uint32_t layers = tiles + 1; // the last layer must stay unchanged
     auto texture =
         GlTexture::create(half ? TexelFormat::rgba16f : TexelFormat::rgba8, {128, 128, layers}, "");
     if (!gpu || !texture) {
@@ -234,7 +234,7 @@ Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies)
         EXPECT_EQ((*counts)[tile].damaged != 0 || split_refused,
                   background && !payloads[tile].empty());
         refused += background;
-        if (background) // as the container decodes a tile without bytes
+        if (background) // a tile without bytes is background
             for (std::size_t i = 0; i < expected.size() / sample; ++i)
                 store_sample(expected.data() + i * sample, reader->header().background[i % 3],
                              type);
@@ -262,7 +262,7 @@ Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies)
     return {tiles, refused};
 }
 
-// TESSERA_GPU_MUTANTS=10000 asks for so many.
+// TESSERA_GPU_MUTANTS sets the number of mutants, 100 by default.
 TEST_F(GpuDecode, AnyBytesAreRefusedOrDecodedAsOnTheCpu) {
     const char* const asked = std::getenv("TESSERA_GPU_MUTANTS");
     const unsigned long most = asked != nullptr ? std::strtoul(asked, nullptr, 10) : 100;

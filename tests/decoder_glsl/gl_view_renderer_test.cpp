@@ -1,4 +1,4 @@
-// Views drawn on the device: budgets, coarse texels, eviction, lost reads, damage.
+// Tests views drawn on a GPU: budgets, coarse texels, eviction, lost reads, damage.
 #include "decoder_glsl/gl_view_renderer.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/texture.h"
@@ -15,7 +15,7 @@ using namespace tessera::test::sampled_files;
 
 class GpuView : public GpuSample {};
 
-// A camera that looks at the middle of the sphere from `degrees` around it.
+// A camera that looks at the centre of the sphere, `degrees` around it.
 ViewCamera camera_at(double degrees, std::uint32_t width = 96, std::uint32_t height = 72) {
     const double a = degrees * pi / 180;
     const auto vec = [](double x, double y, double z) {
@@ -67,7 +67,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
     return sum / static_cast<double>(a.size());
 }
 
-// The smallest budget in steps of an eighth of a MiB that a cache can be made with.
+// The smallest budget, in steps of 1/8 MiB, that is enough to create a cache.
 std::uint64_t smallest_budget(const ContainerReader& reader) {
     for (std::uint64_t budget = 1ull << 20;; budget += 1ull << 17)
         if (SampledTexture::create(reader, with(Residency::on_feedback, true, budget)))
@@ -98,7 +98,7 @@ TEST_F(GpuView, BudgetsHoldAndAMovingCameraIsServed) {
             EXPECT_LE(texture->bytes(), budget);
             EXPECT_LE(report->decoded, texture->cache_slots());
         }
-        // Still now: nothing more happens than what happened already.
+        // When the camera stops, no more tiles are decoded.
         drawn(*texture, *renderer, camera_at(0));
         ASSERT_TRUE(renderer->draw(camera_at(0)));
         const auto still = texture->update(true);
@@ -108,7 +108,7 @@ TEST_F(GpuView, BudgetsHoldAndAMovingCameraIsServed) {
         const auto expected = drawn(*whole, *reference, camera_at(0));
         if (still->waiting == 0)
             EXPECT_LE(largest_difference(picture, expected), 1.0 / 255);
-        else // coarse texels stand in: the picture is there, blurred
+        else // coarse texels replace missing tiles, so the picture is complete but blurred
             EXPECT_LE(mean_difference(picture, expected), 0.1);
         if (still->waiting > 0) {
             auto enough =
@@ -143,7 +143,7 @@ TEST_F(GpuView, ASlowOrbitDecodesFewTilesAFrame) {
     EXPECT_LT(later, cold->decoded);
 }
 
-// The first frame at a camera that sees most of the window.
+// The first frame of a camera that sees most of the window.
 std::vector<float> first_frame(const SampledTexture& texture) {
     auto renderer = GlViewRenderer::create(texture);
     EXPECT_TRUE(renderer && renderer->draw(camera_at(200)));
@@ -164,7 +164,7 @@ TEST_F(GpuView, CoarseTexelsStandInBeforeTilesCome) {
     EXPECT_LT(with_coarse, 0.5 * mean_difference(first_frame(*none), truth));
 }
 
-// Says no for as long as it is told to.
+// A source that fails while a test sets a failure.
 class MoodySource final : public ByteSource {
 public:
     explicit MoodySource(ByteSource& inner) : inner_(inner) {}
@@ -186,7 +186,7 @@ private:
     ByteSource& inner_;
 };
 
-// A coarse level instead of all tiles, of either sample type, whose texels come as they may.
+// Coarse texels come from a coarse level instead of all tiles, for both sample types.
 TEST_F(GpuView, CoarseLevelsStandIn) {
     for (const auto& [type, channels, prefetch] :
          {std::tuple<SampleType, std::uint8_t, bool>{SampleType::unorm8, 3, false},
@@ -217,7 +217,7 @@ TEST_F(GpuView, CoarseLevelsStandIn) {
     }
 }
 
-// Tiles that come at a second try, whether they are asked for one by one or together.
+// Tiles that are read at the second attempt, whether they are requested one by one or together.
 TEST_F(GpuView, LostReadsAreRepeated) {
     const Bytes file = mixed_file(SampleType::unorm8, 3, 60, true);
     const auto memory = wrap_memory(file);
@@ -276,13 +276,13 @@ TEST_F(GpuView, UpdatesThatDoNotWaitArriveALittleLater) {
               1.0 / 255);
 }
 
-// Shares of sixteen texels add up to 1 but for their rounding.
+// The weights of sixteen texels add up to 1 except for rounding.
 constexpr float most_colour = 1.000001f;
 
 TEST_F(GpuView, DamagedTilesAreCountedAndDrawnAsBackground) {
     const Bytes good = mixed_file(SampleType::unorm8, 3, 50);
     const Bytes bad = rewritten(good, [](ContainerContents&, std::vector<Bytes>& tiles) {
-        tiles[1] = Random(5).bytes(200); // decodes to nothing sound; its checksums are right
+        tiles[1] = Random(5).bytes(200); // does not decode, although its checksums are correct
     });
     const auto source = wrap_memory(bad);
     const auto reader = ContainerReader::open(*source);
@@ -299,8 +299,8 @@ TEST_F(GpuView, DamagedTilesAreCountedAndDrawnAsBackground) {
     }
 }
 
-// A page whose checksum is wrong is found while frames are drawn: the update says so, and what was to
-// be decoded with it is never shown undecoded.
+// A wrong page checksum is detected while frames are drawn. The update reports it, and tiles of
+// that page are never shown undecoded.
 TEST_F(GpuView, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
     Bytes file = mixed_file(SampleType::unorm8, 3, 50);
     file[file.size() - 100] ^= std::byte{1};
@@ -322,14 +322,14 @@ TEST_F(GpuView, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
         EXPECT_TRUE(report || report.status().code() == ErrorCode::invalid_file);
     }
     EXPECT_GE(errors, 1u);
-    // Only the tiles of the page are lost.
+    // Only the tiles of that page are lost.
     EXPECT_GE(texture->cache_stats()->failures, 1u);
     EXPECT_LE(texture->cache_stats()->failures, 8u);
     for (const float value : drawn(*texture, *renderer, camera_at(0)))
         ASSERT_TRUE(value >= 0 && value <= most_colour);
 }
 
-// The same view from a fragment shader, as an engine would draw it.
+// Draws the same view with a fragment shader, as an engine does.
 TEST_F(GpuView, FragmentShadersDrawTheSame) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     for (const Residency residency : {Residency::on_load, Residency::on_feedback}) {
@@ -339,7 +339,7 @@ TEST_F(GpuView, FragmentShadersDrawTheSame) {
         auto renderer = GlViewRenderer::create(*texture);
         ASSERT_TRUE(renderer);
         const ViewCamera camera = camera_at(130);
-        const auto expected = drawn(*texture, *renderer, camera); // and the view's uniforms
+        const auto expected = drawn(*texture, *renderer, camera); // also sets the view's uniforms
         const auto vertex = shader_source("render.vert.glsl", ShaderDialect::gl450);
         const auto fragment =
             shader_source("render.frag.glsl", ShaderDialect::gl450, texture->defines());

@@ -1,4 +1,4 @@
-// The shader's sampling of meshes, compiled as C++, against format/surface_mesh.h.
+// Compares the shader's sampling of meshes, compiled as C++, with format/surface_mesh.h.
 #include "format/surface_mesh.h"
 #include "tests/support/random_rays.h"
 
@@ -7,7 +7,8 @@
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
-// Not in a namespace without a name: the sphere's half is not used here.
+// The namespace has a name because parts of the shader are unused here, which would give warnings
+// in an unnamed one.
 namespace tessera::octahedral_shader {
 using namespace glm;
 #include "decoder_glsl/shaders/octahedral.glsl"
@@ -18,7 +19,7 @@ namespace {
 
 namespace shader = octahedral_shader;
 
-// Every texel any 8-bit value, whatever its neighbours have.
+// Pseudo-random 8-bit values without correlation between neighbours.
 double rough(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t) {
     std::uint64_t hash = 0x9E3779B97F4A7C15u;
     for (const std::uint32_t coordinate : {u, v, s, t}) {
@@ -37,7 +38,7 @@ double judged(const Extent4& size, AngularMap map, const SurfacePoint& point,
     return sum;
 }
 
-// As tessera_sample_surface() reads texels, every one of them checked to lie in the texture.
+// Reads texels like tessera_sample_surface(), and checks that every texel is inside the texture.
 double sampled(const Extent4& size, AngularMap map, const glm::vec2& uv, const glm::vec3& normal,
                const glm::vec3& tangent, const glm::vec3& direction) {
     const glm::ivec2 atlas(size[axis_u], size[axis_v]), angular(size[axis_s], size[axis_t]);
@@ -72,7 +73,7 @@ double sampled(const Extent4& size, AngularMap map, const glm::vec2& uv, const g
     return sum;
 }
 
-// On borders and centres of texels and next to them, or anywhere.
+// A coordinate that is anywhere, or on or near a border or centre of a texel.
 double place_on(std::mt19937_64& random, std::uint32_t texels) {
     const double x = uniform(random, 0, 1);
     if (uniform(random, 0, 1) < 0.5)
@@ -81,8 +82,7 @@ double place_on(std::mt19937_64& random, std::uint32_t texels) {
     return std::clamp(std::round(x * texels * 2) / (texels * 2) + off, 0.0, 1.0);
 }
 
-// A triangle of which only its frames matter: normals within some 40 degrees of each other, lengths
-// as they come.
+// A triangle for random frames: normals within about 40 degrees of each other, of any length.
 struct FrameMaker {
     SurfaceMesh mesh;
     std::vector<glm::vec3> tangents;
@@ -101,7 +101,7 @@ struct FrameMaker {
 glm::dvec3 direction_at(std::mt19937_64& random, AngularMap map, const Extent4& size,
                         const SurfaceFrame& frame) {
     switch (random() % 4) {
-    case 0: // on the grid, and on the folds
+    case 0: // on the grid and on the folds
         return octahedral_direction(map, frame, place_on(random, size[axis_s]),
                                     place_on(random, size[axis_t]));
     case 1: // along the surface
@@ -114,7 +114,7 @@ glm::dvec3 direction_at(std::mt19937_64& random, AngularMap map, const Extent4& 
     }
 }
 
-TEST(OctahedralShader, AgreesWithTheJudge) {
+TEST(OctahedralShader, AgreesWithTheDoublePrecisionSampler) {
     auto random = generator(5);
     for (const Extent4& size :
          {Extent4{512, 256, 32, 32}, Extent4{96, 64, 16, 12}, Extent4{3, 1, 1, 2}})
@@ -128,7 +128,7 @@ TEST(OctahedralShader, AgreesWithTheJudge) {
                                                place_on(random, size[axis_v]));
                 const double b = uniform(random, 0, 0.5), c = uniform(random, 0, 0.5);
                 SurfacePoint point = surface_point(maker.mesh, maker.tangents, 0, {b, c});
-                point.uv = maker.mesh.uv[0]; // in single precision, so that both are asked the same
+                point.uv = maker.mesh.uv[0]; // single precision: the exact input of both samplers
                 const glm::vec3 d(direction_at(random, map, size, point.frame));
                 if (glm::dot(point.frame.ez, glm::dvec3(d)) < -0.9999)
                     continue; // straight into the surface: no direction along it
@@ -147,13 +147,13 @@ TEST(OctahedralShader, AgreesWithTheJudge) {
         }
 }
 
-TEST(OctahedralShader, HasAFrameWhateverComesIn) {
+TEST(OctahedralShader, HasAFrameForAnyInput) {
     const glm::vec3 d = glm::normalize(glm::vec3(1, 2, 3)), zero(0);
-    EXPECT_EQ(shader::tsr_mesh_frame(zero, zero, d).z, d) << "normals that cancel out";
+    EXPECT_EQ(shader::tsr_mesh_frame(zero, zero, d).z, d) << "no frame for normals that cancel out";
     for (const glm::vec3& tangent : {zero, glm::vec3(0, 5, 0), glm::vec3(1, 1, 0)}) {
         const auto frame = shader::tsr_mesh_frame(glm::vec3(0, 2, 0), tangent, d);
         EXPECT_EQ(frame.z, glm::vec3(0, 1, 0));
-        EXPECT_EQ(frame.x, glm::vec3(1, 0, 0)) << "the axis least along the normal";
+        EXPECT_EQ(frame.x, glm::vec3(1, 0, 0)) << "not the axis least aligned with the normal";
     }
     EXPECT_EQ(shader::tsr_away_from(d, -d), d);
 }

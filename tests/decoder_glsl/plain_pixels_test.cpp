@@ -1,4 +1,4 @@
-// Texels on their way into an ordinary texture, without a device.
+// Tests the layout of texels in an ordinary texture, without a GPU.
 #include "decoder_glsl/batch/plain_pixels.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ TEST(PlainPixels, LayersPartitionTheTexture) {
     plan.fold_u = 3;
     plan.fold_v = 2;
     plan.folds_u = 3;
-    const Extent4 size{8, 3, 4, 5}; // 3 x 2 layers, the last ones not full
+    const Extent4 size{8, 3, 4, 5}; // 3 x 2 layers, the last ones partly filled
     std::uint64_t texels = 0;
     for (std::uint32_t layer = 0; layer < 6; ++layer) {
         const Box4 box = box_of_layer(plan, size, layer);
@@ -37,7 +37,7 @@ std::vector<int> pixels_of(const TextureDesc& desc) {
     return numbers;
 }
 
-TEST(PlainPixels, ImagesStandSideBySide) {
+TEST(PlainPixels, AngularImagesAreSideBySide) {
     const auto pixels = pixels_of({{4, 6, 2, 1}, SampleType::unorm8, 1});
     std::vector<int> expected;
     for (const int grey : {1, 2, 3, 4, 0, 5, 6, 7, 8, 0})
@@ -46,7 +46,7 @@ TEST(PlainPixels, ImagesStandSideBySide) {
     EXPECT_EQ(pixels, expected);
 }
 
-TEST(PlainPixels, ChannelsAreFourOfTheSameType) {
+TEST(PlainPixels, EveryPixelHasFourChannelsOfTheSameType) {
     const auto first = [](std::uint8_t channels, SampleType type) {
         auto pixels = pixels_of({{4, 6, 2, 1}, type, channels});
         pixels.resize(4 * sample_bytes(type));

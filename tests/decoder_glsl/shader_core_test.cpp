@@ -1,5 +1,5 @@
-// The decoder's shaders compiled as C++: the same texels as the CPU, bounded work, and sanity on any
-// bytes.
+// Tests the decoder's shaders, compiled as C++: the same texels as the CPU, bounded work, and
+// safety with arbitrary bytes.
 #include "format/byte_source.h"
 #include "format/texture.h"
 #include "format/tile/dct_basis.h"
@@ -12,7 +12,7 @@ namespace {
 using shaders::image;
 using shaders::Machine;
 
-// A picture of all tiles of a batch side by side.
+// The layout of a batch's tiles side by side in one picture.
 struct Atlas {
     Extent4 largest;
     TexelPlan plan;
@@ -51,7 +51,7 @@ Opened open(const Bytes& file) {
     return opened;
 }
 
-// Number of texels of the tile in `slot` that differ from the CPU's.
+// The number of texels of the tile in `slot` that differ from the CPU's.
 std::uint64_t differing(const Decoder& decoder, std::uint64_t tile, const Atlas& atlas,
                         std::uint32_t slot) {
     const Box4 box = decoder.container().grid().box(tile);
@@ -76,7 +76,7 @@ std::uint64_t differing(const Decoder& decoder, std::uint64_t tile, const Atlas&
     return count;
 }
 
-// Decodes the whole file by batches of at most 64 tiles.
+// Decodes the whole file in batches of at most 64 tiles.
 void expect_same_texels(const DecodeCase& test, Machine& machine) {
     SCOPED_TRACE(test.name);
     const Opened file = open(test.file);
@@ -129,7 +129,7 @@ TEST(ShaderCore, PredictedTilesDecodeAsOnTheCpu) {
     RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
 }
 
-TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
+TEST(ShaderCore, BasisMatchesTheFormat) {
     const DecodeCase test = encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1},
                                          {RateTarget::Kind::quality, 50});
     Machine().load_tables(open(test.file).tables->words());
@@ -140,7 +140,7 @@ TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
                     static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
                     basis(n)[k * n + x])
                     << n << " " << k << " " << x;
-    // The tables lie one behind the other.
+    // The tables are adjacent.
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
               shaders::tsr_t_prediction);
     EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
@@ -151,10 +151,10 @@ TEST(ShaderCore, TheBasisIsThatOfTheFormat) {
     EXPECT_EQ(shaders::tsr_t_base_filter + base_unit * base_taps, shaders::tsr_t_end);
 }
 
-// ---- Any bytes at all.
+// ---- Arbitrary bytes.
 
-// Textures of one tile or two, small enough to be decoded thousands of times: with corrections and
-// with predictions, which a file cannot have both.
+// Textures of one or two tiles, small enough to be decoded thousands of times. Some have
+// corrections and some predictions, because no file has both.
 std::vector<std::unique_ptr<ShaderOracle>> small_files() {
     struct File {
         TextureDesc desc;
@@ -216,7 +216,7 @@ TEST(ShaderCore, RandomBytesAreRefusedOrDecodedAsOnTheCpu) {
     for (const auto& file : small_files()) {
         for (int i = 0; i < 1500; ++i) {
             std::vector<Bytes> payload{random.bytes(static_cast<std::size_t>(random.range(0, 64)))};
-            if (i % 3 == 0 && !payload[0].empty()) // a sound table more often
+            if (i % 3 == 0 && !payload[0].empty()) // makes a valid table more likely
                 payload[0][0] &= std::byte{0x81};
             ASSERT_EQ(file->check(payload, {i % 4 < 2}), "") << "case " << i;
         }
@@ -245,7 +245,7 @@ TEST(ShaderCore, EveryFlippedBitIsRefusedOrDecodedAsOnTheCpu) {
     std::uint64_t accepted = 0, refused = 0;
     for (const auto& file : small_files()) {
         const Bytes whole = random_payload(random, *file);
-        const std::size_t step = 1 + whole.size() / 250; // every byte of the short ones
+        const std::size_t step = 1 + whole.size() / 250; // every byte of short payloads
         for (std::size_t at = 0; at < whole.size(); at += at < 64 ? 1 : step)
             for (int bit = 0; bit < 8; ++bit) {
                 std::vector<Bytes> payload{whole};
@@ -254,12 +254,12 @@ TEST(ShaderCore, EveryFlippedBitIsRefusedOrDecodedAsOnTheCpu) {
             }
         accepted += file->accepted(), refused += file->refused();
     }
-    EXPECT_GT(accepted, 0u); // raw bits
+    EXPECT_GT(accepted, 0u); // flipped raw bits remain valid
     EXPECT_GT(refused, accepted);
 }
 
-// Every word before the payloads, one or all of a handful at a time: offsets, counts and records that
-// no host would write.
+// Changes every word before the payloads, and up to a handful at once, to offsets, counts and
+// records that no host writes.
 TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
     constexpr std::uint64_t patience = 300000;
     Random random(14);
@@ -270,7 +270,7 @@ TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
         std::size_t records = 0;
         const auto note_records = [&](auto words) { records = words[shaders::tsr_b_payload_at]; };
         ASSERT_EQ(file->check_changed(payloads, {}, note_records, patience), "");
-        const std::size_t step = 1 + records / 40; // every word but those of many blocks
+        const std::size_t step = 1 + records / 40; // every word, except where many blocks repeat
         for (std::size_t at = 0; at < records; at += at < 96 ? 1 : step)
             for (const std::uint32_t value :
                  {0u, 1u, 7u, 13758u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
@@ -288,15 +288,15 @@ TEST(ShaderCore, ChangedBatchesEndAndStayInsideTheirBuffers) {
     }
 }
 
-// ---- Tiles made by hand, at the limits of the format.
+// ---- Tiles built by hand at the limits of the format.
 
 class HandMadeTile {
 public:
     explicit HandMadeTile(const BlockShape& shape)
         : nodes_{{Block{{0, 0, 0, 0}, shape, 0, 0}, Split::none, 0, 0}} {}
 
-    // Splits nodes, oldest first, into `children`. Returns how many of `count` splits there was no
-    // node for; those wider than `widest` stay.
+    // Splits `count` nodes, oldest first, into `children` parts. Nodes wider than `widest` are
+    // skipped. Returns the number of splits for which no node was left.
     int split(int count, int children, Split kind, int widest = max_tile_side) {
         for (std::size_t i = 0; i < nodes_.size() && count > 0; ++i) {
             if (nodes_[i].split != Split::none || nodes_[i].block.shape.n[0] > widest ||
@@ -315,7 +315,7 @@ public:
         return count;
     }
 
-    // Splits the node at the tile's first texel.
+    // Splits the node that holds the tile's first texel.
     void split_first(Split kind) {
         std::size_t at = 0;
         while (nodes_[at].split != Split::none)
@@ -329,10 +329,10 @@ public:
     }
 
     struct Run {
-        int length = 0;     // coded
-        bool dense = false; // every level of it, else the last one only, is not 0
+        int length = 0;     // number of coded levels
+        bool dense = false; // all levels are nonzero, otherwise only the last
     };
-    // run(block, plane)
+    // run(block, plane) returns the Run of one block and plane.
     template <class Function> TileLevels levels(int planes, Function run) const {
         TileLevels tile;
         tile.shape = nodes_[0].block.shape;
@@ -382,8 +382,8 @@ TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
     ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 4);
     HandMadeTile tile(shape_of(32, 32, 8, 8));
     ASSERT_EQ(tile.split(1, 4, Split::spatial), 0);
-    // Blocks of 16,384 texels. The second has as many levels as a segment of 16,000 allows, with
-    // all levels of three planes not 0; the last two fill the segment up.
+    // Blocks of 16,384 texels. The second has as many levels as a segment of 16,000 allows, all of
+    // them nonzero in three planes. The last two fill the segment.
     const TileLevels levels = tile.levels(4, [](std::size_t block, int plane) {
         if (block >= 2)
             return HandMadeTile::Run{plane > 0 ? 0 : block == 2 ? 112 : 4, false};
@@ -398,7 +398,7 @@ TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
     EXPECT_LT(file.most_rounds(), shader_round_limit);
 }
 
-// Blocks without levels behind the tree take no bytes: the stream is that of the tree alone.
+// Blocks without levels take no bytes, so that the stream contains only the tree.
 Bytes payload_of_tree(const HandMadeTile& tile, const ShaderOracle& file) {
     TileLevels levels =
         tile.levels(file.coding().planes, [](std::size_t, int) { return HandMadeTile::Run{}; });
@@ -440,7 +440,7 @@ TEST(ShaderCore, BlocksAreCountedAsOnTheCpu) {
     }
 }
 
-// However many blocks a batch says that there is room for.
+// Holds for any number of blocks that a batch claims to have room for.
 TEST(ShaderCore, BlocksAreNoMoreThanTheFormatAllows) {
     ShaderOracle file = file_of_one_tile({31, 31, 8, 8}, 1);
     HandMadeTile tile(shape_of(31, 31, 8, 8));
@@ -455,7 +455,7 @@ TEST(ShaderCore, BlocksAreNoMoreThanTheFormatAllows) {
     EXPECT_NE(Machine::damage(0), 0u);
 }
 
-// Of blocks larger than any, in a tile of as many as it may have: no file has such shapes.
+// Uses blocks larger than any file can have, in a tile with the largest number of blocks.
 TEST(ShaderCore, AnInvocationCutsNoMoreItemsThanATileHas) {
     using namespace shaders;
     const ShaderOracle file = file_of_one_tile({8, 8, 8, 8}, 4);
@@ -483,7 +483,7 @@ TEST(ShaderCore, AnInvocationCutsNoMoreItemsThanATileHas) {
     EXPECT_LE(machine.most_rounds, shader_round_limit);
 }
 
-// Every side cut until all blocks are single texels: 11 levels, the deepest that a tree can have.
+// Splits every side until all blocks are single texels: 11 levels, the deepest possible tree.
 TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
     for (const bool spatial_first : {true, false}) {
         ShaderOracle file = file_of_one_tile({1, 64, 1, 32}, 1);
@@ -497,19 +497,19 @@ TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
     }
 }
 
-// Sides of 9 and 17 have the longest row of siblings that wait for their turn.
+// Sides of 9 and 17 give the longest queue of siblings.
 TEST(ShaderCore, TheWidestTreeIsDecodedAsOnTheCpu) {
     ShaderOracle file = file_of_one_tile({9, 17, 17, 17}, 1);
     HandMadeTile tile(shape_of(9, 17, 17, 17));
-    for (int level = 0; level < 5; ++level) // the first child of the first child, and so on
+    for (int level = 0; level < 5; ++level) // follows the first child at each level
         for (const Split kind : {Split::spatial, Split::angular})
             tile.split_first(kind);
     EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
     EXPECT_EQ(file.accepted(), 1u);
 }
 
-// Views that copy each other in a row or in a plane, 15 deep at most; on the way values reach the
-// limits of what a predicted tile holds.
+// Views that copy each other in a row or in a plane, at most 15 deep. Their values reach the limits
+// of a predicted tile.
 TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
     struct Views {
         int s, t;
@@ -537,7 +537,8 @@ TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
             });
             ASSERT_EQ(levels.blocks.size(), static_cast<std::size_t>(views.s * views.t));
             for (const Block& block : levels.blocks) {
-                // Either way a view is as deep as its steps from the first one.
+                // Along either axis, the depth of a view is its number of steps from the first
+                // view.
                 const int s = block.origin[2], t = block.origin[3];
                 BlockPrediction p;
                 if (s > 0 && (t == 0 || (s + t) % 2 == 0))
@@ -553,8 +554,8 @@ TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
         }
 }
 
-// Large flat blocks, each cut into many items, beside as many small blocks as there may be; and
-// corrections in the first and the last chunk only, which lie behind the items in the work buffer.
+// Large flat blocks, each divided into many items, beside the largest number of small blocks. Only
+// the first and the last chunk have corrections, which follow the items in the work buffer.
 TEST(ShaderCore, ATileOfManyItemsKeepsItsCorrections) {
     ShaderOracle file = file_of_one_tile({32, 32, 8, 8}, 3);
     HandMadeTile tile(shape_of(32, 32, 8, 8));

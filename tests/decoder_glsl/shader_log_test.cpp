@@ -1,4 +1,4 @@
-// A driver's words about expanded sources, in places of the files.
+// Tests how line numbers in a driver's log are mapped from expanded sources to files.
 #include "decoder_glsl/shader_source.h"
 #include "decoder_glsl/shaders/shader_files.h"
 #include "decoder_glsl/shaders/shader_log.h"
@@ -8,7 +8,7 @@
 namespace tessera::test {
 namespace {
 
-TEST(ShaderLog, PlacesAreFollowedThroughIncludes) {
+TEST(ShaderLog, LineNumbersAreMappedThroughIncludes) {
     const ShaderFile files[] = {{"a.glsl", "one\n#include \"b.glsl\"\nthree\n"},
                                 {"b.glsl", "first\nsecond\n"}};
     const auto source = shader_source(files, "a.glsl", ShaderDialect::gl450);

@@ -1,4 +1,5 @@
-// Shader sources: heads, includes, errors; and every program against the GLSL specification.
+// Tests shader sources (heads, includes, errors), and checks every program against the GLSL
+// specification.
 #include "decoder_glsl/shader_source.h"
 #include "decoder_glsl/shaders/shader_files.h"
 #include "decoder_glsl/shaders/shader_log.h"
@@ -50,7 +51,7 @@ TEST(ShaderSource, HeadOfEachDialect) {
     EXPECT_TRUE(vulkan->starts_with("#version 450\n#define TSR_VULKAN 1\n"));
 }
 
-TEST(ShaderSource, IncludesAreExpandedOnceWithTheirPlaces) {
+TEST(ShaderSource, IncludesAreExpandedOnceWithLineNumbers) {
     const ShaderFile files[] = {
         {"main.comp.glsl", "first\n  # include \"b.glsl\" // why\n#include \"c.glsl\"\nlast"},
         {"b.glsl", "#include \"c.glsl\"\r\nb\r\n"},
@@ -66,7 +67,7 @@ TEST(ShaderSource, IncludesAreExpandedOnceWithTheirPlaces) {
                        "#line 4 1\nlast\n");
 }
 
-TEST(ShaderSource, WordsThatOnlyLookLikeDirectivesStay) {
+TEST(ShaderSource, TextThatResemblesDirectivesStays) {
     const ShaderFile files[] = {{"a.glsl", "int include;\n#includes\n// #include \"x\"\n"}};
     const auto source = shader_source(files, "a.glsl", ShaderDialect::gl450);
     ASSERT_TRUE(source);
@@ -111,7 +112,7 @@ TEST(ShaderSource, DepthIsBounded) {
     EXPECT_NE(error_of(files(), "f0").find("nested too deeply"), std::string::npos);
 }
 
-TEST(ShaderSource, DefinesThatGlslWouldNotTake) {
+TEST(ShaderSource, RefusesDefinesThatAreNotValidGlsl) {
     const ShaderFile files[] = {{"a.glsl", ""}};
     const std::vector<std::vector<ShaderDefine>> bad = {{{"", "1"}},
                                                         {{"1A", "1"}},
@@ -130,7 +131,7 @@ TEST(ShaderSource, DefinesThatGlslWouldNotTake) {
         EXPECT_FALSE(error_of(files, "a.glsl", defines).empty());
 }
 
-TEST(Shaders, ThereArePrograms) {
+TEST(Shaders, AreEmbedded) {
     EXPECT_FALSE(shader_programs().empty()) << "no *.comp.glsl, *.vert.glsl or *.frag.glsl";
 }
 
@@ -156,17 +157,17 @@ Run run(const std::string& command) {
     return result;
 }
 
-// What is compiled to SPIR-V would be linked into one program; plain sources can be many.
+// The validator links SPIR-V sources of one call into one program, so each needs a call of its own.
 bool goes_alone(ShaderDialect dialect) {
     return dialect != ShaderDialect::es310;
 }
 
-// glslangValidator's log when it refuses a source, else nothing. One process takes many: starting it is nearly all
-// that costs.
+// glslangValidator's log if it refuses a source. One process checks many sources, because starting
+// it takes most of the time.
 std::optional<std::string> refusal(const std::vector<Source>& sources, ShaderDialect dialect) {
     std::string pattern = (std::filesystem::temp_directory_path() / "tessera_shader_XXXXXX");
     if (mkdtemp(pattern.data()) == nullptr)
-        return "cannot make a temporary folder";
+        return "cannot create a temporary folder";
     const std::filesystem::path folder = pattern;
     std::string command = std::string("'") + TESSERA_GLSLANG + "'";
     if (goes_alone(dialect)) {
@@ -191,7 +192,7 @@ const std::pair<ShaderDialect, const char*> dialects[] = {{ShaderDialect::gl450,
                                                           {ShaderDialect::es310, "ES 3.1"},
                                                           {ShaderDialect::vulkan, "Vulkan"}};
 
-TEST(Shaders, EveryProgramIsGoodGlslInEveryDialect) {
+TEST(Shaders, EveryProgramIsValidGlslInEveryDialect) {
     const auto programs = shader_programs();
     ASSERT_FALSE(programs.empty());
     for (const auto& [dialect, dialect_name] : dialects) {
@@ -210,12 +211,12 @@ TEST(Shaders, EveryProgramIsGoodGlslInEveryDialect) {
 #endif
     }
 #ifndef TESSERA_GLSLANG
-    GTEST_SKIP() << "glslangValidator was not found when this was configured";
+    GTEST_SKIP() << "glslangValidator was not found by CMake";
 #endif
 }
 
 #ifdef TESSERA_GLSLANG
-TEST(Shaders, TheValidatorNoticesErrors) {
+TEST(Shaders, ValidatorDetectsErrors) {
     const ShaderFile files[] = {
         {"bad.comp.glsl",
          "layout(local_size_x = 1) in;\nvoid main() {\n    int x = nothing;\n}\n"}};

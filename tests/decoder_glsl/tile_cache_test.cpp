@@ -1,4 +1,4 @@
-// The bookkeeping of the tile cache, against rules and against a slow model of itself.
+// Tests the bookkeeping of the tile cache against its rules and against a slow model.
 #include "decoder_glsl/cache/tile_cache.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TileCache cache_of(std::uint64_t slots, std::uint64_t tiles) {
     return std::move(*cache);
 }
 
-// The tiles of the jobs.
+// Touches tiles and returns the tiles of the jobs.
 Tiles touch(TileCache& cache, const Tiles& tiles, std::uint32_t max_jobs = unlimited) {
     const auto jobs = cache.touch(tiles, max_jobs);
     EXPECT_TRUE(jobs) << jobs.status().message();
@@ -87,7 +87,7 @@ TEST(TileCache, TheTileNotTouchedForLongestGoesFirst) {
     frame(cache, {1});
     frame(cache, {2});
     frame(cache, {0});
-    EXPECT_EQ(frame(cache, {3}), Tiles{3}); // 1 goes
+    EXPECT_EQ(frame(cache, {3}), Tiles{3}); // 1 is evicted
     EXPECT_EQ(residents(cache), (Tiles{0, 2, 3}));
     EXPECT_EQ(frame(cache, {4, 5}), (Tiles{4, 5})); // 2, then 0
     EXPECT_EQ(residents(cache), (Tiles{3, 4, 5}));
@@ -97,7 +97,7 @@ TEST(TileCache, TheTileNotTouchedForLongestGoesFirst) {
 TEST(TileCache, AMissingTileNeverTakesTheSlotOfALaterOneOfTheList) {
     TileCache cache = cache_of(3, 10);
     frame(cache, {0, 1, 2});
-    EXPECT_EQ(frame(cache, {5, 0, 6, 1, 7}), Tiles{5}); // only 2 may go
+    EXPECT_EQ(frame(cache, {5, 0, 6, 1, 7}), Tiles{5}); // only 2 may be evicted
     EXPECT_EQ(residents(cache), (Tiles{0, 1, 5}));
     EXPECT_EQ(waiting(cache), (Tiles{6, 7}));
 }
@@ -124,7 +124,7 @@ TEST(TileCache, FramesThatNeedTooMuchDoNotThrash) {
     EXPECT_EQ(frame(cache, wanted).size(), 6u);
     const Tiles held = residents(cache);
     for (int i = 0; i < 50; ++i) {
-        std::shuffle(wanted.begin(), wanted.end(), random); // the device lists in no fixed order
+        std::shuffle(wanted.begin(), wanted.end(), random); // a GPU lists tiles in no fixed order
         EXPECT_EQ(frame(cache, wanted), Tiles{});
         EXPECT_EQ(residents(cache), held);
         EXPECT_EQ(waiting(cache).size(), 12u);
@@ -201,7 +201,7 @@ TEST(TileCache, TilesThatArePutOffAreAskedForInTheNextFrame) {
     EXPECT_FALSE(cache.has_failed(1));
     EXPECT_EQ(frame(cache, {1, 2}), Tiles{1});
     EXPECT_EQ(waiting(cache), Tiles{});
-    ASSERT_TRUE(cache.put_off(7)); // neither resident nor touched: it only stays away
+    ASSERT_TRUE(cache.put_off(7)); // not resident and not touched: it is only skipped in this frame
     EXPECT_EQ(touch(cache, {7}), Tiles{});
     ASSERT_TRUE(cache.mark_failed(4));
     ASSERT_TRUE(cache.put_off(4));
@@ -239,12 +239,12 @@ TEST(TileCache, ChangesHoldEachTileOnceInTheOrderOfTheFirst) {
     EXPECT_TRUE(cache.take_changes().empty());
 }
 
-// The rules of tile_cache.h in the most obvious form: a list of residents, oldest first.
+// The rules of tile_cache.h in their simplest form: a list of resident tiles, oldest first.
 struct Model {
     std::size_t slots;
-    Tiles order;                                    // residents, the least recently touched first
+    Tiles order;                                    // residents, least recently touched first
     std::map<std::uint32_t, int> last;              // frame of the last touch
-    std::set<std::uint32_t> failed, waits, put_off; // the latter two: in this frame
+    std::set<std::uint32_t> failed, waits, put_off; // waits and put_off hold for this frame
     int frame = 0;
     TileCacheStats stats;
 
@@ -293,7 +293,7 @@ void expect_same_stats(const TileCacheStats& got, const TileCacheStats& want) {
     EXPECT_EQ(got.put_off, want.put_off);
 }
 
-// A window that walks over a 2D field of tiles, as a camera's view does.
+// A window that moves over a 2D field of tiles, like the view of a camera.
 Tiles window(int x, int y, int width, int height, int field) {
     Tiles tiles;
     for (int j = y; j < y + height; ++j)
@@ -311,11 +311,11 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
         const std::size_t slots = 1 + static_cast<std::size_t>(pick(60));
         TileCache cache = cache_of(slots, field * field);
         Model model{slots, {}, {}, {}, {}, {}, 0, {}};
-        std::vector<std::uint32_t> table(field * field, no_slot); // by replaying the changes
+        std::vector<std::uint32_t> table(field * field, no_slot); // slots, from replayed changes
         int x = pick(field), y = pick(field), width = 3 + pick(5), height = 3 + pick(5);
         for (int step = 0; step < 200; ++step) {
             SCOPED_TRACE("step " + std::to_string(step));
-            if (pick(3) != 0) { // else the camera stands still
+            if (pick(3) != 0) { // otherwise the camera rests
                 x = (x + field + pick(3) - 1) % field;
                 y = (y + field + pick(3) - 1) % field;
             }
@@ -353,7 +353,8 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
                     ++model.stats.failures;
                 std::erase(model.order, tile);
             }
-            // The same tiles, in slots of their own, and no more than there are.
+            // The same tiles as the model's, each in its own slot, and no more than there are
+            // slots.
             Tiles want = model.order;
             std::sort(want.begin(), want.end());
             ASSERT_EQ(residents(cache), want);
