@@ -1,4 +1,4 @@
-// Charts: where they lie, and that their gutters are theirs.
+// Tests where charts lie in the atlas and that their gutters belong to them.
 #include "corpus/surface/texel_places.h"
 #include "tests/support/baked_surfaces.h"
 
@@ -30,7 +30,7 @@ TEST(Atlas, ChartsBeginAtTilesAndDoNotOverlap) {
     }
 }
 
-// Four taps around every corner, and around random places, show the chart that the place is in.
+// The four taps around every corner and around random positions show the chart of that position.
 TEST(Atlas, EveryTapHasATriangleOfItsChart) {
     const Scene scene = surfaces_of("composed");
     const SceneSurface surface = surface_of(scene, 8);
@@ -64,7 +64,7 @@ TEST(Atlas, NearAndFarHaveTheirDensity) {
     EXPECT_LT(width(2), width(1) / 2);
 }
 
-TEST(Atlas, RefusesWhatHasNoAtlas) {
+TEST(Atlas, RefusesOptionsAndScenesWithoutAnAtlas) {
     const Scene scene = surfaces_of("composed");
     SurfaceOptions options;
     options.atlas.density = 0;

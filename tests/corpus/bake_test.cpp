@@ -1,4 +1,4 @@
-// Baking: the same bytes however it is cut.
+// Tests that baking gives the same bytes for any division into boxes.
 #include "corpus/bake.h"
 #include "corpus/intersect.h"
 #include "corpus/sampling.h"
@@ -15,7 +15,7 @@ using namespace support;
 
 using Bytes = std::vector<std::byte>;
 
-// Bakes single texels with every object as a candidate.
+// Bakes single texels with every object as a candidate, for comparison.
 TEST(Bake, CullingNeverChangesATexel) {
     auto random = generator(10);
     for (const SceneInfo& info : scenes())
@@ -90,7 +90,7 @@ TEST(Bake, SeedDecidesTheBytes) {
     const Extent4 size{16, 8, 6, 6};
     EXPECT_EQ(bake_all("gallery", size, 4, 7), bake_all("gallery", size, 4, 7));
     EXPECT_NE(bake_all("gallery", size, 4, 7), bake_all("gallery", size, 4, 8));
-    EXPECT_EQ(bake_all("gallery", size, 1, 7), bake_all("gallery", size, 1, 8)); // centres
+    EXPECT_EQ(bake_all("gallery", size, 1, 7), bake_all("gallery", size, 1, 8)); // the centre
 }
 
 TEST(Bake, SizesOfOneAndOddSizes) {
@@ -100,7 +100,7 @@ TEST(Bake, SizesOfOneAndOddSizes) {
                       texel_count(size) * 3 * sample_bytes(info.type));
 }
 
-TEST(Bake, SaysWhatItIs) {
+TEST(Bake, DescribesItsTexture) {
     const auto source = baker("lamps", {4, 2, 3, 5}, 1, 0);
     EXPECT_EQ(source->desc(), (TextureDesc{{4, 2, 3, 5}, SampleType::half16, 3}));
     EXPECT_EQ(source->locality(), Locality::any);
@@ -120,7 +120,7 @@ TEST(Bake, RefusesBadArguments) {
     EXPECT_EQ(code("composed", {4, 4, 4, 4}, 0), ErrorCode::bad_argument);
     EXPECT_EQ(code("composed", {4, 4, 4, 4}, max_samples_per_texel + 1), ErrorCode::bad_argument);
     EXPECT_EQ(code("composed", {4, 4, 4, 4}, max_samples_per_texel), ErrorCode::ok);
-    // As large as allowed: nothing is held, so nothing is allocated.
+    // The largest sizes are accepted, because the source allocates nothing.
     EXPECT_EQ(code("composed", {max_extent, max_extent, 16, 16}, 1), ErrorCode::ok);
 }
 

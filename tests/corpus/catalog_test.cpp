@@ -1,4 +1,4 @@
-// The scenes, and the checksums of what they look like.
+// Tests the scenes and compares their texels with corpus/manifest.json.
 #include "corpus/intersect.h"
 #include "corpus/sampling.h"
 #include "format/samples.h"
@@ -76,7 +76,7 @@ TEST(Scenes, LampsSpanSevenDecades) {
     EXPECT_LT(range.most, 4e4);
 }
 
-// The number after "key": in a line of the manifest, or the text if it is in quotes.
+// The value of "key" in a line of the manifest, without quotes if it is a text.
 std::string field(const std::string& line, const std::string& key) {
     const std::size_t at = line.find("\"" + key + "\": ");
     if (at == std::string::npos)
@@ -86,7 +86,7 @@ std::string field(const std::string& line, const std::string& key) {
                               : line.substr(begin, line.find_first_of(",}", begin) - begin);
 }
 
-// The manifest's size and sample count; kept here too, so that neither changes unnoticed.
+// The size in the manifest, repeated here so that it cannot change unnoticed.
 constexpr Extent4 manifest_size{32, 16, 8, 8};
 
 std::string manifest_line(const SceneInfo& info, const Bytes& bytes) {
@@ -101,8 +101,8 @@ std::string manifest_line(const SceneInfo& info, const Bytes& bytes) {
     return text;
 }
 
-// libm's last bits differ between machines and may move a ray across an edge, so the texels are
-// compared by their statistics; a checksum that differs is only told.
+// The last bits of libm differ between machines and may move a ray across an edge. The test
+// therefore compares statistics of the texels, and only reports a different checksum.
 TEST(Scenes, MatchTheManifest) {
     std::ifstream file(std::filesystem::path(__FILE__).parent_path() /
                        "../../corpus/manifest.json");

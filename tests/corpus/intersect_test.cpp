@@ -1,4 +1,4 @@
-// Rays against solids, against marching along them.
+// Compares intersections of rays and solids with marching along the rays.
 #include "corpus/intersect.h"
 #include "corpus/sampling.h"
 #include "format/samples.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace support;
 
-// Whether a point of the object's frame is inside.
+// True if a point, in the object's frame, is inside.
 bool contains(const Object& object, const glm::dvec3& p) {
     const glm::dvec3& h = object.half;
     switch (object.shape) {
@@ -33,7 +33,8 @@ bool contains_along(const Object& object, const Ray& ray, double distance) {
                     object.to_local * (ray.origin + distance * ray.direction - object.centre));
 }
 
-// Marches until inside/outside flips, then bisects. Infinity if it never does within `reach`.
+// Marches until the ray enters or leaves the object, then bisects. Infinity if neither happens
+// within `reach`.
 double marched_distance(const Object& object, const Ray& ray, double reach, double step) {
     const bool start = contains_along(object, ray, 0.0);
     for (double at = step; at < reach; at += step) {
@@ -71,7 +72,7 @@ TEST(Intersect, AgreesWithMarchingFromOutsideAndInside) {
             const double actual = hit_distance(object, ray, 0.0);
             const Chord chord = object_chord(object, ray);
             if (!chord.empty() && chord.leave - chord.enter < 0.004)
-                continue; // the march may step over a corner this thin
+                continue; // marching may step over a corner this thin
             ASSERT_EQ(std::isinf(expected), std::isinf(actual)) << i;
             if (std::isinf(actual))
                 continue;

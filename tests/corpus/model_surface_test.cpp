@@ -1,4 +1,4 @@
-// Models on their own surfaces: charts, texels, masks.
+// Tests models that are textured on their own surfaces: charts, texels, masks.
 #include "corpus/model_surface/flat_overlap.h"
 #include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
@@ -26,7 +26,7 @@ std::shared_ptr<const LitModel> lit_model(const Model& model, const LitModelOpti
     return *lit;
 }
 
-// Nor any triangle wrongly round, as the mesh decodes.
+// No triangles overlap or have the wrong orientation after decoding.
 void expect_no_overlap(const ModelAtlas& atlas) {
     FlatSheet sheet(4.0);
     std::size_t covering = 0;
@@ -52,21 +52,21 @@ TEST(ModelSurface, ChartsDoNotOverlap) {
 
 TEST(ModelSurface, OwnCoordinatesAreUsedWhereTheyLieFlat) {
     Model model = cube_model();
-    for (std::uint32_t i = 0; i < model.vertices.size(); ++i) // six squares beside each other
+    for (std::uint32_t i = 0; i < model.vertices.size(); ++i) // six squares side by side
         model.vertices[i].uv[0] = {(static_cast<float>(i / 4) + 0.9f * static_cast<float>(i % 2)) /
                                        6.0f,
                                    static_cast<float>(i / 2 % 2)};
     const std::vector<FlatChart> charts = cut_by_uv(model);
     ASSERT_EQ(charts.size(), 6u);
-    for (const FlatChart& chart : charts) // of the world's size
+    for (const FlatChart& chart : charts) // the same area as in the world
         EXPECT_NEAR(chart.sides.x * chart.sides.y, 16.0, 1e-3);
-    for (ModelVertex& v : model.vertices) // all on one place
+    for (ModelVertex& v : model.vertices) // all at one position
         v.uv[0].x = 0.5f;
     EXPECT_TRUE(cut_by_uv(model).empty());
     expect_no_overlap(atlas_of(model, 2000));
 }
 
-TEST(ModelSurface, CornersKeepWhatTheModelSays) {
+TEST(ModelSurface, CornersKeepTheirAttributes) {
     Model model = ball_model(6);
     for (ModelVertex& v : model.vertices)
         v.colour = glm::vec4(v.position, 1.0f);
@@ -107,7 +107,8 @@ TEST(ModelSurface, SameBytesForAnyBoxAndThreadCount) {
 }
 
 TEST(ModelSurface, TexelsAgreeWithTheTruth) {
-    // In white light a ball has one colour a cosine: the texture must have it too.
+    // In white light the colour of a ball depends only on the angle of view, so that the texture
+    // can be compared with the truth.
     Model model = ball_model(16);
     model.materials[0].metal = 0.0;
     model.materials[0].roughness = 0.7;
@@ -131,8 +132,8 @@ TEST(ModelSurface, TexelsAgreeWithTheTruth) {
     EXPECT_NEAR(sum / count, seen->x, 0.02);
 }
 
-TEST(ModelSurface, InnersAndBacksAreNotSeen) {
-    // A cube inside of a cube is hidden.
+TEST(ModelSurface, HiddenSurfacesAndBacksAreNotSeen) {
+    // A cube inside another cube is hidden.
     Model model = cube_model();
     const auto count = static_cast<std::uint32_t>(model.vertices.size());
     const std::size_t triangles = model.triangles.size();
@@ -157,13 +158,13 @@ TEST(ModelSurface, InnersAndBacksAreNotSeen) {
         }
     EXPECT_LT(seen, all);
     EXPECT_GT(seen, all / 2);
-    // A closed one has no backs to bake, whatever its material says; an open one has.
+    // A closed model has no back faces to bake, whatever its material declares. An open one has.
     Model closed = cube_model();
     closed.materials[0].double_sided = true;
     EXPECT_EQ(with_both_sides(closed)->triangles.size(), 12u);
     closed.triangles.resize(10);
     EXPECT_EQ(with_both_sides(closed)->triangles.size(), 20u);
-    closed.materials[0].cutoff = 0.5; // of an alpha mask that leaves nothing
+    closed.materials[0].cutoff = 0.5; // an alpha mask that removes everything
     closed.materials[0].base.a = 0.25;
     EXPECT_EQ(with_both_sides(closed).status().code(), ErrorCode::invalid_file);
 }
@@ -185,7 +186,8 @@ TEST(ModelSurface, NoiseFallsWithSamples) {
     EXPECT_GE(few.samples_for(few.decibels + 10.0), 39.0);
 }
 
-// On a ball highlights stay in their cells of the mirrored map; what is alike in all directions has no use for it.
+// On a ball, highlights stay in the same cells of the mirrored map. A surface without angular
+// variation gains nothing from that map.
 TEST(ModelSurface, AngularMapsAreChosenByTrial) {
     const auto chosen = [](Model model, float metal, float roughness) {
         model.materials[0].metal = metal;

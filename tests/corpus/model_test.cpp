@@ -1,4 +1,4 @@
-// Models from files, sound and hostile.
+// Tests reading of model files, both valid and hostile ones.
 #include "corpus/trace/environment.h"
 #include "tests/support/model_files.h"
 
@@ -17,7 +17,8 @@ protected:
     Result<Model> load(const std::string& name, const std::string& text) const {
         return load_model(file(name, text));
     }
-    // The file is refused with this code, in words that name it and hold `words`.
+    // Expects that the file is refused with this code and a message that contains its name and
+    // `words`.
     void refuse(const std::string& name, const std::string& text, ErrorCode code,
                 const std::string& words) const {
         const auto model = load(name, text);
@@ -52,7 +53,7 @@ TEST_F(Models, NodesTurnAndMirror) {
         R"({"children":[1],"rotation":[0,0,0.70710678,0.70710678]},{"mesh":0,"scale":[-1,1,1]})";
     const auto model = load("a.gltf", text.text());
     ASSERT_TRUE(model.ok()) << model.status().message();
-    // Mirrored triangles are turned round, and keep their normals.
+    // Mirrored triangles are reversed, and keep their normals.
     const auto& t = model->triangles[0].vertices;
     const glm::vec3 a = model->vertices[t[0]].position, b = model->vertices[t[1]].position,
                     c = model->vertices[t[2]].position;

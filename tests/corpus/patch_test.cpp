@@ -1,4 +1,4 @@
-// Patches: near the surface that they stand for, facing outwards, without gaps.
+// Tests that patches are close to their surface, face outwards and have no gaps.
 #include "corpus/surface/patch.h"
 #include "tests/support/baked_surfaces.h"
 
@@ -27,7 +27,7 @@ std::vector<Object> samples() {
             turned(box({-1, 1, 0}, {1, 2, 0.5}, {}), axis, 70)};
 }
 
-// In the middle of a triangle a polygon is deepest inside, at its corners it is farthest outside.
+// A triangle is deepest inside the surface at its middle, and farthest outside at its corners.
 TEST(Patch, StaysWithinTheToleranceAndFacesOutwards) {
     for (const Object& object : samples())
         for (const Patch& patch : patches_of(object))
@@ -46,8 +46,8 @@ TEST(Patch, StaysWithinTheToleranceAndFacesOutwards) {
             }
 }
 
-// The whole surface: every edge of a closed thing has two triangles, whichever charts they are in.
-TEST(Patch, ClosedThingsAreClosed) {
+// In a closed object every edge has two triangles, which may be in different charts.
+TEST(Patch, ClosedObjectsHaveNoGaps) {
     for (const Object& object : samples()) {
         std::map<std::tuple<long, long, long, long, long, long>, int> edges;
         const auto key = [](double x) { return std::lround(x * 1e6); };

@@ -1,4 +1,4 @@
-// Rays of a texel.
+// Tests the rays through a texel.
 #include "corpus/intersect.h"
 #include "corpus/sampling.h"
 #include "tests/support/angular_maps.h"

@@ -1,4 +1,4 @@
-// What a camera sees of a scene.
+// Tests the light that cameras and texels receive from a scene.
 #include "corpus/intersect.h"
 #include "corpus/shade.h"
 #include "tests/support/angular_maps.h"
@@ -26,7 +26,7 @@ TEST(Trace, CameraSeesThroughTheWindowOnly) {
     EXPECT_EQ(trace_scene(painted, {{10, 0, 0}, {-1, 0, 0}}), trace_paint(painted, {1, 0, 0}));
 }
 
-TEST(Trace, SeesTheSameAsTheTexel) {
+TEST(Trace, CameraAndTexelSeeTheSame) {
     const Extent4 size{12, 7, 5, 6};
     const Scene scene = *make_scene("mirror");
     const Bytes texels = bake_all("mirror", size, 1, 3);

@@ -1,4 +1,4 @@
-// Texels of a scene's own surfaces: the scene's light, however they are cut.
+// Tests that texels on a scene's own surfaces hold the scene's light, for any division into boxes.
 #include "corpus/intersect.h"
 #include "corpus/surface/angular_choice.h"
 #include "tests/support/baked_surfaces.h"
@@ -51,8 +51,8 @@ TEST(SurfaceSource, SameBytesForAnyBoxPartition) {
     }
 }
 
-// From a little above the true surface, a ray back along the texel's direction meets the same point.
-TEST(SurfaceSource, TexelsAreTheLightOfTheScene) {
+// A ray from just above the true surface back along the texel's direction meets the same point.
+TEST(SurfaceSource, TexelsHoldTheLightOfTheScene) {
     for (const SceneInfo& info : scenes()) {
         const Scene scene = surfaces_of(info.name);
         const auto lit = lit_surface(scene, surface_of(scene, 4, {8, 8}));
@@ -77,7 +77,7 @@ TEST(SurfaceSource, TexelsAreTheLightOfTheScene) {
                     nearest_hit(lit->scene(), ray, every_object >> (64 - scene.objects.size()));
                 if (glm::dot(d, at.light.normal()) < 0.1 || hit.object != &object ||
                     hit.distance > 2e-5)
-                    continue; // below the surface, a gutter in the air or inside another thing
+                    continue; // below the surface, in the air of a gutter, or inside another object
                 const glm::dvec3 seen = trace(scene, ray);
                 const auto texel = values_of(read_box(*source, one_texel(place)), info.type);
                 for (glm::length_t c = 0; c < 3; ++c) {
@@ -92,15 +92,15 @@ TEST(SurfaceSource, TexelsAreTheLightOfTheScene) {
     }
 }
 
-// What the mirrored map has below the surface is what stands above it, mirrored.
-TEST(SurfaceSource, LightGoesOnBelowTheSurface) {
+// Below the surface the mirrored map holds the mirror image of what is above.
+TEST(SurfaceSource, LightIsMirroredBelowTheSurface) {
     const Scene scene = surfaces_of("mirror");
     const LitPlace place(scene, scene.objects[0], {0, 1.2, 0}, {0, 1, 0});
     const glm::dvec3 d = glm::normalize(glm::dvec3{0.5, 0.2, -0.7});
     EXPECT_EQ(place.leaving(d), place.leaving({d.x, -d.y, d.z}));
 }
 
-TEST(SurfaceSource, MasksWhatNobodySees) {
+TEST(SurfaceSource, MasksHiddenTexels) {
     Scene scene;
     scene.objects = {sphere({0, 0, 0}, 1, {}), box({0, 0, 0}, {0.5, 0.5, 0.5}, {}),
                      plane({0, -1.5, 0}, 2, 2, {})};
@@ -121,7 +121,7 @@ TEST(SurfaceSource, MasksWhatNobodySees) {
                 texels[object] += inside;
             }
         }
-    EXPECT_EQ(seen[1], 0u); // the box is in the sphere
+    EXPECT_EQ(seen[1], 0u); // the box is inside the sphere
     for (const std::size_t object :
          {0u, 2u}) { // half of the directions, and the taps at the border
         EXPECT_GT(seen[object], texels[object] / 2);

@@ -1,4 +1,5 @@
-// Light: no more leaves than arrives, and what chance finds is what the integrals say.
+// Tests that surfaces reflect no more light than they receive, and that random sampling agrees with
+// integrals.
 #include "corpus/trace/tracer.h"
 #include "tests/support/model_files.h"
 
@@ -7,7 +8,7 @@ namespace {
 
 using namespace support;
 
-// A point of nothing: all light arrives.
+// A point without surroundings, which receives all light.
 LitPoint lone_point(double roughness, double metal) {
     LitPoint p;
     p.position = {0, 50, 0};
@@ -37,7 +38,7 @@ double mean_leaving(const Tracer& tracer, const LitPoint& point, const glm::dvec
     return sum;
 }
 
-// Of the lobes, over a grid of directions.
+// The reflected light, integrated over a grid of directions.
 double integrated(const LitPoint& point, const glm::dvec3& view) {
     double sum = 0;
     constexpr int n = 512;
@@ -56,7 +57,7 @@ double integrated(const LitPoint& point, const glm::dvec3& view) {
     return sum;
 }
 
-TEST(Tracer, WhiteFurnaceFindsWhatTheLobesIntegrateTo) {
+TEST(Tracer, WhiteFurnaceAgreesWithTheIntegratedLobes) {
     const Tracer tracer = white_tracer();
     for (const double roughness : {0.35, 0.6, 1.0})
         for (const double metal : {0.0, 0.5, 1.0})
@@ -65,11 +66,11 @@ TEST(Tracer, WhiteFurnaceFindsWhatTheLobesIntegrateTo) {
                 const double found = mean_leaving(tracer, p, view_at(cosine));
                 EXPECT_NEAR(found, integrated(p, view_at(cosine)), 0.01)
                     << roughness << " " << metal << " " << cosine;
-                EXPECT_LT(found, 1.01); // no light is made
+                EXPECT_LT(found, 1.01); // no light is added
             }
 }
 
-TEST(Tracer, SharedAndOwnPathsTogetherFindTheSame) {
+TEST(Tracer, SharedAndOwnPathsGiveTheSameMean) {
     const Tracer tracer = white_tracer();
     const double shared = 64, own = 16;
     for (const double roughness : {0.2, 0.6, 1.0})
@@ -98,7 +99,7 @@ TEST(Tracer, SmoothMetalLosesNothing) {
 }
 
 TEST(Tracer, ModelsAddNoLight) {
-    // A white cube in white light is no brighter than it, between its faces, too.
+    // A white cube in white light is no brighter than the light, even where faces light each other.
     Model model = cube_model();
     model.materials[0].metal = 0.0;
     model.materials[0].roughness = 0.8;
@@ -112,7 +113,7 @@ TEST(Tracer, ModelsAddNoLight) {
     EXPECT_GT(found, 0.9);
 }
 
-TEST(Tracer, EnvironmentIsSampledAsItsDensitySays) {
+TEST(Tracer, EnvironmentSamplesFollowTheDensity) {
     const Environment studio = Environment::studio();
     double sum = 0, expected = 0, all = 0;
     constexpr unsigned count = 1 << 14;
@@ -121,7 +122,7 @@ TEST(Tracer, EnvironmentIsSampledAsItsDensitySays) {
         const LightSample s = studio.sample(random.next2());
         EXPECT_NEAR(s.density, studio.density(s.direction), 1e-6 * s.density + 1e-3);
         sum += s.light.x / s.density / count;
-        // The same from even directions.
+        // The reference value, from evenly distributed directions.
         const glm::dvec2 x = random.next2();
         const double up = 2.0 * x.x - 1.0, flat = std::sqrt(1.0 - up * up);
         const glm::dvec3 d{flat * std::cos(6.28318530717959 * x.y), up,
@@ -133,7 +134,7 @@ TEST(Tracer, EnvironmentIsSampledAsItsDensitySays) {
     EXPECT_NEAR(all, 1.0, 0.02);
 }
 
-TEST(Tracer, SunThrowsSharpShadows) {
+TEST(Tracer, SunCastsSharpShadows) {
     Model model = cube_model();
     model.materials[0] = {};
     model.materials[0].metal = 0.0;
