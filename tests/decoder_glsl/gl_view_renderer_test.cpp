@@ -322,7 +322,7 @@ TEST_F(GpuView, PagesThatCannotBeReadLeaveTheirTilesCoarse) {
         EXPECT_TRUE(report || report.status().code() == ErrorCode::invalid_file);
     }
     EXPECT_GE(errors, 1u);
-    // Only the tiles of that page are lost.
+    // Only the tiles of the page are lost.
     EXPECT_GE(texture->cache_stats()->failures, 1u);
     EXPECT_LE(texture->cache_stats()->failures, 8u);
     for (const float value : drawn(*texture, *renderer, camera_at(0)))

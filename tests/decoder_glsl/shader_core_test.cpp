@@ -140,7 +140,7 @@ TEST(ShaderCore, BasisMatchesTheFormat) {
                     static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
                     basis(n)[k * n + x])
                     << n << " " << k << " " << x;
-    // The tables are adjacent.
+    // The tables lie one behind the other.
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
               shaders::tsr_t_prediction);
     EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,

@@ -293,7 +293,7 @@ void expect_same_stats(const TileCacheStats& got, const TileCacheStats& want) {
     EXPECT_EQ(got.put_off, want.put_off);
 }
 
-// A window that moves over a 2D field of tiles, like the view of a camera.
+// A window that walks over a 2D field of tiles, as a camera's view does.
 Tiles window(int x, int y, int width, int height, int field) {
     Tiles tiles;
     for (int j = y; j < y + height; ++j)
@@ -311,7 +311,7 @@ TEST(TileCache, WalkingCamerasAgreeWithTheModel) {
         const std::size_t slots = 1 + static_cast<std::size_t>(pick(60));
         TileCache cache = cache_of(slots, field * field);
         Model model{slots, {}, {}, {}, {}, {}, 0, {}};
-        std::vector<std::uint32_t> table(field * field, no_slot); // slots, from replayed changes
+        std::vector<std::uint32_t> table(field * field, no_slot); // by replaying the changes
         int x = pick(field), y = pick(field), width = 3 + pick(5), height = 3 + pick(5);
         for (int step = 0; step < 200; ++step) {
             SCOPED_TRACE("step " + std::to_string(step));

@@ -1,4 +1,3 @@
-// Cameras.
 #include "tests/support/rendering.h"
 
 #include <cmath>
@@ -10,11 +9,11 @@ namespace {
 
 using namespace tessera::test::rendering;
 
-TEST(Camera, AimsAndStandsUpright) {
+TEST(Camera, LooksAtItsTargetUpright) {
     const Lens lens{90, 200, 100};
     const Camera c = camera_at({{0, 0, 10}, {0, 0, 0}}, lens);
     expect_near(c.direction(100, 50), {0, 0, -1});
-    expect_near(c.direction(100, 0), glm::normalize(glm::dvec3{0, 1, -1}));   // top: 45 degrees up
+    expect_near(c.direction(100, 0), glm::normalize(glm::dvec3{0, 1, -1}));   // top: 45 degrees
     expect_near(c.direction(200, 50), glm::normalize(glm::dvec3{2, 0, -1}));  // twice as wide
     expect_near(c.direction(0, 100), glm::normalize(glm::dvec3{-2, -1, -1})); // bottom left
     expect_near(glm::normalize(camera_at({{10, 0, 0}, {0, 0, 0}}, lens).right), {0, 0, -1});
@@ -33,7 +32,7 @@ TEST(Camera, KnowsThePapersViews) {
     expect_near(camera_at(views[4].pose, {}).forward, {0, -1, 0});
 }
 
-TEST(Camera, RefusesNonsense) {
+TEST(Camera, RefusesInvalidLensesAndPoses) {
     const CameraPose pose;
     for (const Lens& lens :
          {Lens{0, 8, 8}, {180, 8, 8}, {-3, 8, 8}, {std::nan(""), 8, 8}, {45, 0, 8}, {45, 8, 16385}})

@@ -1,4 +1,4 @@
-// JSON of bake, encode and decode, and what a file says of how it was made.
+// Tests the JSON of bake, encode and decode, and the encoding options that a file records.
 #include "tests/support/cli_fixture.h"
 
 #include <sstream>
@@ -88,7 +88,7 @@ TEST_F(CliJson, AFileSaysHowItWasMade) {
               std::string::npos)
         << text;
     EXPECT_EQ(text.find("tessera:"), std::string::npos) << text;
-    // Rounded for people, exact for programs.
+    // Text output is rounded, JSON is exact.
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
         if (line.find("bits_per_texel") == 0)
@@ -96,14 +96,14 @@ TEST_F(CliJson, AFileSaysHowItWasMade) {
     EXPECT_NE(text.find("4608 (4.6 kB)"), std::string::npos) << text;
     EXPECT_DOUBLE_EQ(info["bits_per_texel"].get<double>(),
                      static_cast<double>(fs::file_size(at("x.tess"))) * 8 / 1536);
-    // Encoded again it says how it was made the second time.
+    // Encoding again replaces the recorded options.
     succeed("encode x.tess -q -o y.tess --quality 50 --effort 1");
     const Json again = json("info y.tess --json")["metadata"];
     EXPECT_EQ(again["tessera:rate"], "quality 50");
     EXPECT_EQ(again["tessera:effort"], "1");
     EXPECT_EQ(again["Scene"], "composed");
     succeed("encode y.tess -q -o z.tess --quality 50 --effort 1");
-    // The same from another name, by another number of threads.
+    // Neither the name nor the number of threads changes the bytes.
     succeed("encode y.tess -q -o elsewhere/z.tess --quality 50 --effort 1 --threads 3");
     EXPECT_EQ(slurp(at("z.tess")) == slurp(at("elsewhere/z.tess")), true);
 }

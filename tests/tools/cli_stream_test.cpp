@@ -1,4 +1,5 @@
-// Files told by their first bytes whatever their name, and "-" for standard input and output.
+// Tests that the file type is detected from the first bytes, whatever the name, and that "-" is
+// standard input or output.
 #include "tests/support/cli_fixture.h"
 
 namespace {
@@ -20,7 +21,7 @@ protected:
     }
 };
 
-TEST_F(CliStream, FirstBytesTellWhatNamesDoNot) {
+TEST_F(CliStream, TypesAreDetectedFromTheFirstBytes) {
     succeed("decode a.tess -q -o a.exr");
     for (const auto& [name, as] :
          {std::pair("a.tess", "t.bin"), std::pair("a.tess", "t.exr"), std::pair("a.exr", "e.tess"),
@@ -39,7 +40,7 @@ TEST_F(CliStream, FirstBytesTellWhatNamesDoNot) {
     fail(1, "decode e.tess -o b.rgb", {"e.tess", "an EXR picture", "decode reads .tess files"});
     fail(1, "decode a.rgb -o b.rgb", {"a.rgb", "a raw file"});
     fail(2, "decode nothing -o b.rgb", {"nothing"});
-    // Raw samples under any name, where all is said.
+    // Raw samples may have any name if size and type are given.
     fs::copy_file(at("a.rgb"), at("samples.dat"));
     EXPECT_TRUE(is_lossless("samples.dat --type unorm8 --channels 3"));
     fail(1, "info samples.dat --size 16x8x4x3", {"samples.dat"});
@@ -56,7 +57,7 @@ TEST_F(CliStream, ASinglePngIsAViewOrAMosaic) {
     EXPECT_EQ(json("compare one.rgb view.png --json")["identical"], true);
     succeed("encode view.png -q -o b.tess --max-error 0 --effort 0");
     EXPECT_EQ(json("compare one.rgb b.tess --json")["identical"], true);
-    // The same pixels as angular images beside each other: x = 4u + s, y = 4v + t.
+    // The same pixels as angular images side by side: x = 4u + s, y = 4v + t.
     EXPECT_EQ(json("info view.png --size 4x2x4x4 --json")["size"], "4x2x4x4");
     succeed("encode view.png --size 4x2x4x4 -q -o m.tess --max-error 0 --effort 0");
     succeed("decode m.tess -q -o m.rgb");
@@ -77,7 +78,7 @@ TEST_F(CliStream, ASinglePngIsAViewOrAMosaic) {
     fail(1, "decode a.tess -o x.txt", {"x.txt", "folder/"});
 }
 
-TEST_F(CliStream, StandardInputIsAnyKindOfOneFile) {
+TEST_F(CliStream, StandardInputMayHoldAnySingleFile) {
     for (const char* how : {"cat a.tess |", ""}) { // a pipe, and a file
         const std::string input = *how != 0 ? "" : "<a.tess";
         const Outcome info = run("info - --json", how, input);
@@ -101,7 +102,7 @@ TEST_F(CliStream, StandardInputIsAnyKindOfOneFile) {
             .code,
         0);
     EXPECT_TRUE(is_lossless("b.tess"));
-    EXPECT_EQ(run("compare - -", "cat a.tess |", "").code, 0); // the same bytes twice
+    EXPECT_EQ(run("compare - -", "cat a.tess |", "").code, 0); // the same input twice
 
     const auto refused = [&](int code, const std::string& arguments, const std::string& before,
                              const std::vector<std::string>& words) {
@@ -125,8 +126,8 @@ TEST_F(CliStream, StandardOutputTakesFilesAndRawSamples) {
     succeed(encode + "-q -o b.tess");
     const Outcome coded = run(encode + "-o -");
     EXPECT_EQ(coded.code, 0);
-    EXPECT_EQ(coded.out == slurp(at("b.tess")), true);                 // the same bytes as a file's
-    EXPECT_NE(coded.err.find("PSNR"), std::string::npos) << coded.err; // the summary is not lost
+    EXPECT_EQ(coded.out == slurp(at("b.tess")), true);                 // same bytes as in a file
+    EXPECT_NE(coded.err.find("PSNR"), std::string::npos) << coded.err; // still has the summary
     EXPECT_EQ(run(encode + "-q -o -").err, "");
     const Outcome baked = run(stream_scene + "--max-error 0 -o -");
     EXPECT_EQ(baked.out == slurp(at("a.tess")), true) << baked.err;

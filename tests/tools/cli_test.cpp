@@ -1,4 +1,4 @@
-// The tool as a person or a script meets it: the built binary, its exit codes, messages and JSON.
+// Tests the built tool as a person or a script uses it: exit codes, messages and JSON.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 #include "tests/support/meshes.h"
@@ -19,7 +19,7 @@ using namespace tessera::test::cli_scenes;
 
 class Cli : public CliFixture {};
 
-TEST_F(Cli, ExplainsItself) {
+TEST_F(Cli, PrintsHelpAndVersion) {
     for (const tessera::Verb& each : tessera::all_verbs()) {
         const std::string verb = each.name;
         const Outcome help = run(verb + " --help");
@@ -81,7 +81,7 @@ TEST_F(Cli, BakesEncodesDecodesCompares) {
     EXPECT_EQ(encoded.code, 0) << encoded.err;
     for (const char* word : {"bits per texel", "PSNR", "largest error", "ratio", " s, "})
         EXPECT_NE(encoded.out.find(word), std::string::npos) << encoded.out;
-    EXPECT_EQ(encoded.err, ""); // no progress in a pipe
+    EXPECT_EQ(encoded.err, ""); // a pipe gets no progress
 }
 
 TEST_F(Cli, DecodesParts) {
@@ -126,7 +126,7 @@ TEST_F(Cli, DescribesFiles) {
     EXPECT_EQ(info["description"]["proxy"], "sphere:0,0,0,3.5");
     EXPECT_EQ(info["description"]["viewing-radius"], "4,20");
     EXPECT_EQ(info["file_bytes"], fs::file_size(at("a.tess")));
-    // The description survives a detour through pictures, metadata through .tess.
+    // Pictures keep the description, and .tess files also keep the metadata.
     succeed("decode a.tess -q -o a.exr");
     succeed("encode a.exr -q -o b.tess --proxy sphere:1,0,0,2");
     EXPECT_EQ(json("info b.tess --json")["description"]["transfer"],
@@ -146,7 +146,7 @@ TEST_F(Cli, KeepsTheMesh) {
     std::ofstream(at("a.gray")) << std::string(16, 'x');
     succeed("encode a.gray --size 2x2x2x2 -q --mesh box.drc --proxy mesh --surface-map mesh-uv "
             "--angular-map octahedral-mirrored -o a.tess");
-    succeed("encode a.tess -q --quality 10 -o b.tess"); // keeps it
+    succeed("encode a.tess -q --quality 10 -o b.tess"); // keeps the mesh
     const Json info = json("info b.tess --json");
     EXPECT_EQ(info["description"]["proxy"], "mesh");
     EXPECT_EQ(info["description"]["angular-map"], "octahedral-mirrored");
@@ -242,7 +242,8 @@ TEST_F(Cli, CleansUpWhenInterrupted) {
                 "timeout --signal=INT --preserve-status 0.3");
         EXPECT_EQ(o.code, 128 + SIGINT) << output << o.err;
         EXPECT_NE(o.err.find("interrupted"), std::string::npos) << o.err;
-        // A journal may stay (resume_test.cpp); who is ended after a second does not say so.
+        // A journal may stay (resume_test.cpp). A command that is ended after one second does not
+        // mention it.
         const bool said = o.err.find("--resume continues") != std::string::npos;
         if (said || !names().empty()) {
             EXPECT_EQ(names(), std::vector<std::string>{"x.tess.journal"});
@@ -281,7 +282,7 @@ TEST_F(Cli, DrawsViews) {
     succeed(small_scene + "-q -o f.rgb");
     succeed("encode f.rgb --size 32x16x9x5 -q -o f.tess");
     fail(5, "render f.tess -o x.png", {"--proxy"});
-    // No driver at all, or a build without a GPU: the same advice.
+    // Without a driver, or in a build without GPU support, the advice is the same.
     fail(5, "render a.tess -o x.png --via load", {"--via cpu"}, "__EGL_VENDOR_LIBRARY_DIRS=none");
     fs::remove(at("f.rgb"));
     fs::remove(at("f.tess"));

@@ -1,4 +1,4 @@
-// What the tool says to a command that makes no sense: before any work, in the words that were typed.
+// Tests the errors for wrong usage: they come before any work and name options as they were typed.
 #include "tests/support/cli_fixture.h"
 #include "tools/verbs/command.h"
 
@@ -10,7 +10,7 @@ using namespace tessera::test;
 
 class CliUsage : public CliFixture {
 protected:
-    // A texture of noise-free texels, without a run of the tool.
+    // Writes raw texels directly, without running the tool.
     void make_raw(const std::string& name, std::size_t bytes) const {
         std::string texels(bytes, '\0');
         for (std::size_t i = 0; i < bytes; ++i)
@@ -22,7 +22,7 @@ protected:
 const std::string plain_scene = "bake composed --size 16x8x4x4 --spp 1 ";
 const std::string usage_scene = plain_scene + "--effort 0 ";
 
-TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
+TEST_F(CliUsage, UnknownOptionsSuggestTheNearest) {
     fail(1, "encode x.rgb --qualty 40", {"unknown option --qualty; did you mean --quality?"});
     fail(1, "encode x.rgb -o x.tess --qualty=40",
          {"unknown option --qualty; did you mean --quality?"});
@@ -49,7 +49,7 @@ TEST_F(CliUsage, UnknownOptionsAreAnsweredWithTheNearest) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(CliUsage, UnknownValuesAreAnsweredWithTheNearest) {
+TEST_F(CliUsage, UnknownValuesSuggestTheNearest) {
     succeed(usage_scene + "-q -o a.tess");
     const auto before = names();
     for (const char* scene :
@@ -65,14 +65,14 @@ TEST_F(CliUsage, UnknownValuesAreAnsweredWithTheNearest) {
     EXPECT_EQ(names(), before);
 }
 
-TEST_F(CliUsage, LinesForPeopleEndWithoutBlanks) {
+TEST_F(CliUsage, LinesHaveNoTrailingSpaces) {
     succeed(usage_scene + "-q -o a.tess --layers");
     const std::string text = run("info a.tess").out;
     EXPECT_NE(text.find("levels\n"), std::string::npos) << text;
     EXPECT_EQ(text.find(" \n"), std::string::npos) << text;
 }
 
-TEST_F(CliUsage, QuietIsNoQuality) {
+TEST_F(CliUsage, QuietTakesNoQuality) {
     for (const char* words :
          {"x.rgb -o x.tess -q 50", "-q 50 x.rgb -o x.tess", "x.rgb -o x.tess -q50"})
         fail(1, std::string("encode ") + words,
@@ -81,7 +81,7 @@ TEST_F(CliUsage, QuietIsNoQuality) {
     succeed("encode -q x.rgb --size 4x3x2x2 -o x.tess --effort 0");
 }
 
-TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
+TEST_F(CliUsage, SizesAcceptUnitsAndReportTheirRange) {
     make_raw("x.rgb", 16 * 8 * 4 * 4 * 3);
     const std::string encode = "encode x.rgb --size 16x8x4x4 --effort 0 -q -o x.tess ";
     for (const auto& [text, bytes] :
@@ -100,7 +100,7 @@ TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
         EXPECT_NE(o.err.find("--target-bytes: '" + std::string(text) + "' is not a size"),
                   std::string::npos)
             << o.err;
-        EXPECT_LT(o.err.size(), 200u) << o.err; // no number of 309 digits
+        EXPECT_LT(o.err.size(), 200u) << o.err; // does not print a number of 309 digits
     }
     fail(1, encode + "--target-bytes 9999T", {"from 1 to 1024T bytes"});
     for (const char* text : {"0", "-1", "1e9", "much", "nan"}) {
@@ -118,17 +118,17 @@ TEST_F(CliUsage, SizesTakeUnitsAndTellTheirRange) {
     EXPECT_EQ(names(), (std::vector<std::string>{"x.rgb", "x.tess"}));
 }
 
-TEST_F(CliUsage, BudgetsTakeUnits) {
+TEST_F(CliUsage, BudgetsAcceptUnits) {
     succeed(usage_scene + "-q -o a.tess");
     for (const char* budget : {"64M", "1g", "1048576"})
         succeed(std::string("render a.tess -o v.png --pixels 8x6 -q --budget ") + budget);
 }
 
-TEST_F(CliUsage, WrongOptionsCostNoWorkAndLeaveNoJournal) {
+TEST_F(CliUsage, WrongOptionsFailBeforeAnyWork) {
     make_raw("x.rgb", 32 * 16 * 8 * 8 * 3);
     spit(at("m.gray"), std::string(16, 'x'));
     const std::string encode = "encode x.rgb --size 32x16x8x8 --effort 0 ";
-    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // hours, if it began
+    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // would take hours
     for (const std::string& verb : {encode, bake}) {
         const auto refused = [&](const std::string& options,
                                  const std::vector<std::string>& words) {
@@ -159,8 +159,8 @@ TEST_F(CliUsage, WrongOptionsCostNoWorkAndLeaveNoJournal) {
     EXPECT_EQ(names(), (std::vector<std::string>{"m.gray", "x.rgb"}));
 }
 
-TEST_F(CliUsage, PlainOutputsRefuseWhatTheyWouldDrop) {
-    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // hours, if it began
+TEST_F(CliUsage, PlainOutputsRefuseOptionsThatTheyCannotStore) {
+    const std::string bake = "bake composed --size 512x256x32x32 --spp 64 "; // would take hours
     for (const char* option :
          {"--quality 40", "--target-bytes 9k", "--effort 3", "--lossless", "--tile 8x8x8x8",
           "--layers", "--no-verify", "--strict", "--resume", "--meta a=b"}) {
@@ -179,10 +179,11 @@ TEST_F(CliUsage, PlainOutputsRefuseWhatTheyWouldDrop) {
     EXPECT_EQ(description["viewing-radius"], "4,9");
 }
 
-// Only coding shows how small it gets; then the journal goes as well, for no resume could do better.
+// The smallest size is known only after coding. The journal is then removed, because resuming could
+// not do better.
 TEST_F(CliUsage, ATargetThatIsMissedLeavesNoJournal) {
     succeed("bake composed --size 32x16x8x8 --spp 1 -q -o x.rgb");
-    // More than a file of nothing but background, so that no check of the options knows.
+    // Larger than a file of background only, so that checking the options cannot detect it.
     fail(1, "encode x.rgb --size 32x16x8x8 --effort 0 -o x.tess --target-bytes 400",
          {"--target-bytes: the target cannot be met", "smallest file of this texture has about"});
     EXPECT_EQ(names(), (std::vector<std::string>{"x.rgb"}));
@@ -203,11 +204,11 @@ TEST_F(CliUsage, MessagesNameOptionsAsTheyAreTyped) {
     EXPECT_FALSE(json("info a.tess --json").contains("received_bytes"));
     succeed("sheet part.tess -q -o x.png --allow-partial");
     succeed("decode part.tess -o x.rgb -q --allow-partial");
-    spit(at("part.tess"), whole.substr(0, 200)); // no index: nothing can be read
+    spit(at("part.tess"), whole.substr(0, 200)); // without its index the file cannot be read
     EXPECT_EQ(run("decode part.tess -o x.rgb").err.find("allow"), std::string::npos);
 }
 
-TEST_F(CliUsage, FoldersOnTheWayToAnOutputAreMade) {
+TEST_F(CliUsage, ParentFoldersOfOutputsAreCreated) {
     succeed(usage_scene + "-q -o new/bake/a.tess");
     succeed(plain_scene + "-q -o raw/bake/a.rgb");
     succeed("encode raw/bake/a.rgb --size 16x8x4x4 --effort 0 -q -o new/encode/a.tess");
@@ -223,7 +224,7 @@ TEST_F(CliUsage, FoldersOnTheWayToAnOutputAreMade) {
         EXPECT_TRUE(fs::exists(at(name))) << name;
 }
 
-TEST_F(CliUsage, HelpNeedsNoReadme) {
+TEST_F(CliUsage, HelpIsCompleteWithoutThePages) {
     for (const tessera::Verb& each : tessera::all_verbs()) {
         const std::string verb = each.name, help = run(verb + " --help").out;
         std::istringstream lines(help);
@@ -231,7 +232,7 @@ TEST_F(CliUsage, HelpNeedsNoReadme) {
             EXPECT_LE(line.size(), 100u) << verb << ": " << line;
         for (const char* words : {"Examples:", "Exit codes: 0 success, 1 usage"})
             EXPECT_NE(help.find(words), std::string::npos) << verb << help;
-        EXPECT_EQ(help.find(".md"), help.find(".md,")) << help; // rd writes one
+        EXPECT_EQ(help.find(".md"), help.find(".md,")) << help; // rd may mention its own .md output
     }
     const std::string help = run("help").out;
     for (const char* words : {"U x V points", "standard input", "powers of 1024", "--type"})

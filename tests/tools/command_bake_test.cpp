@@ -1,4 +1,4 @@
-// The verb bake: scenes on their own surfaces.
+// Tests the verb bake on scenes and models with their own surfaces.
 #include "tests/support/cli_fixture.h"
 
 #include <gtest/gtest.h>
@@ -33,8 +33,8 @@ TEST_F(BakeVerb, PutsScenesOnTheirOwnSurfaces) {
     EXPECT_NE(run("info d.tess").out.find("mirrored"), std::string::npos);
 }
 
-// What an observer sees of a small file is what the scene looks like: the sphere's texture of a hundred
-// times the texels is 10 dB below.
+// Rendered views of a small mesh file look like the scene. A texture of the sphere with a hundred
+// times as many texels is 10 dB worse.
 TEST_F(BakeVerb, MeshesAreSeenSharp) {
     succeed("bake composed --proxy mesh --density 12 --directions 8x8 --spp 2 --effort 1 "
             "--quality 40 -q -o a.tess");
@@ -48,7 +48,7 @@ TEST_F(BakeVerb, MeshesAreSeenSharp) {
     fail(1, "rd --views nowhere -o r", {"nowhere", "composed"});
 }
 
-// A roof over a floor, in the light of a studio and a sun.
+// A roof over a floor, lit by a studio and a sun.
 const std::string roof = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 1 0\n"
                          "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n";
 
@@ -65,7 +65,7 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     const double right = psnr("a.tess", "");
     EXPECT_GT(right, 30);
     EXPECT_EQ(psnr("a.tess", "--threads 1"), right);
-    // The light is the file's own: in another one the same model is another picture.
+    // Every file holds its own light: with another light the same model gives another picture.
     succeed("bake roof.obj --light -1,2,-1 --exposure 0.5 --roughness 0.6 --metal 0 --density 6 "
             "--directions 4x4 --tile 8x8x4x4 --spp 4 --effort 0 -q -o b.tess");
     succeed("render a.tess" + view + "-q");

@@ -1,4 +1,3 @@
-// The verb bench.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -15,11 +14,11 @@ using namespace tessera::test::cli_scenes;
 class BenchVerb : public CliFixture {};
 
 #ifndef TESSERA_GPU
-TEST_F(BenchVerb, BenchNeedsABuildThatDraws) {
+TEST_F(BenchVerb, BenchNeedsABuildWithGpuSupport) {
     fail(5, "bench gpu a.tess", {"TESSERA_GPU is off"});
 }
 #else
-// A file of 8 tiles in a small window.
+// A file with 8 tiles, drawn in a small window.
 const std::string bench_scene =
     "bake composed --size 64x32x16x16 --spp 1 -q -o a.tess --quality 20 --effort 1";
 const std::string bench_a = "bench gpu a.tess --pixels 48x32 --frames 2 --warm-up 1 ";
@@ -55,7 +54,7 @@ TEST_F(BenchVerb, BenchesTheGpu) {
         EXPECT_GE(row["device_ms"]["p95"], row["device_ms"]["median"]) << name;
         EXPECT_GT(row["wall_ms"]["median"].get<double>(), 0) << name;
         EXPECT_GT(row["bytes"].get<double>(), 0) << name;
-        // All ways give the same picture, but for how finely the texture unit mixes.
+        // All ways give the same picture, except for the precision of the texture unit's filter.
         const bool filtered = name.find("filtered") != std::string::npos;
         EXPECT_TRUE(row["same_picture"] == true || (filtered && row["psnr"] > 50.0)) << row;
     }
@@ -77,7 +76,7 @@ TEST_F(BenchVerb, BenchesTheGpu) {
     EXPECT_GT(report["decode"][0]["texels_per_second"].get<double>(), 0);
 }
 
-TEST_F(BenchVerb, BenchSaysWhatCannotBe) {
+TEST_F(BenchVerb, BenchReportsWhatItCannotMeasure) {
     if (std::getenv("TESSERA_NO_GPU") != nullptr)
         GTEST_SKIP() << "TESSERA_NO_GPU is set";
     const std::string scene = "bake composed --size 16x8x8x8 --spp 1 -q ";

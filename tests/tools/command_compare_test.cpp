@@ -1,4 +1,4 @@
-// The verb compare: figures, thresholds, samples.
+// Tests the verb compare: figures, thresholds, samples.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -35,12 +35,12 @@ TEST_F(CompareVerb, ComparesAgainstThresholds) {
     fail(7, "compare a.rgb c.gray --size 2x2x2x2", {"channels"});
 }
 
-TEST_F(CompareVerb, ComparesASampleAndAgainstASceneBakedAgain) {
+TEST_F(CompareVerb, ComparesASampleAndARebakedScene) {
     const std::string scene = "bake composed --size 64x32x16x16 --spp 2 --seed 5 -q ";
     succeed(scene + "-o a.tess --effort 1 --quality 40");
     succeed(scene + "-o a.rgb");
     const Json whole = json("compare a.rgb a.tess --no-ssim --json");
-    // Samples and seed are those that the file names.
+    // Sample count and seed come from the file's metadata.
     const Json baked = json("compare a.tess --bake composed --sample 1 --json");
     for (const char* figure : {"psnr", "max_error", "differing_samples"})
         EXPECT_EQ(baked[figure], whole[figure]) << figure;

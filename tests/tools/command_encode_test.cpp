@@ -1,4 +1,4 @@
-// The verb encode: targets, masks, reuse.
+// Tests the verb encode: targets, masks, reuse.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -17,7 +17,7 @@ class EncodeVerb : public CliFixture {};
 TEST_F(EncodeVerb, ReusesTheTilesThatWereNotEdited) {
     succeed(small_scene + "-q -o old.tess --quality 60 --meta by=me " + quick);
     succeed("decode old.tess -q -o x.rgb");
-    // Size, effort, description and metadata are the old file's.
+    // Size, effort, description and metadata come from the old file.
     const Json report = json("encode x.rgb --reuse old.tess -o new.tess --json");
     EXPECT_EQ(slurp(at("new.tess")), slurp(at("old.tess")));
     EXPECT_GE(report["kept_tiles"], 1);
@@ -34,7 +34,7 @@ TEST_F(EncodeVerb, ReusesTheTilesThatWereNotEdited) {
     EXPECT_EQ(names(), (std::vector<std::string>{"new.tess", "old.tess", "x.rgb"}));
 }
 
-TEST_F(EncodeVerb, KeepsItsPromises) {
+TEST_F(EncodeVerb, KeepsItsTargetsAndBounds) {
     succeed(small_scene + "-q -o a.rgb");
     const std::string encode = "encode a.rgb --size 32x16x9x5 -q -o x.tess " + quick;
     succeed(encode + "--max-error 0");
@@ -57,8 +57,8 @@ TEST_F(EncodeVerb, KeepsItsPromises) {
     EXPECT_EQ(slurp(at("x.tess")), one);
 }
 
-// A baked texture, of which the finest quantiser's file is smaller than a lossless one, misses 90 dB; one of
-// few values is smaller lossless.
+// Neither texture reaches 90 dB with the finest quantiser. That file is smaller than the lossless
+// one for the baked texture, and larger for the texture with few values.
 TEST_F(EncodeVerb, TargetsBeyondEveryQuantiser) {
     succeed("bake composed --size 16x8x4x4 --spp 1 -q -o a.rgb");
     std::string plain(16 * 8 * 4 * 4 * 3, '\0');
@@ -112,7 +112,7 @@ TEST_F(EncodeVerb, MasksSayWhichTexelsMatter) {
     EXPECT_NE(coded.out.find("75.00 % of the texels are not masked"), std::string::npos) << coded.out;
     succeed(encode + "-q -o plain.tess");
     EXPECT_LT(fs::file_size(at("x.tess")), fs::file_size(at("plain.tess")));
-    // The same mask as another kind of texture.
+    // The same mask in other file formats.
     succeed("encode m.gray --size 32x16x1x1 --max-error 0 -q -o m.tess");
     for (const char* mask : {"m.exr", "m_views/"})
         succeed(std::string("decode m.tess -q -o ") + mask);
@@ -139,14 +139,15 @@ TEST_F(EncodeVerb, RefusesMasksThatDoNotFit) {
                       compare = "compare a.rgb a.rgb --size 32x16x9x5 --mask ";
     for (const std::string& verb : {encode, compare}) {
         fail(2, verb + "missing.gray", {"missing.gray"});
-        fail(3, verb + "m.gray", {"m.gray"}); // not of the texture's size
+        fail(3, verb + "m.gray", {"m.gray"}); // wrong size
         fail(1, verb + "m.gray --mask-size 16x32x1x1", {"m.gray", "16x32x1x1", "32x16x9x5"});
         fail(1, verb + "m.gray --mask-size 16x32x1", {"--mask-size"});
         fail(1, verb + "m.txt", {"m.txt"});
     }
     fail(1, "encode a.rgb --size 32x16x9x5 -o x.tess --mask-size 32x16x1x1", {"--mask"});
     fail(1, compare + "m.gray --mask-size 32x16x1x1 --min-ssim 0.5", {"--min-ssim"});
-    // One that is loaded has to fit the budget; one byte a texel that is read in place has not.
+    // A mask that is loaded counts towards the budget. One with one byte per texel is read in place
+    // and does not.
     const std::uintmax_t texels = 128ull * 64 * 32 * 32;
     for (const auto& [name, channels] : {std::pair("large.gray", 1u), std::pair("large.rgb", 3u)}) {
         spit(at(name), "");
@@ -187,7 +188,7 @@ TEST_F(EncodeVerb, HandlesHdr) {
     EXPECT_FALSE(fs::exists(at("m.tess")));
 }
 
-// Views as people have them: said what they were taken for, and shown.
+// Views as cameras deliver them: the tool reports how it reads them, and they can be drawn.
 TEST_F(EncodeVerb, TakesViewsOfCameras) {
     std::string texels(8 * 6 * 2 * 3 * 3, '\0');
     for (std::size_t i = 0; i < texels.size(); ++i)
@@ -209,7 +210,7 @@ TEST_F(EncodeVerb, TakesViewsOfCameras) {
     succeed("decode a.tess -q -o b.rgb");
     EXPECT_EQ(slurp(at("b.rgb")) == texels, true);
 
-    // From the place of a camera its view is seen, pixel for pixel.
+    // From a camera's position its view is drawn pixel for pixel.
     succeed("decode a.tess -q -o same/");
     succeed("render a.tess -q -o v.png --pixels 8x6 --eye 0.25,-0.5,4");
     EXPECT_EQ(json("compare v.png same/out_02_01_-1.5_.png --json")["identical"], true);
@@ -217,7 +218,7 @@ TEST_F(EncodeVerb, TakesViewsOfCameras) {
     EXPECT_EQ(json("compare v.png same/out_02_00_-1.5_.png --json")["identical"], false);
     fail(1, "render a.tess -q -o w.png --eye 0,0,-1", {"window"});
     fail(5, "render a.tess -q -o w.png --via load", {"planar views"});
-    // Named otherwise, and as single pictures.
+    // Other file names, and single pictures.
     succeed("encode same/ -q" + exactly); // tessera.json knows the cameras
     EXPECT_EQ(json("info a.tess --json")["metadata"]["Cameras"], info["metadata"]["Cameras"]);
     succeed("decode a.tess -q -o x_qs3x2a1.png --quilt 3x2");

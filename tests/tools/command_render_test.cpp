@@ -1,4 +1,4 @@
-// The verb render, in this process.
+// Tests the verb render in this process.
 #include "tests/support/rendering.h"
 #include "tools/picture/png_file.h"
 #include "tools/support/json_text.h"
@@ -38,7 +38,7 @@ TEST_F(Render, DrawsMeasuresAndShows) {
     }
     EXPECT_GT(read_png_shape(at("s.png"))->height, 5u * 30);
     EXPECT_TRUE(fs::exists(at("v-5-truth.png")) && fs::exists(at("v-1-uncompressed.png")));
-    // The original from a file, without a scene, and an orbit.
+    // The original comes from a file, without a scene, on an orbit.
     ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--pixels", "8x8", "--original", file,
                      "--json"})
                     .ok());
@@ -62,7 +62,7 @@ TEST_F(Render, DrawsATextureThatNoFileHolds) {
     EXPECT_EQ(scene["views"][0]["uncompressed_truth"],
               Json::parse(out_)["views"][0]["uncompressed_truth"]);
     EXPECT_FALSE(scene["views"][0].contains("compressed_truth"));
-    // 422 TB.
+    // The texture would have 422 TB.
     EXPECT_TRUE(run({"-o", at("h.png"), "--scene", "lamps", "--size", "65536x16384x256x256",
                      "--spp", "1", "--pixels", "8x6"})
                     .ok());

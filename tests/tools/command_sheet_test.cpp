@@ -1,4 +1,3 @@
-// The verb sheet.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -14,7 +13,7 @@ class SheetVerb : public CliFixture {};
 TEST_F(SheetVerb, DrawsSheets) {
     succeed(small_scene + quick + "-q -o a.tess");
     succeed(small_scene + "-q -o a.rgb");
-    succeed("sheet a.rgb a.tess -o s.png -q"); // the size of a.rgb is that of a.tess
+    succeed("sheet a.rgb a.tess -o s.png -q"); // a.rgb gets the size of a.tess
     EXPECT_EQ(slurp(at("s.png")).substr(1, 3), "PNG");
     succeed("sheet a.tess -o t.png -q --views 1 --angular 0");
     fail(1, "sheet a.tess -o t.jpg", {".png"});
@@ -34,7 +33,7 @@ TEST_F(SheetVerb, SetsPicturesSideBySide) {
     fail(1, "sheet -o m.png", {"inputs"});
     fail(1, "sheet v-1.png v-2.png --label one -o m.png", {"1 labels for 2"});
     fail(1, "sheet v-1.png -o m.jpg", {"m.jpg"});
-    fail(7, "sheet v-1.png a.tess -o m.png", {"differ"}); // a picture is a texture of one view, too
+    fail(7, "sheet v-1.png a.tess -o m.png", {"differ"}); // a picture is a texture with one view
     fail(1, "sheet a.tess a.tess a.tess -o m.png", {"two textures"});
     fail(2, "sheet none.png -o m.png", {"none.png"});
     spit(at("bad.png"), "no picture");

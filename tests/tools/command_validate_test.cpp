@@ -1,5 +1,5 @@
-// Work is bounded by what a file has, not by what it claims: small files that claim much, under a limit
-// of the system's on CPU time.
+// Tests that work is bounded by the bytes of a file, not by the sizes that it claims. A system
+// limit on CPU time applies.
 #include "format/container/syntax.h"
 #include "format/tile/coding_parameters.h"
 #include "tests/support/cli_fixture.h"
@@ -15,7 +15,7 @@ class ValidateVerb : public CliFixture {
 protected:
     static constexpr const char* two_seconds = "ulimit -t 2;";
 
-    // A texture of `size` in tiles of 64x64x4x4 of which all are empty.
+    // Writes a texture of `size` whose tiles of 64x64x4x4 are all empty.
     void write_empty(const std::string& name, const tessera::Extent4& size,
                      const tessera::Metadata& metadata = {},
                      std::span<const std::byte> mesh = {}) const {
@@ -48,7 +48,7 @@ TEST_F(ValidateVerb, EmptyTilesTakeNoTime) {
     EXPECT_EQ(run("info empty.tess", two_seconds).code, 0);
 }
 
-// Aligned views of 13 MB, in a grid of 49 GB that has nothing.
+// Aligned views of 13 MB, in an empty tile grid of 49 GB.
 TEST_F(ValidateVerb, EmptyTilesOfAlignedViewsTakeNoTime) {
     write_empty("plain.tess", {64 + 31 * 127, 64 + 31 * 127, 32, 32});
     const std::string plain = slurp(at("plain.tess"));
@@ -73,7 +73,7 @@ TEST_F(ValidateVerb, ManyKeysOfMetadataAreListedInTheirOrder) {
     EXPECT_NE(o.out.find("\"165535\""), std::string::npos);
 }
 
-// A head is held whole, so --memory bounds it, too.
+// The whole head is held in memory, so --memory bounds it, too.
 TEST_F(ValidateVerb, LongHeadsAreRefusedWhereMemoryIsShort) {
     write_empty("head.tess", {64, 64, 4, 4}, {}, std::vector<std::byte>(4 << 20));
     const std::string memory = " --threads 1 --memory 97M -q";
@@ -86,7 +86,7 @@ TEST_F(ValidateVerb, LongHeadsAreRefusedWhereMemoryIsShort) {
     succeed("decode head.tess -o x.rgb --threads 1 --memory 120M -q");
 }
 
-// Levels that do not decode are found, in whatever order groups are stored.
+// Tiles that do not decode are detected in any order of groups.
 TEST_F(ValidateVerb, TilesThatDoNotDecodeAreNamed) {
     const auto code = tessera::write_coding_parameters({});
     const std::vector<std::byte> noise(9, std::byte{0xA5});

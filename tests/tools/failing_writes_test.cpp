@@ -1,5 +1,5 @@
-// Every call to the system that changes a file, failing once: an error that says so, the old file as
-// it was, nothing left behind but an announced journal.
+// Lets every system call that changes a file fail once. The command must report an error, keep the
+// old file, and leave nothing behind except an announced journal.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/bake.h"
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using sys::Call;
 
-// The hook is a plain function, so what it counts is static.
+// The hook is a plain function, so its counter is static.
 std::atomic<Call> failing_call;
 std::atomic<int> calls_left;
 
@@ -30,7 +30,7 @@ int fail_one(Call call) {
     return call == failing_call && --calls_left == 0 ? ENOSPC : 0;
 }
 
-// Lets call number `n` (from 1) of one kind fail while it lives.
+// During its lifetime, call number `n` (from 1) of one kind fails.
 class Fault {
 public:
     Fault(Call call, int n) {
@@ -42,7 +42,7 @@ public:
     bool happened() const { return calls_left <= 0; }
 };
 
-// All files below a folder with their bytes.
+// All files below a folder, with their contents.
 std::map<std::string, std::string> contents_of(const fs::path& folder) {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -68,9 +68,9 @@ protected:
         fs::remove_all(folder_);
     }
 
-    // Runs `work` with every call of every kind failing in turn.
+    // Runs `work` once for each call of each kind, which fails.
     void fail_everything(const std::string& name, const std::function<Status()>& work) {
-        ASSERT_TRUE(work()); // an old file to lose
+        ASSERT_TRUE(work()); // creates the old file
         const auto old = contents_of(folder_);
         int faults = 0;
         for (const Call call : {Call::open, Call::write, Call::truncate, Call::sync, Call::close,
@@ -131,7 +131,7 @@ TEST_F(FailingWrites, BakeAndEncodeInSeveralPasses) {
     fail_everything("y.tess", [&] { return encode_file(*baked_, at("y.tess"), o).status(); });
 }
 
-TEST_F(FailingWrites, ResumeAfterAFault) {
+TEST_F(FailingWrites, ResumesAfterAFault) {
     EncodeOptions o = options();
     MemorySource source(baked_->desc(), texels_);
     ASSERT_TRUE(encode_file(source, at("whole.tess"), o).status());
@@ -173,7 +173,7 @@ TEST_F(FailingWrites, DecodeAndBakeToPlainFiles) {
     }
 }
 
-// The real thing: a file system that is full.
+// Uses a real file system that is full.
 TEST_F(FailingWrites, FullDisk) {
     const std::string disk = at("disk");
     fs::create_directory(disk);
@@ -187,7 +187,7 @@ TEST_F(FailingWrites, FullDisk) {
     ASSERT_TRUE(busy.ok());
     const Status full = encode_file(**busy, disk + "/x.tess", o).status();
     const auto left = contents_of(disk);
-    // Room is made: the kept tiles are of use.
+    // With more room, resuming uses the kept tiles.
     const int remounted = ::mount("tmpfs", disk.c_str(), "tmpfs", MS_REMOUNT, "size=4m");
     o.journal = JournalUse::resume;
     const Status resumed = encode_file(**busy, disk + "/x.tess", o).status();

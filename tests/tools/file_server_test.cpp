@@ -1,4 +1,4 @@
-// What `tessera serve` answers, seen through a plain HTTP conversation and through HttpSource.
+// Tests the responses of `tessera serve` to plain HTTP requests and to HttpSource.
 #include "tests/support/test_folder.h"
 #include "tools/http/http_source.h"
 #include "tools/server/file_server.h"
@@ -59,9 +59,9 @@ protected:
     }
     static void say(int connection, const std::string& text) {
         ::send(connection, text.data(), text.size(),
-               MSG_NOSIGNAL); // who is not heard any more is answered
+               MSG_NOSIGNAL); // the server may have closed it
     }
-    // All that comes until the connection ends.
+    // All bytes until the connection ends.
     static std::string hear(int connection) {
         std::string answer;
         char buffer[4096];
@@ -70,7 +70,7 @@ protected:
         ::close(connection);
         return answer;
     }
-    // Sends `method target` with the fields and returns all that comes until the connection ends.
+    // Sends a request with the given fields and returns all bytes until the connection ends.
     std::string ask(const std::string& method, const std::string& target,
                     const std::string& fields = "") const {
         const int connection = connect();
@@ -139,7 +139,7 @@ TEST_F(Serve, SendsSeveralParts) {
     EXPECT_EQ(field(answer, "Content-Length"), std::to_string(body(answer).size()));
 }
 
-TEST_F(Serve, MindsConditions) {
+TEST_F(Serve, HonoursConditionalRequests) {
     const std::string whole = ask("GET", "/a.tess");
     const std::string etag = field(whole, "ETag"), date = field(whole, "Last-Modified");
     EXPECT_EQ(etag.front(), '"');
@@ -194,7 +194,7 @@ TEST_F(Serve, PagesOfOtherHostsMayRead) {
         EXPECT_EQ(field(ask("GET", target), "Access-Control-Allow-Origin"), "*") << target;
 }
 
-TEST_F(Serve, SaysWhatFilesAre) {
+TEST_F(Serve, SendsContentTypes) {
     const std::pair<const char*, const char*> types[] = {{"tess", "application/vnd.tessera"},
                                                          {"html", "text/html; charset=utf-8"},
                                                          {"wasm", "application/wasm"},
@@ -251,7 +251,7 @@ TEST_F(Serve, ShowsFilesInItsViewer) {
 TEST_F(Serve, LogsRequests) {
     ask("GET", "/a.tess", "Range: bytes=2-4\r\n");
     ask("GET", "/a%0a%1bb.tess");
-    server_.reset(); // after its last word
+    server_.reset(); // waits for the last line of the log
     ASSERT_EQ(log_.size(), 2u);
     EXPECT_EQ(log_[0].client, "127.0.0.1");
     EXPECT_EQ(log_[0].path, "/a.tess");
@@ -281,7 +281,7 @@ TEST_F(Serve, LongFilesAreStreamed) {
     EXPECT_EQ(tail, (std::vector{std::byte{'e'}, std::byte{'n'}, std::byte{'d'}}));
     EXPECT_EQ(middle, std::vector<std::byte>(1 << 20));
     EXPECT_EQ((*source)->statistics().requests, 3u);
-    // A new file under the old name is noticed.
+    // A new file with the same name is detected.
     fs::resize_file(base_ / "root" / "long.tess", size + 1);
     const Status changed = (*source)->read(size - 3, tail);
     EXPECT_EQ(changed.code(), ErrorCode::io);
@@ -289,8 +289,9 @@ TEST_F(Serve, LongFilesAreStreamed) {
         << changed.message();
 }
 
-// Clients that say nothing, or stop within a request, hold all 64 threads, but not for long.
-TEST_F(Serve, SlowClientsGoAfterSomeSeconds) {
+// Silent clients, and clients that stop within a request, occupy all 64 threads, but only for some
+// seconds.
+TEST_F(Serve, SlowClientsAreDisconnectedAfterSomeSeconds) {
     std::vector<int> slow;
     for (int i = 0; i < 70; ++i) {
         slow.push_back(connect());
@@ -302,24 +303,24 @@ TEST_F(Serve, SlowClientsGoAfterSomeSeconds) {
 }
 
 TEST_F(Serve, RequestsWithABodyAreRefused) {
-    const int post = connect(); // its body never comes
+    const int post = connect(); // the body never arrives
     say(post, "POST /a.tess HTTP/1.1\r\nContent-Length: 1000000000\r\n\r\nbeginning");
     EXPECT_EQ(status(hear(post)), "405");
-    const int get = connect(); // a body is no second request
+    const int get = connect(); // the body is not a second request
     say(get, "GET /a.tess HTTP/1.1\r\nContent-Length: 40\r\n\r\nGET /empty.tess HTTP/1.1\r\n\r\n");
     const std::string answer = hear(get);
     EXPECT_EQ(status(answer), "400");
     EXPECT_EQ(answer.find("HTTP", 4), std::string::npos);
 }
 
-TEST_F(Serve, RequestsThatComeTogetherAreAnsweredInOrder) {
+TEST_F(Serve, PipelinedRequestsAreAnsweredInOrder) {
     const int both = connect();
     say(both, "GET /a.tess HTTP/1.1\r\n\r\nHEAD /empty.tess HTTP/1.1\r\nConnection: close\r\n\r\n");
     const std::string answer = hear(both);
     EXPECT_NE(answer.find("0123456789HTTP/1.1 200"), std::string::npos) << answer;
 }
 
-TEST_F(Serve, SaysWhatCannotBe) {
+TEST_F(Serve, ReportsInvalidOptions) {
     FileServerOptions options;
     options.folder = (base_ / "none").string();
     EXPECT_EQ(FileServer::start(options).status().code(), ErrorCode::io);

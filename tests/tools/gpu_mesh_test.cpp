@@ -1,4 +1,4 @@
-// Meshes drawn on the device, against meshes drawn on the CPU.
+// Compares meshes drawn on the GPU with meshes drawn on the CPU.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "corpus/trace/ray_scene.h"
@@ -17,7 +17,7 @@ namespace {
 
 const glm::dvec3 grey{0.5};
 
-// A box and a ball beside it, partly behind each other. Both wear the same texture.
+// A box and a ball that partly hide each other. Both have the same texture.
 SurfaceMesh box_and_ball() {
     SurfaceMesh mesh = six_charts(1, false), ball = six_charts(2, true);
     const auto base = static_cast<std::uint32_t>(mesh.positions.size());
@@ -40,14 +40,14 @@ std::vector<std::byte> stream_of(const SurfaceMesh& mesh) {
     return stream.ok() ? std::move(*stream) : std::vector<std::byte>{};
 }
 
-// As viewers have it.
+// The mesh as viewers decode it.
 SurfaceMesh decoded(const std::vector<std::byte>& stream) {
     auto mesh = decode_mesh(stream, 1u << 28);
     EXPECT_TRUE(mesh.ok()) << mesh.status().message();
     return mesh.ok() ? std::move(*mesh) : SurfaceMesh{};
 }
 
-// Rough, and nothing but background at some places: tiles of all kinds.
+// Noise, and background in some regions, so that there are tiles of all kinds.
 Bytes rough_file(AngularMap map, const std::vector<std::byte>& stream) {
     MemoryTexture texture(
         {{48, 32, 10, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
@@ -83,7 +83,7 @@ View view_of(ViewRenderer& renderer, const Camera& camera) {
     return view.ok() ? std::move(*view) : View{};
 }
 
-// Of the uncompressed texels, on load.
+// Draws the view with a renderer whose texels are all loaded.
 View view_of(GlViewRenderer& renderer, const Camera& camera) {
     EXPECT_TRUE(renderer.draw(gpu_camera(camera, SphereWindow{}, grey)));
     const auto pixels = renderer.read();
@@ -94,7 +94,7 @@ View view_of(GlViewRenderer& renderer, const Camera& camera) {
     return view;
 }
 
-// What each pixel shows: the number of a triangle, or
+// What a pixel shows: the number of a triangle, or one of these values.
 constexpr int several = -1, nothing = -2;
 std::vector<int> triangles_seen(const SurfaceMesh& mesh, const Camera& camera) {
     const auto fronts = corpus::RayScene::make(mesh.positions, mesh.triangles, true);
@@ -114,12 +114,12 @@ std::vector<int> triangles_seen(const SurfaceMesh& mesh, const Camera& camera) {
     return all;
 }
 
-// Pixels that show one triangle, or nothing.
+// Counts of the pixels that show one triangle or nothing, and of those that differ.
 struct Likeness {
     std::size_t whole = 0, empty = 0, wrong = 0;
 };
 Likeness likeness(const View& a, const View& b, const std::vector<int>& seen) {
-    // A step of bytes; the weights of filtering hardware; halves.
+    // One step of 8 bits, the weights of filtering hardware, and the rounding of half floats.
     constexpr double tolerance = 1.0 / 255 + 2.0 / 512 + 1.0 / 2048;
     Likeness l;
     EXPECT_EQ(a.rgb.size(), b.rgb.size());
@@ -134,9 +134,9 @@ Likeness likeness(const View& a, const View& b, const std::vector<int>& seen) {
     return l;
 }
 
-// Close by, triangles reach behind the observer. Devices draw what is left of them in parts, and on
-// the lines between these a pixel is a mean of two places. From afar mips are mixed by differences
-// between pixels, which are not the same everywhere in one.
+// From close by, triangles extend behind the observer. GPUs clip them into parts, and a pixel on
+// the line between two parts is a mean of two positions. From afar, mips are blended by differences
+// between pixels, which are not constant within a pixel.
 struct Place {
     Camera camera;
     double may_differ; // share of pixels that may differ
@@ -144,7 +144,7 @@ struct Place {
 std::vector<Place> places() {
     return {{camera_at({6, 3, 5}, {1, 0, 0}), 0.015},
             {camera_at({-30, 8, 20}, {0.9, 0, 0}), 0.001},
-            {camera_at({6, 3, 5}, {16, 3, 5}), 0}, // away from both
+            {camera_at({6, 3, 5}, {16, 3, 5}), 0}, // looks away from both
             {camera_at({1.6, 1.2, 2.2}, {0.8, 0.2, 0}), 0.035},
             {camera_at({0, 1.2, 0}, {3, 0, -0.5}), 0.03}};
 }
@@ -191,7 +191,7 @@ TEST_F(GpuMesh, LooksTheSameOnFeedback) {
     ASSERT_TRUE(cpu.ok()) << cpu.status().message();
     const auto gpu = make_gpu_renderer(decoder->container(), mesh, grey, {"feedback", 64});
     ASSERT_TRUE(gpu.ok()) << gpu.status().message();
-    std::vector<DrawnFrame> frames; // of the newest view
+    std::vector<DrawnFrame> frames; // frames of the latest view
     (*gpu)->watch([&](unsigned number, const DrawnFrame& frame, const auto&) -> Status {
         frames.resize(number);
         frames.back() = frame;
@@ -208,9 +208,9 @@ TEST_F(GpuMesh, LooksTheSameOnFeedback) {
     }
 }
 
-// A wall that is looked at straight is as far from all pixels: mips as the CPU has them.
+// All pixels of a wall that faces the camera have the same mip, so GPU and CPU agree.
 TEST_F(GpuMesh, MipsLookAsOnTheCpu) {
-    SurfaceMesh wall = six_charts(1, false); // six charts a texel apart, side by side
+    SurfaceMesh wall = six_charts(1, false); // six charts one texel apart, side by side
     for (std::size_t i = 0; i < wall.positions.size(); ++i) {
         wall.positions[i] = {wall.uv[i].x * 3 - 1.5f, wall.uv[i].y * 2 - 1, 0};
         wall.normals[i] = {0, 0, 1};
@@ -236,12 +236,12 @@ TEST_F(GpuMesh, MipsLookAsOnTheCpu) {
             const std::vector<int> seen = triangles_seen(mesh, camera);
             const Likeness l = likeness(view_of(**gpu, camera), view_of(**cpu, camera), seen);
             EXPECT_GT(l.whole - l.empty, seen.size() / 8);
-            EXPECT_LE(l.wrong, 3u); // where a place lies on the line between two charts' texels
+            EXPECT_LE(l.wrong, 3u); // positions on the line between the texels of two charts
         }
     }
 }
 
-// What lies behind the box marks no tile: a little ball with another part of the texture.
+// A small ball behind the box, with another part of the texture, marks no tile.
 TEST_F(GpuMesh, HiddenSurfacesMarkNothing) {
     SurfaceMesh hidden = six_charts(1, true);
     for (std::size_t i = 0; i < hidden.positions.size(); ++i) {
@@ -269,7 +269,7 @@ TEST_F(GpuMesh, HiddenSurfacesMarkNothing) {
     const std::uint32_t alone = touched(mesh);
     EXPECT_GT(alone, 0u);
     EXPECT_GT(touched(hidden), 0u);
-    // First, so that it is drawn before what hides it.
+    // The hidden ball comes first, so that it is drawn before the box that hides it.
     const auto base = static_cast<std::uint32_t>(hidden.positions.size());
     const auto append = [](auto& to, const auto& from) {
         to.insert(to.end(), from.begin(), from.end());

@@ -1,4 +1,4 @@
-// Drawing on the device, against drawing on the CPU; frames that sharpen.
+// Compares drawing on the GPU with drawing on the CPU, and tests frames that sharpen progressively.
 #include "codec/encoder.h"
 #include "tests/support/efforts.h"
 #include "tests/support/gpu_fixture.h"
@@ -44,7 +44,7 @@ protected:
             GTEST_SKIP() << "TESSERA_NO_GPU=1";
     }
 
-    // A file in small tiles, so that the borders of many cross the picture.
+    // A file with small tiles, so that many tile borders cross the picture.
     static std::vector<std::byte> small_tiles(const std::string& scene, int effort) {
         const auto source = bake(scene, {64, 32, 10, 9}, 1);
         EncodeOptions options;
@@ -54,9 +54,9 @@ protected:
     }
 };
 
-// Where single precision cannot be held to double: less than a thousandth of the radius from the
-// silhouette, where the place runs off like a square root and rounding decides between hit and
-// miss; and what sample_probes.h excepts for all tests of the sampler.
+// True where single and double precision may differ: within a thousandth of the radius from the
+// silhouette, where the position changes like a square root and rounding decides whether the ray
+// hits; and where sample_probes.h says so.
 bool is_ill_conditioned(const Extent4& size, const Camera& camera, std::uint32_t i,
                         std::uint32_t j) {
     const glm::dvec3 ray = camera.direction(i + 0.5, j + 0.5);
@@ -71,7 +71,7 @@ bool is_ill_conditioned(const Extent4& size, const Camera& camera, std::uint32_t
     return c.planar < 3e-4 || c.jumps;
 }
 
-// Over all pixels that can be judged, as displayed, in steps of 8 bits.
+// The largest difference over all well-conditioned pixels, as displayed, in steps of 8 bits.
 double worst_difference(const View& a, const View& b, const Extent4& size, const Camera& camera,
                         SampleType type) {
     const auto shown = [&](float x) {
@@ -95,7 +95,7 @@ double worst_difference(const View& a, const View& b, const Extent4& size, const
 
 TEST_F(GpuRender, EveryWayGivesTheSamePicture) {
     for (const char* scene : {"composed", "lamps"}) {
-        // Without copies and with.
+        // Without and with copies.
         const bool copies = std::string(scene) == "lamps";
         const std::vector<std::byte> bytes =
             small_tiles(scene, copies ? test::copies_effort : test::quick_effort);
@@ -134,7 +134,7 @@ TEST_F(GpuRender, KeepsThePlaceOfTheSphere) {
     const auto here = make_gpu_renderer(decoder->container(), paper_window, grey, {"load", 64});
     const auto moved = make_gpu_renderer(decoder->container(), {there, 2 * corpus::window_radius},
                                          grey, {"load", 64});
-    ASSERT_TRUE(here.ok() && moved.ok()); // two contexts in one program
+    ASSERT_TRUE(here.ok() && moved.ok()); // one program can have two contexts
     const View a = view_of(**here, camera_at(aslant, {45, 60, 45}));
     const View b = view_of(
         **moved, camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 60, 45}));
@@ -173,7 +173,7 @@ TEST_F(GpuRender, LooksAsOnTheCpuFromInside) {
     }
 }
 
-// The budget that the remark gives holds what the view needs.
+// The budget that the remark recommends is enough for the view.
 TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     const auto source = bake("gallery", {256, 128, 8, 8}, 1);
     EncodeOptions options;
@@ -203,7 +203,7 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     EXPECT_EQ(budget, 5u);
     EXPECT_LT(advice, 20u) << "not just anything";
     EXPECT_EQ(view_of(**tiny, camera).rgb, coarse.rgb) << "a view that stands still keeps still";
-    // Coarse is not empty: like the picture, unlike the background that it would be without.
+    // The coarse picture resembles the expected one more than plain background does.
     const double psnr = likeness_of(expected, to_picture(coarse, SampleType::unorm8)).psnr;
     EXPECT_GT(psnr, likeness_of(expected, blank_picture(80, 60, 128)).psnr + 3);
     const auto enough =
@@ -229,7 +229,7 @@ TEST_F(GpuRender, OrbitsByFeedback) {
           "--via cpu");
 }
 
-// With coarse levels, on a sphere, of many tiles.
+// Files with coarse levels and many tiles, on a sphere.
 class Sharpening : public GpuRender {
 protected:
     static void SetUpTestSuite() {
@@ -270,7 +270,7 @@ protected:
                         .ok());
         return picture;
     }
-    // Draws a view of the file or URL in frames; the frames as JSON.
+    // Draws a view of a file or URL and returns its frames as JSON.
     Json frames_of(const std::string& file, const std::string& name,
                    const std::vector<std::string>& more = {}) {
         std::vector<std::string> words = {file,       "-o",     at(name + ".png"), "--pixels",
@@ -282,7 +282,7 @@ protected:
         return status.ok() ? Json::parse(out_)["views"][0]["frames"] : Json::array();
     }
 
-    static inline std::vector<std::byte> bytes_; // the file, encoded once
+    static inline std::vector<std::byte> bytes_; // encoded once
 };
 
 TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {
@@ -300,14 +300,14 @@ TEST_F(Sharpening, FirstFramesAreCoarseAndNear) {
     const double psnr = likeness_of(sharp, coarse).psnr;
     RecordProperty("coarse_psnr", std::to_string(psnr));
     EXPECT_GT(psnr, 20);
-    Picture shifted = sharp; // by a tenth of its width
+    Picture shifted = sharp; // shifted by a tenth of its width
     std::rotate(shifted.rgb.begin(), shifted.rgb.begin() + 10 * 3, shifted.rgb.end());
     EXPECT_GT(psnr, likeness_of(sharp, shifted).psnr + 1);
     EXPECT_GT(psnr, likeness_of(sharp, blank_picture(96, 72, 128)).psnr + 3);
 }
 
-// Means of all decoded tiles, which need every tile, and those of the level give much the same first
-// frame; the last one is the same.
+// The first frame is about as good from the coarse level as from means of all tiles, which need
+// every tile. The last frame is the same.
 TEST_F(Sharpening, LevelsReplaceMeansOfAllTiles) {
     const auto source = wrap_memory(bytes_);
     const auto decoder = Decoder::open(*source);
@@ -364,7 +364,7 @@ TEST_F(Sharpening, InStepsOnRequest) {
           "feedback");
 }
 
-// A part of a file: what is not there stays coarse.
+// Tiles that a partial file does not have stay coarse.
 TEST_F(Sharpening, ShowsBeginningsOfFiles) {
     const auto source = wrap_memory(bytes_);
     const auto reader = ContainerReader::open(*source);
@@ -376,7 +376,7 @@ TEST_F(Sharpening, ShowsBeginningsOfFiles) {
         const Json frames = frames_of(at("part.tess"), "part", {"--allow-partial"});
         ASSERT_FALSE(frames.empty());
         EXPECT_GT(frames.back()["coarse"], 0);
-        if (length == first) // nothing but coarse data
+        if (length == first) // only coarse data
             EXPECT_EQ(frames.back()["coarse"], frames.back()["touched"]);
         else
             EXPECT_LT(frames.back()["coarse"], frames.back()["touched"]);
@@ -409,8 +409,8 @@ TEST_F(Sharpening, ComesOverANetworkInFewRequests) {
     EXPECT_EQ(out_, "");
 }
 
-// Refusals, and answers that break off; one range fails for longer than its requests are repeated, so
-// that a whole frame goes without, and the next one asks again.
+// The server refuses requests and cuts off responses. One range fails longer than requests are
+// repeated, so that a frame lacks it and the next frame requests it again.
 TEST_F(Sharpening, OutlivesAFailingNetwork) {
     frames_of(at("g.tess"), "near");
     const std::string file(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
@@ -438,7 +438,7 @@ TEST_F(Sharpening, OutlivesAFailingNetwork) {
     EXPECT_FALSE(frames[2].contains("trouble")) << frames;
     EXPECT_TRUE(slurp(at("far.png")) == slurp(at("near.png")));
 
-    // A server that never recovers ends the view with its own reason.
+    // If the server never recovers, the view fails with the server's error.
     const test::RawServer gone([&](const std::string& head, unsigned number) {
         return test::RawServer::Answer{
             number < 3 ? test::PartAnswer(head, file).text()

@@ -21,11 +21,11 @@ TEST_F(GpuTimer, HasSeveralIntervalsInFlight) {
         GlTimer timer = std::move(*created);
         EXPECT_FALSE(timer.take());
         EXPECT_FALSE(timer.wait());
-        timer.end(); // nothing runs
+        timer.end(); // no interval is running
         const auto measure = [&] {
             if (!timer.begin())
                 return false;
-            EXPECT_FALSE(timer.begin()) << "one at a time";
+            EXPECT_FALSE(timer.begin()) << "two intervals run at a time";
             const GLuint ones = 0xFFFFFFFFu;
             glClearNamedBufferData(buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &ones);
             timer.end();
@@ -34,12 +34,12 @@ TEST_F(GpuTimer, HasSeveralIntervalsInFlight) {
         EXPECT_TRUE(measure());
         EXPECT_TRUE(measure());
         EXPECT_TRUE(measure());
-        EXPECT_FALSE(measure()) << "the ring is full";
+        EXPECT_FALSE(measure()) << "more intervals than the ring holds";
         for (int i = 0; i < 3; ++i) {
             const auto ms = timer.wait();
             ASSERT_TRUE(ms);
             EXPECT_LT(*ms, 60000);
-            // llvmpipe's own clock does not see work on buffers.
+            // llvmpipe's clock does not measure work on buffers.
             EXPECT_GT(*ms, clock == TimerClock::device && context_->is_software() ? -1 : 0.0001);
             std::printf("4 MiB cleared, %s clock: %.6f ms\n",
                         clock == TimerClock::device ? "device" : "processor", *ms);

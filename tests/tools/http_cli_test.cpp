@@ -1,4 +1,4 @@
-// Every verb that reads a .tess, over a URL of `tessera serve`.
+// Tests every verb that reads a .tess file, with a URL of `tessera serve`.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/raw_server.h"
 
@@ -26,7 +26,7 @@ protected:
         CliFixture::TearDown();
     }
 
-    // `tessera serve` as a child; its first line is its URL.
+    // Starts `tessera serve` as a child process, whose first line is its URL.
     void start() {
         const std::string log = (base_ / "log").string(), folder = (base_ / "served").string();
         server_ = ::fork();
@@ -45,7 +45,7 @@ protected:
         url_ += "a.tess";
     }
 
-    // The exit code after Ctrl-C.
+    // Sends Ctrl-C and returns the exit code.
     int stop() {
         ::kill(server_, SIGINT);
         int status = 0;
@@ -54,17 +54,17 @@ protected:
         return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     }
 
-    // Requests logged so far.
+    // The number of requests in the log.
     std::size_t requests() const {
         const std::string said = slurp(base_ / "log");
         return static_cast<std::size_t>(std::count(said.begin(), said.end(), '\n')) - 1;
     }
 
-    // How many requests the command makes; it must succeed.
+    // Runs a command, which must succeed, and returns its number of requests.
     std::size_t requests_of(const std::string& arguments) {
         const std::size_t before = requests();
         succeed(arguments);
-        std::this_thread::sleep_for(std::chrono::milliseconds(50)); // the log's last line
+        std::this_thread::sleep_for(std::chrono::milliseconds(50)); // waits for the log's last line
         return requests() - before;
     }
 
@@ -72,17 +72,17 @@ protected:
     std::string url_;
 };
 
-TEST_F(HttpCli, Informs) {
+TEST_F(HttpCli, PrintsInfo) {
     Json remote = json("info --json " + url_), local = json("info --json a.tess");
     EXPECT_EQ(remote["file"], url_);
     remote.erase("file");
     local.erase("file");
     EXPECT_EQ(remote, local);
-    EXPECT_LE(requests(), 1u) << "the index of so small a file comes with its head";
+    EXPECT_LE(requests(), 1u) << "the first request should include this small file's index";
 }
 
 TEST_F(HttpCli, Decodes) {
-    // Opening, and whatever the head does not hold in one more.
+    // One request opens the file, and one more reads what the head does not hold.
     EXPECT_LE(requests_of("decode -q -o far.rgb --box 3:40,2:20,0:9,: " + url_), 2u);
     succeed("decode -q -o near.rgb --box 3:40,2:20,0:9,: a.tess");
     EXPECT_EQ(slurp(at("far.rgb")), slurp(at("near.rgb")));
@@ -100,8 +100,9 @@ TEST_F(HttpCli, ComparesTranscodesDraws) {
     const auto before = requests();
     EXPECT_EQ(json("compare --json a.tess " + url_)["identical"], true);
     EXPECT_EQ(json("compare --json --no-ssim " + url_ + " a.tess")["identical"], true);
-    // Ten, some more on a machine so busy that what was read ahead comes late; tile by tile 18.
-    EXPECT_LE(requests() - before, 15u) << "reads ahead, not tile by tile";
+    // Ten requests, or more on a busy machine where read-ahead comes late. Tile by tile it would be
+    // 18.
+    EXPECT_LE(requests() - before, 15u) << "was read tile by tile";
     succeed("render -q --pixels 32x24 -o far.png " + url_);
     succeed("render -q --pixels 32x24 -o near.png a.tess");
     EXPECT_EQ(slurp(at("far.png")), slurp(at("near.png")));
@@ -111,7 +112,7 @@ TEST_F(HttpCli, ComparesTranscodesDraws) {
     succeed("sheet -q -o far.png a.tess " + url_);
     succeed("rd -q --rivals none --quick --quality 40 --efforts 0 -o report " + url_);
     const Outcome bench = run("bench gpu --pixels 99999x1 " + url_);
-    EXPECT_NE(bench.code, 2) << "it was opened\n" << bench.err;
+    EXPECT_NE(bench.code, 2) << "it could not be opened\n" << bench.err;
 }
 
 TEST_F(HttpCli, Validates) {
@@ -128,7 +129,7 @@ TEST_F(HttpCli, Validates) {
     fail(3, "info " + url_.substr(0, url_.size() - 6) + "empty.tess", {"0 bytes"});
 }
 
-TEST_F(HttpCli, SaysWhatCannotBe) {
+TEST_F(HttpCli, RefusesMissingFilesAndOtherFormats) {
     const std::string folder = url_.substr(0, url_.size() - 6);
     fail(2, "info " + folder + "none.tess", {"none.tess", "404"});
     fail(2, "validate " + folder + "none.tess", {"404"});
@@ -145,7 +146,7 @@ TEST_F(HttpCli, SaysWhatCannotBe) {
     fail(2, "info " + url_, {"a.tess", "onnect", "attempts"});
 }
 
-// The server says nothing, and Ctrl-C does not wait for its limit.
+// The server never answers, and Ctrl-C does not wait for the timeout.
 TEST_F(HttpCli, StopsWhenInterrupted) {
     const RawServer server([](const std::string&, unsigned) {
         RawServer::Answer answer;
@@ -162,8 +163,8 @@ TEST_F(HttpCli, StopsWhenInterrupted) {
     EXPECT_FALSE(fs::exists(at("x.rgb")));
 }
 
-// A file that is replaced while it is read gives an error, not a mixture.
-TEST_F(HttpCli, NoticesAReplacedFile) {
+// Replacing a file during reading gives an error, not a mixture of both.
+TEST_F(HttpCli, DetectsAReplacedFile) {
     const std::string file = slurp(at("a.tess"));
     const RawServer server([&](const std::string& head, unsigned number) {
         PartAnswer answer(head, file);

@@ -1,5 +1,5 @@
-// Reading by ranges over HTTP: few requests, and from servers that misbehave either the right bytes or
-// a clear error.
+// Tests reading ranges over HTTP with few requests. A server that misbehaves must give either the
+// right bytes or a clear error.
 #include "format/byte_source.h"
 #include "format/container/syntax.h"
 #include "tests/support/raw_server.h"
@@ -19,7 +19,7 @@ using test::RawServer;
 using Bytes = std::vector<std::byte>;
 using Answer = RawServer::Answer;
 
-// No proxy of the machine's may come between.
+// Prevents a proxy of this machine from interfering.
 const bool no_proxy = ::setenv("no_proxy", "127.0.0.1", 1) == 0;
 
 std::string random_file(std::size_t size) {
@@ -30,7 +30,7 @@ std::string random_file(std::size_t size) {
     return bytes;
 }
 const std::string file = random_file(300'000);
-constexpr std::size_t first_bytes = first_read_bytes; // brought by opening
+constexpr std::size_t first_bytes = first_read_bytes; // read when the file is opened
 const std::string first_text = std::to_string(first_bytes);
 const std::string last_text = std::to_string(first_bytes - 1);
 
@@ -47,7 +47,7 @@ Answer good(const std::string& head, unsigned) {
     return {PartAnswer(head, file).text()};
 }
 
-// Opens well, then meets `spoiled` for everything else.
+// Answers the first request correctly and all others with `spoiled`.
 RawServer::Handler opens_then(RawServer::Handler spoiled) {
     return [spoiled = std::move(spoiled)](const std::string& head, unsigned number) {
         return number == 0 ? good(head, number) : spoiled(head, number);
@@ -68,7 +68,7 @@ void expect_error(const Status& status, ErrorCode code, const std::string& words
     EXPECT_NE(status.message().find("http://127.0.0.1"), std::string::npos) << status.message();
 }
 
-// Opening meets the handler.
+// Expects that opening fails.
 void expect_no_opening(const RawServer::Handler& handler, ErrorCode code, const std::string& words,
                        unsigned requests, const HttpOptions& options = quick()) {
     const RawServer server(handler);
@@ -76,7 +76,7 @@ void expect_no_opening(const RawServer::Handler& handler, ErrorCode code, const 
     EXPECT_EQ(server.requests(), requests);
 }
 
-// Opening succeeds; a read meets the handler.
+// Expects that opening succeeds and reading fails.
 void expect_no_reading(const RawServer::Handler& handler, ErrorCode code, const std::string& words,
                        unsigned requests, const HttpOptions& options = quick()) {
     const RawServer server(opens_then(handler));
@@ -86,7 +86,7 @@ void expect_no_reading(const RawServer::Handler& handler, ErrorCode code, const 
     EXPECT_EQ(server.requests(), 1 + requests);
 }
 
-// Opening succeeds; a read meets the handler and succeeds as well.
+// Expects that opening succeeds and that reading succeeds despite the handler.
 void expect_reading(const RawServer::Handler& handler, unsigned requests, std::uint64_t retries) {
     const RawServer server(opens_then(handler));
     const auto source = HttpSource::open(server.url(), quick());
@@ -96,7 +96,7 @@ void expect_reading(const RawServer::Handler& handler, unsigned requests, std::u
     EXPECT_EQ((*source)->statistics().retries, retries);
 }
 
-// ---------------------------------------------------------------- good servers
+// ---------------------------------------------------------------- correct servers
 
 TEST(Http, OpensWithOneRequest) {
     const RawServer server(good);
@@ -107,7 +107,7 @@ TEST(Http, OpensWithOneRequest) {
     EXPECT_TRUE((*source)->wants_prefetch());
     EXPECT_TRUE(read_at(**source, 0, first_bytes).ok());
     EXPECT_TRUE(read_at(**source, 300'000, 0).ok());
-    EXPECT_EQ(server.requests(), 1u) << "the first bytes are kept";
+    EXPECT_EQ(server.requests(), 1u) << "the first bytes are read again";
     EXPECT_TRUE(read_at(**source, 16'000, 1000).ok());
     EXPECT_TRUE(read_at(**source, 299'999, 1).ok());
     EXPECT_EQ(server.requests(), 3u);
@@ -141,7 +141,7 @@ TEST(Http, OpensFilesShorterThanTheFirstRequest) {
 
 TEST(Http, MergesRangesAndKeepsRequestsInFlight) {
     const RawServer server([](const std::string& head, unsigned number) {
-        if (number > 0) // long enough for the others to come
+        if (number > 0) // long enough for the other requests to arrive
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
         return good(head, number);
     });
@@ -149,7 +149,7 @@ TEST(Http, MergesRangesAndKeepsRequestsInFlight) {
     options.in_flight = 3;
     const auto source = HttpSource::open(server.url(), options);
     ASSERT_TRUE(source.ok()) << source.status().message();
-    // Four neighbourhoods, each of many ranges in no order, some overlapping, some empty.
+    // Four regions of many unordered ranges, some of which overlap or are empty.
     std::vector<Bytes> buffers;
     std::vector<std::uint64_t> offsets;
     for (std::size_t i = 0; i < 4000; ++i) {
@@ -225,7 +225,7 @@ TEST(Http, HidesPasswords) {
     EXPECT_EQ((*source)->name().find("secret"), std::string::npos) << (*source)->name();
 }
 
-// ---------------------------------------------------------------- no ranges
+// ---------------------------------------------------------------- servers without ranges
 
 TEST(Http, KeepsSmallFilesOfServersWithoutRanges) {
     const RawServer server([](const std::string&, unsigned) {
@@ -252,12 +252,12 @@ TEST(Http, RefusesLongFilesOfServersWithoutRanges) {
                       "the whole has 300000 bytes", 1, options);
     expect_no_opening(whole(""), ErrorCode::unsupported, "more than the 299999 bytes", 1, options);
     options.max_whole_bytes = file.size();
-    const RawServer server(whole("")); // its end is that of the connection
+    const RawServer server(whole("")); // the body ends with the connection
     EXPECT_TRUE(HttpSource::open(server.url(), options).ok());
     expect_no_reading(whole("Content-Length: 300000\r\n"), ErrorCode::io, "whole file instead", 1);
 }
 
-// ---------------------------------------------------------------- wrong answers
+// ---------------------------------------------------------------- wrong responses
 
 TEST(Http, RefusesWrongRanges) {
     const auto shifted = [](const std::string& head, unsigned) {
@@ -306,7 +306,7 @@ TEST(Http, RefusesBodiesOfTheWrongLength) {
     expect_no_reading(longer, ErrorCode::io, "more than the 5000 bytes", 1);
 }
 
-TEST(Http, NoticesThatTheFileChanged) {
+TEST(Http, DetectsAChangedFile) {
     const std::string words = "changed on the server while it was being read";
     expect_no_reading(
         [](const std::string& head, unsigned) {
@@ -332,7 +332,7 @@ TEST(Http, NoticesThatTheFileChanged) {
                 "HTTP/1.1 416 x\r\nContent-Range: bytes */50\r\nContent-Length: 0\r\n\r\n"};
         },
         ErrorCode::io, words, 1);
-    // Without a strong ETag, the date is what the server is asked to check.
+    // Without a strong ETag, requests are conditional on the date.
     std::string asked;
     const RawServer server([&](const std::string& head, unsigned) {
         PartAnswer answer(head, file);
@@ -347,7 +347,7 @@ TEST(Http, NoticesThatTheFileChanged) {
     EXPECT_EQ(asked, "Sat, 21 Nov 2026 19:45:07 GMT");
 }
 
-TEST(Http, RefusesCompressedAnswers) {
+TEST(Http, RefusesCompressedResponses) {
     expect_no_opening(
         [](const std::string& head, unsigned) {
             PartAnswer answer(head, file);
@@ -357,9 +357,9 @@ TEST(Http, RefusesCompressedAnswers) {
         ErrorCode::unsupported, "compressed", 1);
 }
 
-// ---------------------------------------------------------------- failures that pass, or do not
+// ---------------------------------------------------------------- temporary and permanent failures
 
-TEST(Http, TriesAgainWhenCutOff) {
+TEST(Http, RepeatsRequestsThatAreCutOff) {
     const auto cut = [](const std::string& head, unsigned number) {
         Answer answer{PartAnswer(head, file).text()};
         if (number <= 2) {
@@ -371,16 +371,16 @@ TEST(Http, TriesAgainWhenCutOff) {
     expect_reading(cut, 3, 2);
     expect_no_reading([&](const std::string& head, unsigned) { return cut(head, 0); },
                       ErrorCode::io, "(3 attempts)", 3);
-    // Nothing at all is said.
+    // The server sends nothing.
     expect_no_reading(
         [](const std::string&, unsigned) {
             return Answer{"", false};
         },
         ErrorCode::io, "(3 attempts)",
-        4); // libcurl asks again when a kept connection turns out dead
+        4); // libcurl repeats the request once if a kept connection is dead
 }
 
-TEST(Http, TriesAgainWhenBusy) {
+TEST(Http, RepeatsRequestsWhenTheServerIsBusy) {
     const std::string busy =
         "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 0\r\nContent-Length: 5\r\n\r\nbusy\n";
     expect_reading([&](const std::string& head,
@@ -399,7 +399,7 @@ TEST(Http, TriesAgainWhenBusy) {
                       "answers 503 (Service Unavailable)", 1, once);
 }
 
-TEST(Http, WaitsAsLongAsItIsAsked) {
+TEST(Http, WaitsAsLongAsTheServerAsks) {
     const auto start = std::chrono::steady_clock::now();
     expect_reading(
         [](const std::string& head, unsigned number) {
@@ -411,7 +411,7 @@ TEST(Http, WaitsAsLongAsItIsAsked) {
     EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(990));
 }
 
-TEST(Http, GivesUpAtOnceWhereNothingCanChange) {
+TEST(Http, DoesNotRepeatPermanentFailures) {
     for (const char* status : {"400", "401", "403", "404", "410", "304", "999"})
         expect_no_opening(
             [&](const std::string&, unsigned) {
@@ -421,11 +421,11 @@ TEST(Http, GivesUpAtOnceWhereNothingCanChange) {
             ErrorCode::io, std::string("the server answers ") + status, 1);
 }
 
-TEST(Http, NoticesAStall) {
+TEST(Http, DetectsAStall) {
     HttpOptions options = quick();
     options.retries = 0;
     const auto start = std::chrono::steady_clock::now();
-    // Before a word, and in the middle of the body.
+    // The server stalls before the response and in the middle of its body.
     for (const std::size_t place : {std::size_t{0}, std::size_t{2000}})
         expect_no_opening(
             [&](const std::string& head, unsigned number) {
@@ -468,7 +468,7 @@ TEST(Http, RefusesGarbage) {
     expect_no_opening(says("HTTP/1.1 503 Busy\r\n\r\n" + file), ErrorCode::io, "too long", 1);
 }
 
-TEST(Http, SaysWhenNobodyListens) {
+TEST(Http, ReportsRefusedConnections) {
     std::string url;
     {
         const RawServer server(good);
@@ -479,7 +479,7 @@ TEST(Http, SaysWhenNobodyListens) {
     EXPECT_NE(source.status().message().find("(3 attempts)"), std::string::npos);
 }
 
-// The first error of several requests in flight ends them all.
+// The first error among parallel requests ends all of them.
 TEST(Http, OneFailureEndsABatch) {
     const RawServer server(opens_then([](const std::string& head, unsigned number) {
         if (test::range_of(head)->first == 250'000)
@@ -500,8 +500,8 @@ TEST(Http, OneFailureEndsABatch) {
     EXPECT_TRUE(read_at(**source, 0, 10).ok());
 }
 
-// However well a server drips, all of it has a time.
-TEST(Http, TimeEndsWhatStillMoves) {
+// The total time is limited, even if bytes keep arriving slowly.
+TEST(Http, TimeEndsSlowTransfers) {
     const RawServer server(opens_then([](const std::string& head, unsigned number) {
         Answer answer = good(head, number);
         answer.pause_at = answer.bytes.size() - 1;
@@ -524,9 +524,9 @@ TEST(Http, TimeEndsWhatStillMoves) {
     EXPECT_TRUE(over);
 }
 
-// ---------------------------------------------------------------- names
+// ---------------------------------------------------------------- URLs
 
-TEST(Http, KnowsUrls) {
+TEST(Http, RecognisesUrls) {
     EXPECT_TRUE(is_url("http://a/b.tess"));
     EXPECT_TRUE(is_url("HTTPS://a/b.tess"));
     EXPECT_TRUE(is_url("ftp://a"));

@@ -1,4 +1,4 @@
-// https://: certificates that are trusted, and those that must not be.
+// Tests https:// with trusted and untrusted certificates.
 #include "tests/support/test_folder.h"
 #include "tools/http/http_source.h"
 #include "tools/http/open_bytes.h"
@@ -17,10 +17,11 @@ namespace {
 using KeyPtr = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
 using CertificatePtr = std::unique_ptr<X509, decltype(&X509_free)>;
 
-// Signed by itself, for `alternative` ("IP:127.0.0.1") as openssl.cnf writes it.
+// A self-signed certificate for `alternative`, a name in the syntax of openssl.cnf
+// ("IP:127.0.0.1").
 CertificatePtr make_certificate(EVP_PKEY* key, const char* alternative, long valid_seconds) {
     CertificatePtr certificate(X509_new(), &X509_free);
-    X509_set_version(certificate.get(), 2); // 3
+    X509_set_version(certificate.get(), 2); // means version 3
     ASN1_INTEGER_set(X509_get_serialNumber(certificate.get()), 1);
     X509_gmtime_adj(X509_getm_notBefore(certificate.get()), -7200);
     X509_gmtime_adj(X509_getm_notAfter(certificate.get()), valid_seconds);
@@ -39,7 +40,7 @@ CertificatePtr make_certificate(EVP_PKEY* key, const char* alternative, long val
     return certificate;
 }
 
-// Serves 100,000 bytes at /x.tess, in ranges, and a way back to http:// at /down.tess.
+// Serves 100,000 bytes at /x.tess with ranges, and a redirect to http:// at /down.tess.
 class HttpsServer {
 public:
     explicit HttpsServer(const char* alternative = "IP:127.0.0.1", long valid_seconds = 3600)
@@ -87,7 +88,7 @@ private:
     std::thread thread_;
 };
 
-// No proxy of the machine's may come between.
+// Prevents a proxy of this machine from interfering.
 const bool no_proxy_for_https = ::setenv("no_proxy", "127.0.0.1", 1) == 0;
 
 HttpOptions trusting(const HttpsServer& server) {
@@ -103,7 +104,7 @@ void expect_refused(const HttpsServer& server, const HttpOptions& options,
     ASSERT_FALSE(source.ok());
     EXPECT_EQ(source.status().code(), ErrorCode::io);
     EXPECT_NE(source.status().message().find(word), std::string::npos) << source.status().message();
-    EXPECT_EQ(server.requests(), 0) << "nothing may be asked of a server that is not trusted";
+    EXPECT_EQ(server.requests(), 0) << "an untrusted server got a request";
 }
 
 TEST(Https, ReadsRanges) {
@@ -117,7 +118,7 @@ TEST(Https, ReadsRanges) {
     EXPECT_EQ(server.requests(), 2);
 }
 
-TEST(Https, TrustsWhatTheEnvironmentNames) {
+TEST(Https, TrustsCertificatesOfTheEnvironment) {
     const HttpsServer server;
     ::setenv("CURL_CA_BUNDLE", server.ca_file().c_str(), 1);
     const auto source = open_bytes(server.url());
@@ -126,12 +127,12 @@ TEST(Https, TrustsWhatTheEnvironmentNames) {
     EXPECT_EQ((*source)->size(), server.file().size());
 }
 
-TEST(Https, RefusesWhomNobodyVouchesFor) {
+TEST(Https, RefusesASelfSignedCertificate) {
     const HttpsServer server;
     expect_refused(server, HttpOptions{}, "certificate");
 }
 
-TEST(Https, RefusesACertificateForAnother) {
+TEST(Https, RefusesACertificateOfAnotherHost) {
     const HttpsServer server("DNS:elsewhere.example");
     expect_refused(server, trusting(server), "127.0.0.1");
 }
@@ -141,20 +142,20 @@ TEST(Https, RefusesACertificateThatHasExpired) {
     expect_refused(server, trusting(server), "expired");
 }
 
-TEST(Https, SaysWhenTheTrustedCertificatesAreMissing) {
+TEST(Https, ReportsMissingTrustedCertificates) {
     const HttpsServer server;
     HttpOptions options = trusting(server);
     options.ca_file = "/nonexistent/ca.pem";
     expect_refused(server, options, "/nonexistent/ca.pem");
 }
 
-TEST(Https, IsNotLedBackToHttp) {
+TEST(Https, DoesNotFollowRedirectsToHttp) {
     const HttpsServer server;
     const auto source = HttpSource::open(server.url("down.tess"), trusting(server));
     ASSERT_FALSE(source.ok());
     EXPECT_NE(source.status().message().find("http"), std::string::npos);
     EXPECT_EQ(source.status().message().find("refused"), std::string::npos)
-        << "the port of nobody was tried: " << source.status().message();
+        << "the redirect was followed: " << source.status().message();
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// The first signal ends a command, wherever it is, and leaves nothing behind.
+// Tests that the first signal ends a command in any state and leaves nothing behind.
 #include "tests/support/cli_fixture.h"
 
 #include <fcntl.h>
@@ -11,9 +11,9 @@ using namespace tessera::test;
 
 class Interrupt : public CliFixture {};
 
-// Here a library waits in open() for somebody who writes into a pipe, which takes no notice of signals that
-// are handled.
-TEST_F(Interrupt, ACallThatDoesNotReturnIsLeft) {
+// Here a library blocks in open() until a writer opens the pipe, which handled signals do not
+// interrupt.
+TEST_F(Interrupt, EndsACommandWhoseCallDoesNotReturn) {
     ASSERT_EQ(::mkfifo(at("pipe.obj").c_str(), 0600), 0);
     const pid_t child = ::fork();
     if (child == 0) {
@@ -27,7 +27,7 @@ TEST_F(Interrupt, ACallThatDoesNotReturnIsLeft) {
     ::kill(child, SIGTERM);
     int status = 0;
     pid_t ended = 0;
-    for (int i = 0; i < 500 && ended == 0; ++i) { // 5 s: a machine may be busy
+    for (int i = 0; i < 500 && ended == 0; ++i) { // waits up to 5 s on a busy machine
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         ended = ::waitpid(child, &status, WNOHANG);
     }

@@ -1,5 +1,4 @@
-// Files past 4 GiB, mostly of holes: offsets must not wrap, and nothing may read what it was not
-// asked for.
+// Tests sparse files above 4 GiB: offsets must not wrap, and only requested bytes are read.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "format/texture.h"
@@ -19,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t four_gib = 1ull << 32;
 
-// Writes, but leaves holes where there are only zeros.
+// Writes a file with holes in place of zeros.
 class SparseSink : public ByteSink {
 public:
     explicit SparseSink(const std::string& path)
@@ -71,8 +70,8 @@ std::vector<std::byte> pattern(std::size_t count) {
     return bytes;
 }
 
-// 3,834 tiles in a row: 3,300 of 1.3 MB of zeros, as many as a tile of that extent may have, and among and
-// behind them what a small texture of 534 tiles was coded to.
+// 3,834 tiles in a row. 3,300 of them are junk: 1.3 MB of zeros each, the largest size of such a
+// tile. Before and after them are the tiles of a small texture of 534 tiles.
 TEST_F(LargeFiles, TilesBeyondFourGiB) {
     constexpr std::uint32_t junk = 3300, real = 534;
     constexpr std::uint32_t side = 4;
@@ -134,9 +133,9 @@ TEST_F(LargeFiles, TilesBeyondFourGiB) {
     std::uint64_t read = 0;
     for (const auto& one : counting.reads())
         read += one.length;
-    EXPECT_LT(read, 1u << 20); // no junk
+    EXPECT_LT(read, 1u << 20); // the junk is not read
 
-    // One flipped bit out there is found where it is, and all the rest is sound.
+    // A flipped bit beyond 4 GiB is located, and everything else is intact.
     const auto last = decoder->container().locate(junk + 484);
     ASSERT_TRUE(last);
     const int raw = ::open(at("x.tess").c_str(), O_RDWR);
@@ -170,7 +169,7 @@ TEST_F(LargeFiles, RawTexelsBeyondFourGiB) {
         ASSERT_TRUE(sink.ok());
         ASSERT_TRUE((*sink)->write(beyond, a).ok());
         ASSERT_TRUE((*sink)->write(first, b).ok());
-        // Whole angular images gathered in a slab, past 4 GiB too.
+        // Whole angular images gathered in a slab, also above 4 GiB.
         const Box4 slab{{10, 298, 0, 0}, {12, 300, 128, 128}};
         ASSERT_TRUE((*sink)->begin_slab(slab).ok());
         ASSERT_TRUE((*sink)->write(slab, pattern(larger.box_bytes(slab))).ok());
@@ -190,7 +189,7 @@ TEST_F(LargeFiles, RawTexelsBeyondFourGiB) {
     expect_box(first, b);
     const Box4 slab{{10, 298, 0, 0}, {12, 300, 128, 128}};
     expect_box(slab, pattern(larger.box_bytes(slab)));
-    // Where a 32-bit offset would have put them there is nothing.
+    // There is nothing at the positions that a wrapped 32-bit offset would give.
     const std::uint64_t wrapped_v = 294 - 256;
     Box4 wrong = beyond;
     wrong.begin[axis_v] = static_cast<std::uint32_t>(wrapped_v);

@@ -1,4 +1,4 @@
-// Bounded memory: cutting slabs changes no byte, and what a budget promises is kept.
+// Tests that the size of slabs changes no byte and that memory budgets are kept.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/texels/sample_tiles.h"
@@ -66,7 +66,7 @@ protected:
 
 struct Kind {
     const char* name;
-    std::uint64_t least; // bytes of the smallest slab a sink can live with
+    std::uint64_t least; // bytes of the smallest possible slab
 };
 const Kind kinds[] = {{"x.rgb", 3 * 10 * 9}, {"x.exr", 3 * 40 * 10 * 9}, {"x_views/", 3 * 40 * 36}};
 
@@ -105,7 +105,7 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
         };
         std::vector<std::byte> whole, cut;
         ASSERT_TRUE(encode(1ull << 40, whole));
-        // Tiles are 14 x 12 x 5 x 5 at most.
+        // Tiles are at most 14 x 12 x 5 x 5.
         for (const std::uint64_t tiles : {1u, 9u}) {
             const Status status = encode(tiles * 3 * 14 * 12 * 5 * 5, cut);
             ASSERT_TRUE(status) << kind.name << status.message();
@@ -133,7 +133,7 @@ TEST(MemoryBudget, ReadsSizes) {
         EXPECT_EQ(parse_size(text).status().code(), ErrorCode::bad_argument) << text;
 }
 
-TEST(ChooseNumbers, IsARandomSetThatASeedFixes) {
+TEST(ChooseNumbers, ASeedDeterminesTheRandomSet) {
     EXPECT_EQ(choose_numbers(5, 9, 1), (std::vector<std::uint64_t>{0, 1, 2, 3, 4}));
     EXPECT_TRUE(choose_numbers(0, 3, 1).empty());
     std::vector<int> times(50);
@@ -145,14 +145,14 @@ TEST(ChooseNumbers, IsARandomSetThatASeedFixes) {
         for (const std::uint64_t number : numbers)
             ++times[number];
     }
-    for (const int n : times) // 200 expected, a deviation of 13
+    for (const int n : times) // expected 200, standard deviation 13
         EXPECT_NEAR(n, 200, 65);
     EXPECT_NE(choose_numbers(1u << 20, 4, 1), choose_numbers(1u << 20, 4, 2));
     EXPECT_LT(choose_numbers(1ull << 40, 1000, 7).back(), 1ull << 40);
 }
 
-#ifndef TESSERA_SANITIZED // whose memory would be measured
-// Peak memory of the tool itself, in bytes.
+#ifndef TESSERA_SANITIZED // would measure the sanitizer's memory
+// Peak memory of the tool's process, in bytes.
 std::uint64_t peak_of(const fs::path& folder, std::vector<std::string> words) {
     words.insert(words.begin(), TESSERA_TOOL);
     const pid_t child = fork();
@@ -172,8 +172,8 @@ std::uint64_t peak_of(const fs::path& folder, std::vector<std::string> words) {
     return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
 }
 
-// 100 MB of texels, all in one row of tiles, which EXR and raw files would like to have at once. Halves,
-// because time goes by texels.
+// 100 MB of texels in one row of tiles, which EXR and raw files would otherwise hold at once. Half
+// floats, because time depends on the number of texels.
 TEST_F(Memory, StaysWithinItsBudget) {
     const std::uint64_t budget = 120ull << 20;
     const std::vector<std::string> common{"-q", "--threads", "2", "--memory", "120M"};

@@ -12,7 +12,7 @@ namespace {
 
 using namespace tessera::test::rendering;
 
-// Two units wide and high, in z = 0, seen from +z; u grows with x and v with y.
+// A square of 2 x 2 units in z = 0, seen from +z. u grows with x and v with y.
 SurfaceMesh square() {
     SurfaceMesh mesh;
     for (const auto& [x, y] : {std::pair{-1.f, -1.f}, {1.f, -1.f}, {1.f, 1.f}, {-1.f, 1.f}}) {
@@ -24,7 +24,7 @@ SurfaceMesh square() {
     return mesh;
 }
 
-TEST(MeshRays, FindFrontsAndLetBacksPass) {
+TEST(MeshRays, HitFrontsAndPassThroughBacks) {
     const SurfaceMesh mesh = square();
     const auto made = corpus::RayScene::make(mesh.positions, mesh.triangles, true);
     ASSERT_TRUE(made.ok()) << made.status().message();
@@ -36,13 +36,13 @@ TEST(MeshRays, FindFrontsAndLetBacksPass) {
         const SurfacePoint p = surface_point(mesh, tangents, hit->triangle, hit->barycentric);
         expect_near(p.position, {at.x, at.y, 0}, 1e-6);
         EXPECT_NEAR(p.uv.x, (at.x + 1) / 2, 1e-6);
-        EXPECT_FALSE(made->first_hit({at.x, at.y, -4}, {0, 0, 1})) << "from behind";
+        EXPECT_FALSE(made->first_hit({at.x, at.y, -4}, {0, 0, 1})) << "hit from behind";
     }
     EXPECT_FALSE(made->first_hit({1.01, 0, 4}, {0, 0, -1}));
-    EXPECT_FALSE(made->first_hit({0, 0, 4}, {0, 0, 1})) << "away from it";
+    EXPECT_FALSE(made->first_hit({0, 0, 4}, {0, 0, 1})) << "hit by a ray that leads away";
 }
 
-// Each place and direction of the texture has a colour of its own.
+// Each position and direction of the texture has its own colour.
 TEST(MeshRenderer, ShowsTheFootprintOfEveryPixel) {
     test::MemoryTexture texture({{8, 8, 6, 6}, SampleType::unorm8, 3},
                                 [](int u, int v, int s, int t, int c) {

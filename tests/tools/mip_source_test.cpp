@@ -33,7 +33,7 @@ TEST(MipSource, HoldsMeansOfOneChart) {
         ASSERT_EQ(desc.size, mips.kept_size());
         Bytes texels(desc.box_bytes(Box4::whole(desc.size)));
         ASSERT_TRUE(source->read(Box4::whole(desc.size), texels));
-        // Not all of one chart's: the mean would be another where charts meet.
+        // The mean covers only texels of one chart, also where charts meet.
         for (unsigned mip = 0; mip <= 4; ++mip)
             for (std::uint32_t y = 0; y < mips.size(mip)[1]; ++y)
                 for (std::uint32_t x = 0; x < mips.size(mip)[0]; ++x) {

@@ -12,7 +12,7 @@ std::span<const std::byte> bytes_of(std::string_view text) {
 }
 
 std::string unpacked(std::span<const std::byte> packed, std::size_t length) {
-    std::string out(length + 1, '?'); // one more would be noticed
+    std::string out(length + 1, '?'); // one byte more, to detect a longer text
     z_stream stream{};
     EXPECT_EQ(inflateInit2(&stream, 15 + 16), Z_OK);
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(packed.data()));
@@ -25,7 +25,7 @@ std::string unpacked(std::span<const std::byte> packed, std::size_t length) {
     return out;
 }
 
-TEST(Gzip, ComesBackWhateverTheLength) {
+TEST(Gzip, RoundTripsTextOfAnyLength) {
     std::string text;
     for (const std::size_t length : {0u, 1u, 70'000u, 300'000u}) {
         while (text.size() < length)
@@ -37,7 +37,7 @@ TEST(Gzip, ComesBackWhateverTheLength) {
     }
 }
 
-TEST(Base64, IsThatOfRfc4648) {
+TEST(Base64, FollowsRfc4648) {
     const std::pair<const char*, const char*> vectors[] = {
         {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}};
     for (const auto& [text, coded] : vectors)
@@ -45,11 +45,11 @@ TEST(Base64, IsThatOfRfc4648) {
     EXPECT_EQ(base64(std::vector{std::byte{0xFB}, std::byte{0xFF}, std::byte{0xFE}}), "+//+");
 }
 
-TEST(Page, HoldsWhatItIsGivenAndNothingElse) {
+TEST(Page, HoldsOnlyTheGivenContents) {
     PageContents contents;
     contents.title = "<b>&\"";
     contents.background = {1, 0.5, 0};
-    // Longer than the pieces that it is passed on in.
+    // Longer than the pieces in which it is written.
     const std::string file = "the file" + std::string(3 << 20, 'x'), data = "the data";
     const auto source = wrap_memory(bytes_of(file));
     contents.file = source.get();
@@ -61,7 +61,7 @@ TEST(Page, HoldsWhatItIsGivenAndNothingElse) {
         largest = std::max(largest, piece.size());
         return {};
     });
-    if (!written.ok()) { // built without a compiler for wasm
+    if (!written.ok()) { // built without a WebAssembly compiler
         EXPECT_EQ(written.code(), ErrorCode::unsupported);
         EXPECT_NE(written.message().find("clang-19"), std::string::npos);
         EXPECT_EQ(page, "");
@@ -73,11 +73,11 @@ TEST(Page, HoldsWhatItIsGivenAndNothingElse) {
                              "id=\"data\">dGhlIGRhdGE=<", "id=\"kit\">H4sI"})
         EXPECT_NE(page.find(part), page.npos) << part;
     EXPECT_EQ(page.find("{{"), page.npos);
-    // What its taker says ends it.
+    // An error of the callback ends the writing.
     const Status stopped =
         write_page(contents, [](std::string_view) { return Status(ErrorCode::io, "disk full"); });
     EXPECT_EQ(stopped.message(), "disk full");
-    // The budget of viewer and decoder.
+    // The size budget of viewer and decoder.
     const auto server = make_server_page();
     ASSERT_TRUE(server.ok());
     EXPECT_LT(server->size(), 200'000u);

@@ -1,4 +1,5 @@
-// Drawing planar views on the CPU: how they lie in the tiles of a file is not to be seen.
+// Tests drawing planar views on the CPU. How views are arranged in a file's tiles must not affect
+// the picture.
 #include "codec/encoder.h"
 #include "tests/support/moving_views.h"
 #include "tests/support/rendering.h"
@@ -18,7 +19,8 @@ using namespace tessera::test::rendering;
 
 class PlanarRender : public Render {
 protected:
-    // A lossless file of views that move by (u, v) texels; whether they are aligned is for `tools` to say.
+    // Writes a lossless file of views that move by (u, v) texels. `tools` decides whether they are
+    // aligned.
     std::string views_file(const std::string& name, const TextureDesc& desc, int u, int v,
                            const std::string& tools) {
         test::MemoryTexture texture = test::moving_views(desc, u, v);
@@ -35,9 +37,9 @@ protected:
         EXPECT_EQ(ContainerReader::open(**bytes)->alignment().any(), tools.empty()) << name;
         return at(name);
     }
-    // Filled by the window: what is beside it is the file's background, which is each file's own.
+    // The window fills the picture, because files have different backgrounds outside of it.
     std::string drawn(const std::string& file, std::vector<std::string> words) {
-        const std::string output = at("v.exr"); // floats, where 8 bits could hide something
+        const std::string output = at("v.exr"); // floats, because 8 bits could hide differences
         words.insert(words.begin(), {file, "-o", output, "-q", "--pixels", "36x30"});
         const Status status = run(words);
         EXPECT_TRUE(status) << status.message();
@@ -46,10 +48,10 @@ protected:
     }
 };
 
-TEST_F(PlanarRender, AlignedViewsAreDrawnAsTheyAre) {
+TEST_F(PlanarRender, AlignedViewsAreDrawnUnchanged) {
     const std::vector<std::vector<std::string>> poses = {
-        {},                                                        // amid the cameras
-        {"--eye=0.45,-0.2,3"},                                     // where the last one stands
+        {},                                                        // in the middle of the cameras
+        {"--eye=0.45,-0.2,3"},                                     // at the last camera
         {"--eye=-0.37,0.11,2.6", "--focus", "4"},                  // between four of them
         {"--eye=5,-4,6"},                                          // beyond all of them
         {"--eye=0.2,0.3,1.5", "--look=-0.87,0.7,0", "--fov", "8"}, // at a corner
@@ -71,7 +73,7 @@ TEST_F(PlanarRender, AlignedViewsAreDrawnAsTheyAre) {
 
 constexpr Extent4 asked_block{8, 8, 2, 2};
 
-// Of a grid of tiles, and which blocks of it were read.
+// Texels of a tile grid. Records which blocks are read.
 class AskedTexels final : public TexelSource {
 public:
     explicit AskedTexels(const TextureDesc& desc) : desc_(desc) {}
@@ -87,8 +89,8 @@ private:
     TextureDesc desc_;
 };
 
-// Where requests are dear, the blocks of the grid that a view needs are asked for beforehand.
-TEST_F(PlanarRender, TilesAreForetoldInTheGrid) {
+// If requests are expensive, the blocks that a view needs are announced before they are read.
+TEST_F(PlanarRender, NeededTilesAreAnnounced) {
     const AlignedViews aligned({40, 36, 3, 2}, {7, -5});
     AskedTexels source({aligned.grid_size(), SampleType::unorm8, 1});
     RenderOptions options;
@@ -105,7 +107,7 @@ TEST_F(PlanarRender, TilesAreForetoldInTheGrid) {
     EXPECT_GT(told.size(), 20u);
 }
 
-// A file of aligned views is measured against one whose views are not, and the other way.
+// Compares a file of aligned views with one whose views are not aligned, in both directions.
 TEST_F(PlanarRender, AlignedViewsAreComparedWithOthers) {
     const TextureDesc desc{{40, 36, 3, 2}, SampleType::unorm8, 1};
     const std::string aligned = views_file("a.tess", desc, 2, 2, "");

@@ -1,4 +1,4 @@
-// Text from files as terminals get it, and failures of libraries as people do.
+// Tests how text from files is printed on terminals, and how failures of libraries are reported.
 #include "tools/support/parse.h"
 #include "tools/texture_io/exr_stream.h"
 
@@ -14,7 +14,7 @@ TEST(Printable, ControlsBecomeBlanks) {
               "  1m"); // U+009B, "ESC ["
     EXPECT_EQ(printable("\x9B"
                         "1m"),
-              " 1m");                                                     // its byte alone
+              " 1m");                                                     // the byte alone
     EXPECT_EQ(printable("\xC3\xA4\xE2\x82\xAC"), "\xC3\xA4\xE2\x82\xAC"); // umlaut, euro
     EXPECT_EQ(printable("\xF0\x9F\x98\x80\xC2\xA0"), "\xF0\x9F\x98\x80\xC2\xA0");
 }

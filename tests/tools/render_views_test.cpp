@@ -1,4 +1,4 @@
-// Which views are drawn, and where they go.
+// Tests the selection of views and their file names.
 #include "tests/support/rendering.h"
 #include "tools/view/render_views.h"
 

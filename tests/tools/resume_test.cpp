@@ -1,4 +1,4 @@
-// Kills the tool at random moments and lets it go on: the file must come out as if nothing had been.
+// Kills the tool at random moments and resumes: the file must be the same as without interruption.
 #include "tests/support/test_folder.h"
 
 #include <chrono>
@@ -51,7 +51,7 @@ protected:
         return child;
     }
 
-    // Waits; 128 + signal where one ended it.
+    // Waits for the child. Returns its exit code, or 128 + signal if a signal ended it.
     static int code_of(pid_t child) {
         int status = 0;
         waitpid(child, &status, 0);
@@ -60,7 +60,7 @@ protected:
     int run(const std::string& arguments) const { return code_of(start(arguments)); }
     std::string message() const { return slurp(at("err")); }
 
-    // Sends `signal` after `seconds`, if it still runs by then.
+    // Sends `signal` after `seconds` if the command is still running.
     int run_until(const std::string& arguments, double seconds, int signal) const {
         const auto begin = Clock::now();
         const pid_t child = start(arguments);
@@ -69,12 +69,12 @@ protected:
                (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
                 ended.si_pid == 0))
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        kill(child, signal); // one that has ended is still there until it is waited for
+        kill(child, signal); // an ended process exists until it is waited for
         return code_of(child);
     }
 
-    // Sends `signal` as soon as the journal of x.tess holds tiles. One that an earlier run left would be
-    // taken for this one's, and the signal come before the tool expects any.
+    // Sends `signal` as soon as the journal of x.tess holds tiles. An old journal is removed first,
+    // because it would trigger the signal too early.
     int run_until_tiles(const std::string& arguments, int signal) const {
         fs::remove_all(at("x.tess.journal"));
         const pid_t child = start(arguments);
@@ -87,11 +87,12 @@ protected:
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        return -1; // it ended by itself
+        return -1; // the command ended first
     }
 
-    // Kills `command` `kills` times in all, resuming each time and starting anew once it is done;
-    // moments are spread evenly over what a whole run takes. Returns how often a kill hit.
+    // Kills `command` `kills` times in all, resuming each time and starting again once it is
+    // complete. The moments are spread evenly over the time of a whole run. Returns the number of
+    // kills that interrupted a run.
     int torture(const std::string& command, int kills, unsigned seed) {
         const auto begin = Clock::now();
         EXPECT_EQ(run(command + " -o whole.tess --threads 2"), 0) << message();
@@ -99,7 +100,7 @@ protected:
         const std::string expected = slurp(at("whole.tess"));
         std::mt19937 random(seed);
         int hits = 0;
-        bool anew = true; // nothing of an earlier run is there
+        bool anew = true; // no journal exists
         for (int i = 0; i <= kills; ++i) {
             const std::string threads = random() % 2 ? " --threads 1" : " --threads 2";
             const double moment = static_cast<double>(random() % 1000) / 1000 * whole;
@@ -111,7 +112,8 @@ protected:
                 anew = false;
                 continue;
             }
-            // The machine may be faster than it was: else most kills would come too late.
+            // Measures again, because on a machine that has become faster most kills would come too
+            // late.
             if (anew)
                 whole = std::chrono::duration<double>(Clock::now() - started).count();
             anew = true;
@@ -124,7 +126,7 @@ protected:
         for (const auto& entry : fs::directory_iterator(folder_))
             left.push_back(entry.path().filename().string());
         EXPECT_EQ(left.size(), static_cast<std::size_t>(fs::exists(at("in.rgb"))) + 2)
-            << testing::PrintToString(left); // whole.tess, err
+            << testing::PrintToString(left); // the others are whole.tess and err
         return hits;
     }
 
@@ -146,14 +148,14 @@ TEST_F(Resume, PassesOfRateControlSurviveKills) {
 
 TEST_F(Resume, TheHighestEffortAndCorrectionsSurviveKills) {
     ASSERT_EQ(run("bake lamps --size 12x10x8x8 --spp 1 -q -o in.rgb16f"), 0);
-    fs::rename(at("in.rgb16f"), at("in.rgb")); // torture counts one input of this name
+    fs::rename(at("in.rgb16f"), at("in.rgb")); // torture() counts one input of this name
     const std::string encode = "encode in.rgb --size 12x10x8x8 --type half --tile 4x8x8x4 -q ";
-    // .rgb says unorm8; --type overrules it
+    // --type overrides the type that .rgb implies.
     EXPECT_GE(torture(encode + "--effort 4 --quality 40", 10, 4), 3);
     EXPECT_GE(torture(encode + "--effort 1 --max-error 40", 10, 5), 3);
 }
 
-// Many tiles, so that a signal after the first ones comes before the last.
+// Many tiles, so that a signal after the first tiles comes before the last.
 const std::string slow_scene = "gallery --spp 4 --size 48x48x16x8";
 const std::string options = " --tile 8x8x8x8 --effort 2 -q -o x.tess ";
 const std::string slow_bake = "bake " + slow_scene + options;
@@ -196,7 +198,7 @@ TEST_F(Resume, RefusesOtherOptions) {
     refused("bake mirror --spp 4 --size 48x48x16x8", "scene was 'gallery' and is 'mirror'");
     EXPECT_EQ(run("bake " + slow_scene + " --effort 2 -q -o x.tess --tile 16x8x8x8 --resume"), 1);
     EXPECT_NE(message().find("largest tile"), std::string::npos) << message();
-    // What does not decide the bytes may change.
+    // Options that do not affect the bytes may change.
     EXPECT_EQ(run(slow_bake + "--resume --threads 1 --no-verify"), 0) << message();
 }
 
@@ -209,7 +211,7 @@ TEST_F(Resume, RefusesAChangedInput) {
     fs::last_write_time(at("in.rgb"), time + std::chrono::seconds(1));
     EXPECT_EQ(run(encode + "--resume"), 1);
     EXPECT_NE(message().find("cannot resume: time of the input"), std::string::npos) << message();
-    // Another texture of the same length and time.
+    // Another texture with the same size and time.
     std::string texels = slurp(at("in.rgb"));
     for (char& c : texels)
         c = static_cast<char>(c ^ 1);
@@ -234,14 +236,14 @@ TEST_F(Resume, TwoProcessesCannotWriteOneOutput) {
     const pid_t first = start(slow_bake);
     for (int i = 0; i < 500 && !fs::exists(at("x.tess.journal/lock")); ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    std::this_thread::sleep_for(std::chrono::milliseconds(50)); // to lock what it made
+    std::this_thread::sleep_for(std::chrono::milliseconds(50)); // time to lock the new file
     for (const std::string more : {"", "--resume"}) {
         EXPECT_EQ(run(slow_bake + more), 2);
         EXPECT_NE(message().find("another process"), std::string::npos) << message();
     }
     kill(first, SIGKILL);
     EXPECT_EQ(code_of(first), 128 + SIGKILL);
-    EXPECT_EQ(run(slow_bake), 0) << message(); // the dead one's journal is in nobody's way
+    EXPECT_EQ(run(slow_bake), 0) << message(); // the journal of the killed process is no obstacle
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Textures in files of every kind: what is written is read back, bad files are refused by name.
+// Tests textures in files of every kind: written files are read back, and errors name the bad file.
 #include "format/levels.h"
 #include "format/work.h"
 #include "tests/support/test_folder.h"
@@ -29,7 +29,7 @@ using test::spit;
 
 namespace fs = std::filesystem;
 
-// A folder of its own for every test.
+// Gives each test a temporary folder.
 class ImageIo : public testing::Test {
 protected:
     void SetUp() override { folder_ = test::make_test_folder("io"); }
@@ -42,7 +42,7 @@ protected:
     fs::path folder_;
 };
 
-// Random samples in memory; halves are any bits, NaN and infinities too.
+// Random samples in memory. Half floats have any bits, including NaN and infinities.
 class NoiseTexture : public TexelSource {
 public:
     NoiseTexture(const TextureDesc& desc, unsigned seed)
@@ -117,7 +117,7 @@ TEST_F(ImageIo, RoundTripsEveryKindTypeAndSize) {
                         continue;
                     }
                     ASSERT_TRUE(written.ok()) << written.message();
-                    // Raw files know nothing, the others everything.
+                    // Raw files store no description, the others store all of it.
                     TextureHints hints;
                     if (kind_of(path(name)) == TextureKind::raw)
                         hints = hints_of(texture.desc());
@@ -129,7 +129,7 @@ TEST_F(ImageIo, RoundTripsEveryKindTypeAndSize) {
 }
 
 TEST_F(ImageIo, ReadsBoxesOfSlabsFromSeveralThreads) {
-    const Extent4 size{13, 11, 70, 6}; // s is long: raw reads both ways
+    const Extent4 size{13, 11, 70, 6}; // s is long enough for both ways of reading raw files
     NoiseTexture texture(make_desc(size, SampleType::unorm8, 3), 7);
     for (const std::string name : {"x.rgb", "x.exr", "views/"}) {
         ASSERT_TRUE(write(texture, path(name)).ok());
@@ -157,8 +157,8 @@ TEST_F(ImageIo, ReadsBoxesOfSlabsFromSeveralThreads) {
     }
 }
 
-// As the encoder reads: all views of some places, one tile after the other. All views of 20x13 places are kept, of
-// 40x26 rows of views, as those take more than 4 MiB.
+// Reads like the encoder: all views of some texels, tile after tile. All views of 20x13 texels are
+// kept; of 40x26, only rows of views, because they need more than 4 MiB.
 TEST_F(ImageIo, ReadsRawTilesOfTheSamePlacesInTurn) {
     NoiseTexture texture(make_desc({47, 27, 70, 65}, SampleType::unorm8, 1), 11);
     ASSERT_TRUE(write(texture, path("x.gray")).ok());
@@ -258,7 +258,7 @@ TEST_F(ImageIo, RefusesSizesPast64Bits) {
         EXPECT_EQ(parse_extent(text).status().code(), ErrorCode::bad_argument) << text;
 }
 
-// EXR pictures that we would not write.
+// Writes EXR pictures that the library would not write.
 
 void write_foreign_exr(const std::string& path, int width, int height,
                        const std::vector<std::pair<std::string, Imf::PixelType>>& channels,
@@ -282,8 +282,8 @@ void write_foreign_exr(const std::string& path, int width, int height,
     file.writePixels(height);
 }
 
-// OpenEXR does not write a picture without channels, so take the only one out of its header: the
-// list is a 4-byte length, 18 bytes for a channel of a short name, and a zero.
+// OpenEXR cannot write a picture without channels, so this removes the only one from the header.
+// The list has a 4-byte length, 18 bytes per channel with a short name, and a zero.
 std::string without_channels(std::string exr) {
     const std::size_t list = exr.find(std::string("channels\0chlist\0", 16)) + 16;
     exr[list] = 1;
@@ -391,13 +391,13 @@ TEST_F(ImageIo, SurvivesFlippedBytesOfAnExr) {
     for (std::size_t i = 0; i < good.size(); ++i) {
         patch(i, static_cast<char>(good[i] ^ (i % 2 ? 0xFF : 0x10)));
         const auto opened = open_texture(path("x.exr"), {});
-        if (opened.ok()) // EXR has no checksums: it may read well
+        if (opened.ok()) // without checksums, damage may go undetected
             (void)opened->source->begin_slab(Box4::whole(opened->source->desc().size)).ok();
         patch(i, good[i]);
     }
 }
 
-// Folders of views; more of them in views_io_test.cpp.
+// Tests of folders of views. views_io_test.cpp has more.
 
 TEST_F(ImageIo, InfersViewsFromNamesAlone) {
     NoiseTexture texture(make_desc({7, 5, 3, 2}, SampleType::unorm8, 4), 5);
@@ -463,7 +463,7 @@ TEST_F(ImageIo, ReplacesOnlyItsOwnFolders) {
     EXPECT_TRUE(write(texture, path("nothing")).ok());
 }
 
-// Places where nothing can be written.
+// Paths that cannot be written.
 
 TEST_F(ImageIo, ReportsPlacesThatCannotBeWritten) {
     NoiseTexture texture(make_desc({3, 2, 2, 2}, SampleType::unorm8, 3), 1);

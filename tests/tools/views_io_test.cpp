@@ -1,4 +1,4 @@
-// Views in pictures of every kind, and pictures that should not be believed.
+// Tests views in pictures of every kind, and pictures with false claims.
 #include "tests/support/test_folder.h"
 #include "tools/picture/jpeg_file.h"
 #include "tools/picture/png_file.h"
@@ -30,7 +30,7 @@ protected:
     void TearDown() override { fs::remove_all(folder_); }
     std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
-    // A picture whose samples are 10 times its number, and a little more from pixel to pixel.
+    // Writes a picture whose samples are 10 times its number, plus a small offset per pixel.
     void put(const std::string& name, unsigned number, std::uint32_t width = 4,
              std::uint8_t channels = 3) const {
         const PictureShape shape{picture_kind_of_name(name), width, 3, channels, 8};
@@ -52,7 +52,7 @@ protected:
         ASSERT_TRUE(png_image_write_to_file(&image, at(name).c_str(), 0, pixels, 0, colours));
     }
 
-    // What a texture of the folder v holds, or why it is none; and the code.
+    // The texels of the folder v. Sets error_ and desc_.
     std::vector<std::byte> texels(const TextureHints& hints = {}, const std::string& name = "v") {
         const auto opened = open_texture(at(name), hints);
         error_ = opened.status();
@@ -90,7 +90,7 @@ TEST_F(ViewsIo, ReadsPngJpegAndExr) {
         ASSERT_TRUE(error_.ok()) << ending << error_.message();
         EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 2}));
         EXPECT_TRUE(planar_);
-        // v, u, t, s: the first place in all four views, then the second.
+        // In the order v, u, t, s: the first texel of all four views, then the second.
         for (std::size_t i = 0; i < 8; ++i)
             EXPECT_NEAR(std::to_integer<int>(found[3 * i]), 10.0 * (i % 4) + i / 4,
                         ending == ".jpg" ? 2 : 0)
@@ -113,7 +113,7 @@ TEST_F(ViewsIo, ReadsEveryKindOfPng) {
     auto found = texels();
     ASSERT_TRUE(error_.ok()) << error_.message();
     EXPECT_EQ(desc_.channels, 3);
-    for (std::size_t i = 0; i < deep.size(); ++i) // the nearest of 8 bits
+    for (std::size_t i = 0; i < deep.size(); ++i) // rounded to 8 bits
         EXPECT_EQ(std::to_integer<std::size_t>(found[i]), i);
     TextureHints hints;
     hints.type = SampleType::half16;
@@ -145,7 +145,7 @@ TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
     // Eight views in two columns, with a row and a column of pixels left over.
     const PictureShape shape{PictureKind::png, 9, 13, 1, 8};
     std::vector<std::byte> samples(9 * 13, std::byte{255});
-    for (std::uint32_t y = 1; y < 13; ++y) // from the bottom left
+    for (std::uint32_t y = 1; y < 13; ++y) // views begin at the bottom left
         for (std::uint32_t x = 0; x < 8; ++x)
             samples[y * 9 + x] = static_cast<std::byte>((12 - y) / 3 * 2 + x / 4);
     const auto file = encode_picture(shape, SampleType::unorm8, samples);
@@ -159,7 +159,7 @@ TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
     TextureHints hints;
     hints.views.grid = ViewGrid{2, 4};
     hints.views.order = ViewOrder{false, false, true, false};
-    found = texels(hints, "a_qs2x4a0.75.png"); // t goes down, what is numbered goes up
+    found = texels(hints, "a_qs2x4a0.75.png"); // t runs downwards, numbers run upwards
     ASSERT_TRUE(error_.ok()) << error_.message();
     EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 4}));
     hints = {};
@@ -176,9 +176,9 @@ TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
     refused(ErrorCode::bad_argument, "no quilt of 10x1", hints, "a_qs2x4a0.75.png");
 }
 
-// All rows with texels of a camera, and of its line of cells no others.
+// A box needs all rows with texels of its cameras. Of other cameras in these rows it needs none.
 TEST(PictureLayout, KnowsTheRowsOfAQuiltThatABoxNeeds) {
-    const Extent4 size{4, 3, 5, 2}; // ten cameras in twelve cells, and two rows of pixels left over
+    const Extent4 size{4, 3, 5, 2}; // ten cameras in twelve cells, and two spare rows of pixels
     for (const bool along_columns : {false, true})
         for (const bool bottom_up : {false, true}) {
             ViewLayout quilt;
@@ -245,7 +245,7 @@ TEST_F(ViewsIo, RefusesPicturesThatClaimTooMuchOrEndTooEarly) {
     std::string png = slurp(at("v/x0.png"));
     spit(at("v/x0.png"), png.substr(0, png.size() - 12));
     refused(ErrorCode::invalid_file, "x0.png: damaged PNG: it ends too early");
-    // 2^18 x 2^18 pixels: 206 GB. The header's checksum is mended.
+    // 2^18 x 2^18 pixels are 206 GB. The header's checksum is corrected.
     png.replace(16, 8, std::string("\0\4\0\0\0\4\0\0", 8));
     std::uint32_t crc = ~0u;
     for (std::size_t i = 12; i < 29; ++i) {
