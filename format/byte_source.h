@@ -84,8 +84,8 @@ std::unique_ptr<ByteSource> read_ahead(ByteSource& inner);
 // The rest of this header is for authors of network sources. A request costs a round trip, so
 // ranges close to each other are fetched with one request, together with the bytes between them.
 
-// Size of a reader's first read (FORMAT.md 1.4). A source that must fetch bytes to open fetches
-// these.
+// Size of a reader's first read, which brings the whole head of most files. A source that must fetch
+// bytes to open fetches these.
 inline constexpr std::size_t first_read_bytes = 8192;
 // Ranges at most this many bytes apart are always merged. With six requests in flight, a request
 // costs at most as much as the bytes of a sixth of a round trip: 5 KB at 20 ms and 1.6 MB/s.
