@@ -7,8 +7,8 @@
 #      directly in a module's folder see all of it. tools/lab, the laboratory, comes last, so that no
 #      folder of the product sees it.
 #   4. There are at most 20 public headers.
-#   5. The README.md of a module in listed_in_readme lists its folders in that order, one a line:
-#      "| `folder/` | ..." or "    folder/ ...".
+#   5. The README.md of a module in listed_in_readme lists its folders in that order: "| `a/`, `b/` |"
+#      or "    a/ ...".
 #   cmake -DROOT=folder -P check_layering.cmake
 cmake_policy(SET CMP0057 NEW) # IN_LIST
 set(layers format codec decoder_glsl corpus tools)
@@ -107,8 +107,10 @@ endif()
 foreach(module IN LISTS listed_in_readme)
     set(page ${ROOT}/${module}/README.md)
     if(EXISTS ${page})
-        file(STRINGS ${page} rows REGEX "^([|] |    )`?[a-z_]+/`?( |$)")
-        list(TRANSFORM rows REPLACE "^[| ]*`?([a-z_]+)/.*" "\\1")
+        file(STRINGS ${page} rows REGEX "^([|] `|    )[a-z_]+/(`| |$)")
+        list(TRANSFORM rows REPLACE "^([|][^|]*|    [a-z_]+/).*" "\\1")
+        string(REGEX MATCHALL "[a-z_]+/" rows "${rows}")
+        list(TRANSFORM rows REPLACE "/" "")
         list(JOIN rows " " rows)
         list(JOIN folders_${module} " " order)
         if(NOT rows STREQUAL order)
