@@ -1,4 +1,4 @@
-// Textured meshes: triangles, first their depths and then, where they are seen, their colours.
+// Draws textured meshes as triangles: first their depths, then the colours of visible fragments.
 #include "decoder_glsl/draw/gl_picture.h"
 #include "decoder_glsl/draw/gl_raster_state.h"
 #include "decoder_glsl/draw/view_drawing.h"
@@ -15,16 +15,16 @@
 namespace tessera {
 namespace {
 
-// As it stands in the vertex buffer.
+// A vertex in the buffer.
 struct Vertex {
     glm::vec3 position, normal, tangent;
     glm::vec2 uv;
 };
 static_assert(sizeof(Vertex) == 44);
 
-// The uniform block of shaders/mesh_view.glsl, std140.
+// The uniform block of shaders/mesh.vert.glsl in std140 layout.
 struct MeshViewBlock {
-    float projection[4][4]; // by columns
+    float projection[4][4]; // [column][row]
     float eye[4];
 };
 
@@ -45,9 +45,10 @@ glm::dvec3 as_vec(const std::array<float, 3>& v) {
     return {v[0], v[1], v[2]};
 }
 
-// Depth is nearest / distance, in floats, which are as fine far away as they are near. The nearest
-// corner of the box around the mesh, but for observers inside or close to it, for whom what is nearer
-// than a ten-thousandth of its size is not there.
+// The distance along `forward` of depth 1. Depth is nearest / distance, in floats, whose relative
+// precision is the same near and far. It is the distance of the bounding box's nearest corner, but
+// at least a ten-thousandth of the box's size: observers inside or close to the box do not see what
+// is nearer.
 double nearest_depth(const Bounds& bounds, const glm::dvec3& eye, const glm::dvec3& forward) {
     double nearest = DBL_MAX;
     for (int corner = 0; corner < 8; ++corner) {
@@ -68,7 +69,8 @@ MeshViewBlock block_of(const ViewCamera& camera, const Bounds& bounds) {
         for (int column = 0; column < 3; ++column)
             if (row != 2)
                 block.projection[column][row] = static_cast<float>(
-                    rows[row][column] / glm::dot(rows[row], rows[row])); // at right angles
+                    rows[row][column] /
+                    glm::dot(rows[row], rows[row])); // the inverse, as rows are orthogonal
     block.projection[3][2] = static_cast<float>(nearest_depth(bounds, eye, forward));
     for (std::size_t i = 0; i < 3; ++i)
         block.eye[i] = camera.eye[i];
@@ -153,7 +155,7 @@ private:
         array_ = GlHandle<ReleaseVertexArray>(id);
         glVertexArrayVertexBuffer(id, 0, vertices_.id(), 0, sizeof(Vertex));
         glVertexArrayElementBuffer(id, indices_.id());
-        constexpr GLint sizes[] = {3, 3, 3, 2}; // floats of each attribute, one after the other
+        constexpr GLint sizes[] = {3, 3, 3, 2}; // floats of each attribute of a Vertex
         GLuint offset = 0;
         for (GLuint i = 0; i < std::size(sizes); ++i) {
             glEnableVertexArrayAttrib(id, i);

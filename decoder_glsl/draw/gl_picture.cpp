@@ -45,7 +45,8 @@ Result<GlPicture> GlPicture::create(std::uint32_t width, std::uint32_t height) {
     glNamedFramebufferRenderbuffer(in, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, p.depths_.get());
     glNamedFramebufferTextureLayer(out, GL_COLOR_ATTACHMENT0, p.mean_.id(), 0, 0);
     if (!is_complete(in) || !is_complete(out))
-        return Status(ErrorCode::unsupported, what + ": this device does not draw into it");
+        return Status(ErrorCode::unsupported,
+                      what + ": this device does not draw into such a picture");
     return p;
 }
 

@@ -1,4 +1,4 @@
-// What meshes are drawn into: four samples a pixel, and the picture of their means.
+// The picture that meshes are drawn into: four samples per pixel, and their means.
 #pragma once
 
 #include "decoder_glsl/gl/gl_handle.h"
@@ -9,21 +9,21 @@
 
 namespace tessera {
 
-// Colours are halves: those of bytes lose 1/16 of a step. Needs a current OpenGL 4.5 context at every
-// call, as its destructor does.
+// Colours are half floats, which are exact to 1/16 of a step of 8-bit colours. Every call and the
+// destructor need a current OpenGL 4.5 context.
 class GlPicture {
 public:
-    // Errors: runtime, unsupported (no memory, or larger than the device draws).
+    // Errors: runtime (no memory), unsupported (larger than the device draws).
     static Result<GlPicture> create(std::uint32_t width, std::uint32_t height);
 
     std::uint32_t width() const { return mean_.shape().width; }
     std::uint32_t height() const { return mean_.shape().height; }
     GLuint framebuffer() const { return samples_.get(); }
-    // To `colour` and the farthest depth; masks and scissors apply.
+    // Clears to `colour` and the farthest depth. OpenGL's masks and scissors apply.
     void clear(const std::array<float, 4>& colour);
-    // Makes the picture of the samples.
+    // Computes the means of the samples.
     void resolve();
-    // RGBA, rows as they were drawn.
+    // The means, RGBA, rows in the order in which they were drawn.
     Result<std::vector<float>> read() const;
     std::uint64_t bytes() const;
 

@@ -61,7 +61,7 @@ GlRasterState::GlRasterState(GLuint framebuffer, GLsizei width, GLsizei height) 
     glCullFace(GL_BACK);
     glFrontFace(GL_CCW);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    glDepthMask(GL_TRUE); // for what is cleared
+    glDepthMask(GL_TRUE); // the masks apply to clears, too
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 

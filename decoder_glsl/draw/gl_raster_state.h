@@ -1,4 +1,4 @@
-// OpenGL's state while a mesh is drawn.
+// OpenGL's rasteriser state while a mesh is drawn.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -8,9 +8,10 @@
 
 namespace tessera {
 
-// Sets whatever decides which fragments of a mesh are drawn, and puts back what was there, but for the
-// program, which may be gone: depth from 1
-// (near) to 0 (infinitely far), rows from the top, backs culled, nothing blended or cut.
+// Sets all state that decides which fragments of a mesh are drawn: depths from 1 (near) to 0
+// (infinitely far), rows from the top, back faces culled, no blending and no clipping by scissors
+// or stencils. The destructor restores the previous state, except for the program, which may no
+// longer exist.
 class GlRasterState {
 public:
     GlRasterState(GLuint framebuffer, GLsizei width, GLsizei height);
@@ -18,7 +19,8 @@ public:
     GlRasterState& operator=(const GlRasterState&) = delete;
     ~GlRasterState();
 
-    // What is drawn next: depths alone, or colours of what is not behind them.
+    // Select what is drawn next: depths only, or the colours of fragments that these depths do not
+    // hide.
     void write_depths();
     void write_colours();
 

@@ -1,4 +1,4 @@
-// Textured spheres: a ray a pixel.
+// Draws textured spheres: one ray per pixel.
 #include "decoder_glsl/draw/view_drawing.h"
 #include "decoder_glsl/gl/gl_buffer.h"
 #include "decoder_glsl/gl/gl_error.h"
@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-// The uniform block of shaders/view.glsl, std140.
+// The uniform block of shaders/view.glsl in std140 layout.
 struct ViewBlock {
     float eye[4], right[4], up[4], forward[4], outside[4];
     std::int32_t pixels[4];
@@ -21,7 +21,7 @@ void put(const std::array<float, 3>& from, float last, float (&to)[4]) {
     to[3] = last;
 }
 
-constexpr std::uint32_t group_side = 8; // pixels, as render.comp says
+constexpr std::uint32_t group_side = 8; // pixels, as in render.comp
 
 class SphereDrawing final : public ViewDrawing {
 public:

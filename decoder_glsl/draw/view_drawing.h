@@ -1,10 +1,11 @@
-// What a GlViewRenderer draws, behind one interface.
+// The interface of the drawings behind GlViewRenderer.
 #pragma once
 
 #include "decoder_glsl/gl_view_renderer.h"
 
 namespace tessera {
 
+// The functions of the same names in GlViewRenderer, for one kind of surface.
 class ViewDrawing {
 public:
     virtual ~ViewDrawing() = default;
@@ -13,7 +14,7 @@ public:
     virtual std::uint64_t bytes() const = 0;
 };
 
-// `texture` must outlive them.
+// `texture` must outlive the drawing.
 Result<std::unique_ptr<ViewDrawing>> make_sphere_drawing(const SampledTexture& texture);
 Result<std::unique_ptr<ViewDrawing>> make_mesh_drawing(const SampledTexture& texture,
                                                        const SurfaceMesh& mesh);

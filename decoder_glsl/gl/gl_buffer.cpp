@@ -18,10 +18,10 @@ Result<GlBuffer> GlBuffer::create(std::uint64_t bytes, const void* content, GLbi
                                   const std::string& name) {
     const std::string what = "buffer '" + name + "' of " + std::to_string(bytes) + " bytes";
     if (bytes == 0)
-        return Status(ErrorCode::bad_argument, what + ": OpenGL has no empty buffers");
+        return Status(ErrorCode::bad_argument, what + ": a buffer needs at least one byte");
     if (bytes > static_cast<std::uint64_t>(std::numeric_limits<GLsizeiptr>::max()))
         return Status(ErrorCode::runtime, what + ": out of memory");
-    // Errors of others' calls would be taken for ours.
+    // Errors of earlier calls must not look like errors of these.
     (void)take_gl_errors("earlier calls");
     GLuint id = 0;
     glCreateBuffers(1, &id);
@@ -42,14 +42,14 @@ Status GlBuffer::check_range(const char* what, std::uint64_t offset, std::uint64
         return {};
     return {ErrorCode::bad_argument, std::string(what) + " of " + std::to_string(bytes) +
                                          " bytes at " + std::to_string(offset) +
-                                         " is outside of buffer '" + name_ + "' of " +
+                                         " lies outside buffer '" + name_ + "' of " +
                                          std::to_string(bytes_) + " bytes"};
 }
 
 Status GlBuffer::upload(std::uint64_t offset, std::span<const std::byte> content) {
     TESSERA_TRY(check_range("an upload", offset, content.size()));
     if (!uploads_)
-        return {ErrorCode::bad_argument, "buffer '" + name_ + "' was not made for uploads"};
+        return {ErrorCode::bad_argument, "buffer '" + name_ + "' does not allow uploads"};
     if (content.empty())
         return {};
     glNamedBufferSubData(id(), static_cast<GLintptr>(offset),
@@ -76,7 +76,7 @@ Status GlBuffer::clear(std::uint32_t value, std::uint64_t offset, std::uint64_t 
     TESSERA_TRY(check_range("a clear", offset, bytes));
     if (offset % 4 != 0 || bytes % 4 != 0)
         return {ErrorCode::bad_argument,
-                "buffer '" + name_ + "' is cleared in words of 4 bytes only"};
+                "buffer '" + name_ + "': a clear takes multiples of 4 bytes"};
     if (bytes != 0)
         glClearNamedBufferSubData(id(), GL_R32UI, static_cast<GLintptr>(offset),
                                   static_cast<GLsizeiptr>(bytes), GL_RED_INTEGER, GL_UNSIGNED_INT,
@@ -86,19 +86,6 @@ Status GlBuffer::clear(std::uint32_t value, std::uint64_t offset, std::uint64_t 
 
 void GlBuffer::bind_storage(GLuint binding) const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id());
-}
-
-Status GlBuffer::bind_storage(GLuint binding, std::uint64_t offset, std::uint64_t bytes) const {
-    TESSERA_TRY(check_range("a binding", offset, bytes));
-    GLint alignment = 1;
-    glGetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &alignment);
-    if (bytes == 0 || offset % static_cast<std::uint64_t>(alignment) != 0)
-        return {ErrorCode::bad_argument, "a binding of buffer '" + name_ +
-                                             "' is empty or not aligned to " +
-                                             std::to_string(alignment) + " bytes"};
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, id(), static_cast<GLintptr>(offset),
-                      static_cast<GLsizeiptr>(bytes));
-    return {};
 }
 
 void GlBuffer::bind_uniforms(GLuint binding, std::uint64_t bytes) const {

@@ -1,4 +1,4 @@
-// Memory of the device.
+// Buffers of the device.
 #pragma once
 
 #include "decoder_glsl/gl/gl_handle.h"
@@ -12,37 +12,35 @@
 namespace tessera {
 
 enum class BufferUse {
-    device, // shaders and clear() write it, upload() may not: the driver keeps it where that is fast
+    device, // only shaders and clear() write it, so the driver can keep it in fast memory
     upload, // upload() may write it at any time
 };
 
-// A buffer of fixed size. Needs a current OpenGL 4.5 context at every call, as its destructor does.
-// Offsets and sizes are bytes; ranges outside of the buffer are bad_argument and change nothing.
+// A buffer of fixed size. Every call and the destructor need a current OpenGL 4.5 context. Offsets
+// and sizes are bytes. A range outside the buffer is bad_argument and changes nothing.
 class GlBuffer {
 public:
-    // Content undefined. `name` is for messages and for debuggers. bad_argument: no bytes at all.
-    // runtime: out of memory.
+    // A buffer of undefined content. `name` is for messages and debuggers. Errors: bad_argument (0
+    // bytes), runtime (out of memory).
     static Result<GlBuffer> create(std::uint64_t bytes, BufferUse use, const std::string& name);
-    // With a content that upload() cannot change.
+    // A buffer of this content, which upload() cannot change.
     static Result<GlBuffer> create(std::span<const std::byte> content, const std::string& name);
 
     GLuint id() const { return handle_.get(); }
     std::uint64_t bytes() const { return bytes_; }
 
-    // In order with other OpenGL calls: work issued before still sees the old content.
+    // Takes its turn among the OpenGL calls: work that was issued earlier sees the old content.
     Status upload(std::uint64_t offset, std::span<const std::byte> content);
-    // Waits for the device. What shaders wrote is seen after
-    // glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT), which this calls.
+    // Waits for the device, and calls glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT) to see what
+    // shaders wrote.
     Status read(std::uint64_t offset, std::span<std::byte> content) const;
-    // Repeats `value`; offset and bytes are multiples of 4.
+    // Fills the buffer, or a range of it, with `value`. offset and bytes are multiples of 4.
     Status clear(std::uint32_t value);
     Status clear(std::uint32_t value, std::uint64_t offset, std::uint64_t bytes);
 
-    // As shader storage. The offset of a range is a multiple of
-    // GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT.
+    // Binds it as shader storage.
     void bind_storage(GLuint binding) const;
-    Status bind_storage(GLuint binding, std::uint64_t offset, std::uint64_t bytes) const;
-    // Its first bytes as a uniform block.
+    // Binds its first bytes as a uniform block.
     void bind_uniforms(GLuint binding, std::uint64_t bytes) const;
 
 private:

@@ -23,7 +23,7 @@ bool lists(const char* extensions, std::string_view name) {
     return false;
 }
 
-// Through eglGetProcAddress, because libepoxy ends the process over a function that is not there.
+// Uses eglGetProcAddress, because libepoxy ends the process if a function does not exist.
 template <class Function> Function egl_function(const char* name) {
     return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
@@ -83,7 +83,7 @@ private:
 struct Candidate {
     std::string name; // for messages
     EGLDisplay display = EGL_NO_DISPLAY;
-    bool fallback = false; // no use to one who has a software context already
+    bool fallback = false; // not tried if there is a software context already
 };
 
 std::vector<Candidate> list_devices(const char* client_extensions) {
@@ -131,27 +131,30 @@ std::vector<Candidate> list_candidates() {
         const EGLDisplay display =
             get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
         if (display != EGL_NO_DISPLAY)
-            candidates.insert(software, {"Mesa's surfaceless platform", display, false});
+            candidates.insert(software,
+                              {.name = "Mesa's surfaceless platform", .display = display});
     }
     if (const EGLDisplay display = eglGetDisplay(EGL_DEFAULT_DISPLAY); display != EGL_NO_DISPLAY)
-        candidates.push_back({"the default EGL display", display, true});
+        candidates.push_back(
+            {.name = "the default EGL display", .display = display, .fallback = true});
     return candidates;
 }
 
-// With `version` false: whatever OpenGL the device has, only to say which.
+// With `version` false, a context of any version, to find out which one the device has.
 Result<Context> create_context(EGLDisplay display, bool version) {
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
     if (!lists(extensions, "EGL_KHR_surfaceless_context"))
-        return Status(ErrorCode::unsupported, "no contexts without a surface");
+        return Status(ErrorCode::unsupported, "the display has no contexts without a surface");
     if (!eglBindAPI(EGL_OPENGL_API))
-        return Status(ErrorCode::unsupported, "no desktop OpenGL");
+        return Status(ErrorCode::unsupported, "the display has no desktop OpenGL");
     EGLConfig config = EGL_NO_CONFIG_KHR;
     if (!lists(extensions, "EGL_KHR_no_config_context")) {
         const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE,
                                  EGL_OPENGL_BIT, EGL_NONE};
         EGLint count = 0;
         if (!eglChooseConfig(display, wanted, &config, 1, &count) || count < 1)
-            return Status(ErrorCode::unsupported, "no configuration for desktop OpenGL");
+            return Status(ErrorCode::unsupported,
+                          "the display has no configuration for desktop OpenGL");
     }
     const EGLint core45[] = {EGL_CONTEXT_MAJOR_VERSION,
                              4,
@@ -183,8 +186,8 @@ struct HeadlessContext::State {
     std::string vendor, device, version;
 
     static Result<std::unique_ptr<State>> open(EGLDisplay display) {
-        // Never followed by eglTerminate: a process has one display per device, others may use it
-        // too, and EGL does not count its users. A second eglInitialize does nothing.
+        // eglTerminate is never called: a process has one display per device, which other code may
+        // use too, and EGL does not count its users. A second eglInitialize does nothing.
         if (!eglInitialize(display, nullptr, nullptr))
             return Status(ErrorCode::unsupported, "eglInitialize failed: " + egl_error());
         Result<Context> context = create_context(display, true);
@@ -212,7 +215,7 @@ Result<HeadlessContext> HeadlessContext::create() {
         }
         if (!names_software((*state)->device))
             return HeadlessContext(std::move(*state));
-        if (software == nullptr) // a GPU may still follow
+        if (software == nullptr) // kept, because a GPU may still follow
             software = std::move(*state);
     }
     if (software != nullptr) {

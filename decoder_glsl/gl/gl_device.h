@@ -1,4 +1,4 @@
-// What the decoder needs from a device, and whether the current context has it.
+// What the decoder needs from a device, and a check of the current context.
 #pragma once
 
 #include "format/status.h"
@@ -7,8 +7,8 @@
 
 namespace tessera {
 
-// Limits as OpenGL counts them: what a device offers, or what someone needs at least. The defaults
-// are what the decoder needs; a caller that needs more (a texture of more layers) raises them.
+// Limits as OpenGL counts them: what a device offers, or the least that the decoder needs. The
+// defaults are what the decoder needs.
 struct DeviceLimits {
     std::int64_t version = 45;                            // OpenGL, 45 is 4.5
     std::int64_t group_invocations = 128;                 // threads of a work group
@@ -27,12 +27,12 @@ struct DeviceLimits {
     std::int64_t texture_layers = 2048;                   //
 };
 
-// Ok, or unsupported: one message names every limit of `offered` below `needed`. Pure.
+// Ok, or unsupported with a message that names every limit of `offered` below `needed`. Pure.
 Status check_limits(const DeviceLimits& offered, const DeviceLimits& needed);
 
-// The current context's limits; below OpenGL 4.3 all but the version are 0.
-// Precondition of both: a context is current on this thread.
+// Both need a context that is current on this thread. Below OpenGL 4.3 all limits but the version
+// are 0.
 DeviceLimits current_limits();
-Status check_device(const DeviceLimits& needed = {});
+Status check_device();
 
 } // namespace tessera

@@ -28,7 +28,7 @@ std::string error_name(GLenum code) {
 
 Status take_gl_errors(const std::string& what) {
     std::string names;
-    // Bounded, because a lost or missing context may report errors for ever.
+    // Bounded, because a lost or missing context can report errors without end.
     for (int i = 0; i < 8; ++i) {
         const GLenum code = glGetError();
         if (code == GL_NO_ERROR)

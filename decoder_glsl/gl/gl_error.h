@@ -7,8 +7,9 @@
 
 namespace tessera {
 
-// Takes the errors that earlier OpenGL calls left on the current context: ok, or runtime with their
-// names behind "what: ". Useful after a frame or a batch of calls that report nothing themselves.
+// Clears the error flags of the current context. Returns ok if there were none, else runtime with
+// the message "what: " and their names. Meant for the end of a batch of calls, which report nothing
+// themselves.
 Status take_gl_errors(const std::string& what);
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// The name of an OpenGL object, owned.
+// Owns an OpenGL object.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -7,8 +7,9 @@
 
 namespace tessera {
 
-// Move-only; 0 owns nothing. It is released in the context that is current then, which has to be the
-// one that made it, or one that shares objects with it. `Release` is a function object on a GLuint.
+// Move-only; 0 stands for no object. The context that is current at destruction must be the one
+// that created the object, or share objects with it. `Release` is a function object that takes a
+// GLuint.
 template <class Release> class GlHandle {
 public:
     GlHandle() = default;

@@ -36,7 +36,7 @@ Result<Shader> compile(GLenum stage, const std::string& source, const std::strin
         return Status(ErrorCode::bad_argument, name + ": the source is too long");
     Shader shader(glCreateShader(stage));
     if (shader.get() == 0)
-        return Status(ErrorCode::runtime, name + ": no shader object");
+        return Status(ErrorCode::runtime, name + ": the driver creates no shader object");
     const char* text = source.data();
     const GLint length = static_cast<GLint>(source.size());
     glShaderSource(shader.get(), 1, &text, &length);
@@ -70,14 +70,14 @@ Result<GlProgram> GlProgram::graphics(const std::string& vertex_source,
 Result<GlProgram> GlProgram::link(std::span<const GLuint> shaders, const std::string& name) {
     const GLuint id = glCreateProgram();
     if (id == 0)
-        return Status(ErrorCode::runtime, name + ": no program object");
+        return Status(ErrorCode::runtime, name + ": the driver creates no program object");
     GlProgram program;
     program.handle_ = GlHandle<Release>(id);
     for (const GLuint shader : shaders)
         glAttachShader(id, shader);
     glLinkProgram(id);
     for (const GLuint shader : shaders)
-        glDetachShader(id, shader); // so that the shaders are freed with their owners
+        glDetachShader(id, shader); // so that deleting the shaders frees them
     GLint linked = GL_FALSE;
     glGetProgramiv(id, GL_LINK_STATUS, &linked);
     if (linked == GL_FALSE)

@@ -9,19 +9,17 @@
 
 namespace tessera {
 
-// Needs a current context with OpenGL 4.3 or later at every call, as its destructor does.
+// Every call and the destructor need a current context of OpenGL 4.3 or later.
 class GlProgram {
 public:
-    // From complete sources (shader_source.h). runtime: the driver refuses them; the message holds
-    // the driver's log with the lines that it complains of. `name` is for messages and debuggers.
+    // Compiles and links complete sources (shader_source.h). `name` is for messages and debuggers.
+    // Errors: runtime (the driver refuses them; the message has its log, with the lines it names).
     static Result<GlProgram> compute(const std::string& source, const std::string& name);
     static Result<GlProgram> graphics(const std::string& vertex_source,
                                       const std::string& fragment_source, const std::string& name);
 
     GLuint id() const { return handle_.get(); }
     void use() const { glUseProgram(id()); }
-    // For glUniform*; -1 when the program has no such uniform, or optimised it away.
-    GLint uniform(const char* name) const { return glGetUniformLocation(id(), name); }
 
 private:
     struct Release {

@@ -10,7 +10,7 @@ namespace tessera {
 Result<GlFence> GlFence::insert() {
     const GLsync sync = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     if (sync == nullptr)
-        return Status(ErrorCode::runtime, "the driver makes no fence");
+        return Status(ErrorCode::runtime, "the driver creates no fence");
     return GlFence(sync);
 }
 
@@ -38,7 +38,7 @@ Status GlFence::wait(std::uint32_t milliseconds) const {
         return {};
     if (state == GL_TIMEOUT_EXPIRED)
         return {ErrorCode::runtime,
-                "the device was not done within " + std::to_string(milliseconds) + " ms"};
+                "the device did not finish within " + std::to_string(milliseconds) + " ms"};
     return {ErrorCode::runtime, "waiting for the device failed"};
 }
 

@@ -1,4 +1,4 @@
-// When the device has done something.
+// Fences: points in the device's work that the host can wait for.
 #pragma once
 
 #include "decoder_glsl/gl/gl_handle.h"
@@ -9,19 +9,19 @@
 
 namespace tessera {
 
-// A point in the stream of commands. Needs a current context, as its destructor does.
+// A point in the stream of OpenGL commands. Every call and the destructor need a current context.
 class GlFence {
 public:
-    // Behind all commands so far. runtime: the driver makes none.
+    // A fence behind all commands so far. Errors: runtime (the driver creates none).
     static Result<GlFence> insert();
 
     GlFence(GlFence&& other) noexcept;
     GlFence& operator=(GlFence&& other) noexcept;
     ~GlFence();
 
-    // Whether the device has passed it. Sends waiting commands on their way, so that polling ends.
+    // Whether the device has passed it. Flushes waiting commands, so that polling ends.
     bool passed() const;
-    // Waits for that. runtime: not within `milliseconds`, or the context is lost.
+    // Waits until it has. Errors: runtime (not within `milliseconds`, or the context is lost).
     Status wait(std::uint32_t milliseconds) const;
 
 private:

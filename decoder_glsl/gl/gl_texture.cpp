@@ -25,11 +25,9 @@ FormatNames names_of(TexelFormat format) {
     case TexelFormat::rgba16ui:
         return {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, 8, true};
     case TexelFormat::r32ui:
-        return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, true};
-    case TexelFormat::rg32ui:
         break;
     }
-    return {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, 8, true};
+    return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, true};
 }
 
 std::int64_t limit(GLenum name) {
@@ -38,8 +36,8 @@ std::int64_t limit(GLenum name) {
     return value;
 }
 
-// Uploads and reads with tightly packed rows in the caller's memory; what the host program had set
-// (another alignment, a buffer to unpack from) is put back after.
+// While it exists, uploads and reads use tightly packed rows in the caller's memory. Its destructor
+// restores what the host program had set, such as another alignment or a buffer to unpack from.
 class TightPacking {
 public:
     TightPacking() {
@@ -86,14 +84,14 @@ Result<GlTexture> GlTexture::create(TexelFormat format, const TextureShape& shap
     const std::string what = "texture '" + name + "' of " + std::to_string(shape.width) + " x " +
                              std::to_string(shape.height) + " x " + std::to_string(shape.layers);
     if (shape.width == 0 || shape.height == 0 || shape.layers == 0)
-        return Status(ErrorCode::bad_argument, what + ": no side can be 0");
+        return Status(ErrorCode::bad_argument, what + ": every side must be at least 1");
     const std::int64_t side = limit(GL_MAX_TEXTURE_SIZE),
                        layers = limit(GL_MAX_ARRAY_TEXTURE_LAYERS);
     if (shape.width > side || shape.height > side || shape.layers > layers)
         return Status(ErrorCode::unsupported,
-                      what + ": this device stops at " + std::to_string(side) + " x " +
+                      what + ": this device allows " + std::to_string(side) + " x " +
                           std::to_string(side) + " x " + std::to_string(layers));
-    // Errors of others' calls would be taken for ours.
+    // Errors of earlier calls must not look like errors of these.
     (void)take_gl_errors("earlier calls");
     GLuint id = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &id);
@@ -142,7 +140,8 @@ Status GlTexture::read(std::uint32_t first, std::span<std::byte> layers) const {
     const std::uint64_t count = layers.size() / layer_bytes();
     (void)take_gl_errors("earlier calls");
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
-    // The size of the destination is an int in OpenGL: textures of more than 2 GiB take several.
+    // OpenGL takes the size of the destination as an int, so large textures are read in parts of 1
+    // GiB.
     const std::uint64_t step = std::max<std::uint64_t>(1, (1u << 30) / layer_bytes());
     for (std::uint64_t done = 0; done < count; done += step) {
         const std::uint64_t now = std::min(step, count - done);
@@ -163,7 +162,8 @@ void GlTexture::clear() {
 Status GlTexture::clear(std::span<const std::byte> texel) {
     if (texel.size() != texel_bytes(format_))
         return {ErrorCode::bad_argument, "texture '" + name_ + "': a texel has " +
-                                             std::to_string(texel_bytes(format_)) + " bytes"};
+                                             std::to_string(texel_bytes(format_)) + " bytes, not " +
+                                             std::to_string(texel.size())};
     const FormatNames names = names_of(format_);
     glClearTexImage(id(), 0, names.layout, names.type, texel.data());
     return {};
@@ -172,7 +172,7 @@ Status GlTexture::clear(std::span<const std::byte> texel) {
 Status GlTexture::interpolate(bool linear) {
     if (linear && names_of(format_).integer)
         return {ErrorCode::bad_argument,
-                "texture '" + name_ + "' holds integers: no interpolation"};
+                "texture '" + name_ + "' holds integers, which are not interpolated"};
     const GLint filter = linear ? GL_LINEAR : GL_NEAREST;
     glTextureParameteri(id(), GL_TEXTURE_MIN_FILTER, filter);
     glTextureParameteri(id(), GL_TEXTURE_MAG_FILTER, filter);
@@ -183,14 +183,10 @@ void GlTexture::bind_texture(GLuint unit) const {
     glBindTextureUnit(unit, id());
 }
 
-void GlTexture::bind_image(GLuint unit, GLenum access) const {
-    glBindImageTexture(unit, id(), 0, GL_TRUE, 0, access, names_of(format_).internal);
-}
-
 Status GlTexture::bind_image(GLuint unit, GLenum access, TexelFormat as) const {
     if (texel_bytes(as) != texel_bytes(format_))
         return {ErrorCode::bad_argument,
-                "texture '" + name_ + "' bound with texels of another size"};
+                "texture '" + name_ + "' cannot be bound with texels of another size"};
     glBindImageTexture(unit, id(), 0, GL_TRUE, 0, access, names_of(as).internal);
     return {};
 }

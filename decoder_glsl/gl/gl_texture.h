@@ -1,4 +1,4 @@
-// Textures that are an array of 2D layers.
+// Textures that are arrays of 2D layers.
 #pragma once
 
 #include "decoder_glsl/gl/gl_handle.h"
@@ -16,8 +16,7 @@ enum class TexelFormat {
     rgba16f,  // 8 bytes, halves
     rgba32f,  // 16 bytes, floats
     rgba16ui, // 8 bytes, unsigned
-    r32ui,    // 4 bytes, an unsigned word
-    rg32ui,   // 8 bytes, two of them
+    r32ui,    // 4 bytes, one unsigned word
 };
 
 std::uint32_t texel_bytes(TexelFormat format);
@@ -27,41 +26,41 @@ struct TextureShape {
     std::uint32_t layers = 0;
 };
 
-// One level of detail, fixed size and format; sampled without interpolation and clamped to its edge
-// unless asked otherwise. Needs a current OpenGL 4.5 context at every call, as its destructor does.
+// A texture of fixed size and format with one level of detail. Samples are clamped to its edge and,
+// by default, not interpolated. Every call and the destructor need a current OpenGL 4.5 context.
 class GlTexture {
 public:
-    // Content undefined. bad_argument: a side of 0. unsupported: more than the device's
-    // GL_MAX_TEXTURE_SIZE or GL_MAX_ARRAY_TEXTURE_LAYERS. runtime: out of memory.
+    // A texture of undefined content. Errors: bad_argument (a side of 0), unsupported (above the
+    // device's GL_MAX_TEXTURE_SIZE or GL_MAX_ARRAY_TEXTURE_LAYERS), runtime (out of memory).
     static Result<GlTexture> create(TexelFormat format, const TextureShape& shape,
                                     const std::string& name);
 
     GLuint id() const { return handle_.get(); }
-    TexelFormat format() const { return format_; }
     const TextureShape& shape() const { return shape_; }
     std::uint64_t bytes() const { return layer_bytes() * shape_.layers; } // without padding
     std::uint64_t layer_bytes() const {
         return std::uint64_t{shape_.width} * shape_.height * texel_bytes(format_);
     }
 
-    // Whole layers from `first` on, rows tightly packed. bad_argument: layers that are not there, or
-    // a span that is no multiple of layer_bytes().
+    // Writes whole layers from `first` on, with tightly packed rows. Errors: bad_argument (layers
+    // that do not exist, or a span that is not a multiple of layer_bytes()).
     Status upload(std::uint32_t first, std::span<const std::byte> layers);
-    // Waits for the device and sees what shaders wrote.
+    // Reads whole layers. Waits for the device and sees what shaders wrote.
     Status read(std::uint32_t first, std::span<std::byte> layers) const;
-    // All texels to zero.
+    // Sets all texels to zero.
     void clear();
-    // All texels to `texel`, texel_bytes(format()) bytes.
+    // Sets all texels to `texel`, which has texel_bytes() of the texture's format.
     Status clear(std::span<const std::byte> texel);
 
-    // Linear interpolation between texels, or none. Formats of integers have none.
+    // Switches linear interpolation on or off. Errors: bad_argument (a format of integers has
+    // none).
     Status interpolate(bool linear);
 
     void bind_texture(GLuint unit) const;
-    // All layers, for image loads and stores; `access` as GL_WRITE_ONLY. The shader sees them in the
-    // format that its image declares, here `as`, bit for bit: r32ui writes packed rgba8 texels.
-    // bad_argument: texels of another size.
-    void bind_image(GLuint unit, GLenum access) const;
+    // Binds all layers for image loads and stores; `access` is GL_WRITE_ONLY, for example. `as` is
+    // the format that the shader declares for the image. It sees the bits of the texels in this
+    // format: with r32ui it writes packed rgba8 texels. Errors: bad_argument (texels of another
+    // size).
     Status bind_image(GLuint unit, GLenum access, TexelFormat as) const;
 
 private:

@@ -1,7 +1,10 @@
-// Tests buffers, textures, programs, fences and contexts on a GPU.
+// Buffers, textures, programs, fences and timers on the device.
+#include "decoder_glsl/gl/gl_buffer.h"
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/gl/gl_error.h"
-#include "decoder_glsl/gl/gl_objects.h"
+#include "decoder_glsl/gl/gl_program.h"
+#include "decoder_glsl/gl/gl_sync.h"
+#include "decoder_glsl/gl/gl_texture.h"
 #include "decoder_glsl/shader_source.h"
 #include "decoder_glsl/shaders/shader_files.h"
 #include "tests/support/gpu_fixture.h"
@@ -145,9 +148,6 @@ TEST_F(Gl, BufferErrors) {
               ErrorCode::bad_argument);
     EXPECT_EQ(buffer.clear(0, 2, 4).code(), ErrorCode::bad_argument);
     EXPECT_EQ(buffer.clear(0, 12, 8).code(), ErrorCode::bad_argument);
-    EXPECT_EQ(buffer.bind_storage(0, 0, 20).code(), ErrorCode::bad_argument);
-    EXPECT_EQ(buffer.bind_storage(0, 1, 4).code(), ErrorCode::bad_argument);
-    EXPECT_EQ(buffer.bind_storage(0, 0, 0).code(), ErrorCode::bad_argument);
 }
 
 TEST_F(Gl, ComputeCopiesWords) {
@@ -163,17 +163,6 @@ TEST_F(Gl, ComputeCopiesWords) {
     Words want = words;
     want.resize(1003, 77);
     EXPECT_EQ(read_words(target), want);
-
-    GLint alignment = 1;
-    glGetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &alignment);
-    const auto offset = static_cast<std::uint64_t>(alignment);
-    ASSERT_TRUE(target.clear(5));
-    ASSERT_TRUE(source.bind_storage(0, offset, 12));
-    glDispatchCompute(1, 1, 1);
-    const Words got = read_words(target);
-    EXPECT_EQ(got[0], words[offset / 4]);
-    EXPECT_EQ(got[2], words[offset / 4 + 2]);
-    EXPECT_EQ(got[3], 5u);
 }
 
 TEST_F(Gl, ProgramErrorsShowTheLine) {
@@ -213,14 +202,13 @@ TEST_F(Gl, GraphicsProgramAndUniforms) {
         "#version 450 core\nvoid main() { gl_Position = vec4(gl_VertexID & 1, 0, 0, 1); }\n",
         "#version 450 core\nuniform vec4 tint;\nout vec4 colour;\nvoid main() { colour = tint; }\n",
         "tinted"));
-    EXPECT_GE(program.uniform("tint"), 0);
-    EXPECT_EQ(program.uniform("nothing"), -1);
+    EXPECT_GE(glGetUniformLocation(program.id(), "tint"), 0);
+    EXPECT_EQ(glGetUniformLocation(program.id(), "nothing"), -1);
 }
 
 TEST_F(Gl, TextureRoundTrip) {
     for (const TexelFormat format :
-         {TexelFormat::rgba8, TexelFormat::rgba16f, TexelFormat::rgba16ui, TexelFormat::r32ui,
-          TexelFormat::rg32ui}) {
+         {TexelFormat::rgba8, TexelFormat::rgba16f, TexelFormat::rgba16ui, TexelFormat::r32ui}) {
         const TextureShape shape{3, 5, 4};
         GlTexture texture = take(GlTexture::create(format, shape, "cache"));
         EXPECT_EQ(texture.layer_bytes(), 15u * texel_bytes(format));
@@ -287,7 +275,7 @@ TEST_F(Gl, ImagesAreWrittenByComputeAndSampled) {
                                 "sample"));
     GlTexture texture = take(GlTexture::create(TexelFormat::rgba8, {8, 4, 2}, "cache"));
     fill.use();
-    texture.bind_image(0, GL_WRITE_ONLY);
+    ASSERT_TRUE(texture.bind_image(0, GL_WRITE_ONLY, TexelFormat::rgba8));
     glDispatchCompute(2, 1, 2);
     std::vector<std::uint8_t> texels(texture.bytes());
     ASSERT_TRUE(texture.read(0, std::as_writable_bytes(std::span(texels))));
@@ -320,11 +308,6 @@ TEST_F(Gl, ImagesAreWrittenAsBits) {
          TexelFormat::rgba16ui,
          "rgba16ui",
          "uvec4(0x3c00u, 1u, 0xc000u, 5u)",
-         {0, 0x3c, 1, 0, 0, 0xc0, 5, 0}},
-        {TexelFormat::rgba16f,
-         TexelFormat::rg32ui,
-         "rg32ui",
-         "uvec4(0x00013c00u, 0x0005c000u, 0u, 0u)",
          {0, 0x3c, 1, 0, 0, 0xc0, 5, 0}}};
     for (const Case& c : cases) {
         const GlProgram store = take(GlProgram::compute(
