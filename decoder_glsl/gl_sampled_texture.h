@@ -1,9 +1,10 @@
-// A compressed texture that shaders sample: the host side of shaders/sample.glsl, for OpenGL 4.5.
+// A compressed texture on the device that shaders sample: the host's side of shaders/sample.glsl,
+// for OpenGL 4.5.
 //
-// Two ways to be resident give the same picture:
-//   on load      all tiles are decoded into an ordinary texture: fastest to sample, most memory;
-//   on feedback  sampling marks the tiles that it touches, and update() decodes the missing ones into
-//                a tile cache of fixed size; until then their coarse texels are drawn.
+// The texels of a file can be resident in two ways, which give the same picture:
+//   on load      All tiles are decoded into a plain texture. Fastest to sample, needs most memory.
+//   on feedback  Sampling marks the tiles that it touches, and update() decodes missing ones into a
+//                tile cache of fixed size. Until then shaders draw the tile's coarse texels.
 #pragma once
 
 #include "decoder_glsl/shader_source.h"
@@ -22,106 +23,98 @@ namespace TESSERA_PUBLIC tessera {
 enum class Residency { on_load, on_feedback };
 const char* name_of(Residency residency); // "load", "feedback"
 
-// A coarse level of the file (ContainerReader::levels()) and its texels: of that level's size, of the
-// texture's type and channels, boxes in any order.
+// A coarse level of the file (ContainerReader::levels()) and its texels, which have the level's
+// size and the texture's sample type and channels.
 struct CoarseTexels {
     LevelEntry level;
-    TexelSource* texels = nullptr; // used by create() only
+    TexelSource* texels = nullptr; // create() reads boxes of it in any order and does not keep it
 };
 
 struct SampledTextureOptions {
     Residency residency = Residency::on_feedback;
-    std::uint64_t budget = 256ull << 20; // bytes on the device, all buffers; never exceeded
-    // Let the texture unit mix angular neighbours; on feedback, those of one tile.
+    std::uint64_t budget = 256ull << 20; // bytes on the device, in all buffers; never exceeded
+    // The texture unit mixes angular neighbours, on feedback those of one tile: 4 fetches per
+    // sample instead of 16, with weights of 8 bits.
     bool hardware_filter = true;
-    bool coarse = true; // on_feedback: draw coarse texels where tiles are missing
-    // on_feedback: what the coarse texels are made from. Without texels here every tile is decoded
-    // once for them, which reads the whole file.
+    bool coarse = true; // on feedback: draw coarse texels where tiles are missing, else background
+    // On feedback: the source of the coarse texels. Without texels here, create() reads the whole
+    // file and decodes every tile once to compute them.
     CoarseTexels coarse_from{};
-    std::uint32_t jobs_per_update = 0; // on_feedback: tiles decoded at a time at most; 0: no limit
+    std::uint32_t jobs_per_update = 0; // on feedback: most tiles decoded per update(); 0: no limit
 };
 
-// The residency that suits a file and a budget: everything decoded where that fits, else a cache.
+// The residency that suits a file and a budget in bytes: on_load if all texels fit, else
+// on_feedback.
 Residency choose_residency(const ContainerReader& reader, std::uint64_t budget);
 
-// Bytes of all texels of a file in an ordinary texture, as on_load holds them.
+// Bytes that all texels of a file take in a plain texture, as on_load holds them.
 std::uint64_t decoded_bytes(const ContainerReader& reader);
 
+// What update() found and did.
 struct UpdateReport {
-    std::uint32_t touched = 0; // tiles that the newest frame whose marks are known sampled
-    std::uint32_t missing = 0; // of these: had no slot before this update, so the frame shows their
-                               // coarse texels
-    std::uint32_t decoded = 0; // tiles decoded now
-    std::uint32_t waiting = 0; // tiles that found no slot, or wait for the next update
-    bool current = false;      // the marks of the last frame were looked at, not only older ones
-    // Why the bytes of some tiles could not be had now (of the source: io, or runtime when it was
-    // interrupted); they wait, and the next frame that touches them asks again. Else ok.
+    std::uint32_t touched = 0; // tiles that the newest frame with known marks sampled
+    std::uint32_t missing =
+        0; // those of them that had no slot, so that the frame shows coarse texels
+    std::uint32_t decoded = 0; // tiles that this update decoded
+    std::uint32_t waiting = 0; // tiles that still have no slot: the cache is full, or see trouble
+    bool current = false;      // the known marks are those of the last frame
+    // The first error of tiles whose bytes the source could not give now: io, or runtime if it was
+    // interrupted. The next frame that touches these tiles tries again. Ok if there is none.
     Status trouble;
 };
 
-// Sums over all frames; a tile counts once a frame however often it is touched.
-struct TileCacheStats {
-    std::uint64_t frames = 0;    // begin_frame()
-    std::uint64_t hits = 0;      // tiles that were in a slot when first touched in a frame
-    std::uint64_t decodes = 0;   // jobs given out
-    std::uint64_t evictions = 0; // tiles that lost their slot to another
-    std::uint64_t late = 0;      // tiles without a slot because the frame holds them all
-    std::uint64_t deferred = 0;  // tiles without a slot because of max_jobs
-    std::uint64_t failures = 0;  // tiles marked as failed
-    std::uint64_t put_off = 0;   // tiles that lost their slot for the rest of a frame
-};
-
-// The passes, as they are timed apart.
+// Stages of decoding that can be timed separately.
 enum class DecodeStage {
-    upload,    // batch to the device
-    entropy,   // trees, levels, corrections
+    upload,    // the batch to the device
+    entropy,   // split trees, levels, corrections
     order,     // dequantisation and sorting
-    transform, // inverse transform, filter, colour and writing the texels
+    transform, // inverse transform, copies, filter, colour, and writing texels
 };
 
-// Called around each stage of a decode, for timing.
+// Called before (`begins`) and after each stage of a decode.
 using StageHook = std::function<void(DecodeStage stage, bool begins)>;
 
-// Needs a current OpenGL 4.5 context at every call, as its destructor does; one thread.
+// Every call and the destructor need a current OpenGL 4.5 context. Not thread-safe.
 class SampledTexture {
 public:
-    // `reader` must outlive it. Errors: unsupported (the device lacks something: all of it is named;
-    // the file is too large for the residency or the budget: with what would do), invalid_file, io.
+    // `reader` must outlive the texture. Errors: unsupported (the device lacks something, all of
+    // which the message names; or the file is too large for the residency or the budget, and the
+    // message says what suffices), invalid_file, io, runtime.
     static Result<SampledTexture> create(const ContainerReader& reader,
                                          const SampledTextureOptions& options);
-    // As on load, but the texels come from `source` (of the reader's size, type and channels, boxes in
-    // any order), which is read here and not kept: what a renderer without this codec holds.
-    // `budget` does not count. Errors: difference, where the source is of another kind; its own;
-    // unsupported.
+    // The same plain texture as on_load, but of texels from `source`, for comparisons with textures
+    // that are not compressed. `source` has the reader's size, type and channels; it is read in
+    // boxes of any order and not kept. No budget applies. Errors: difference (the source has
+    // another size or type); those of the source; unsupported; runtime.
     static Result<SampledTexture> from_texels(const ContainerReader& reader, TexelSource& source,
                                               bool hardware_filter);
     SampledTexture(SampledTexture&&) noexcept;
     SampledTexture& operator=(SampledTexture&&) noexcept;
     ~SampledTexture();
 
-    // Macros for shaders that include sample.glsl.
+    // The macros that shaders define before they include sample.glsl.
     std::vector<ShaderDefine> defines() const;
-    // Binds what sample.glsl declares, at its default bindings.
+    // Binds the buffers and the texture of sample.glsl at its default bindings.
     void bind() const;
 
-    // Call once a frame after drawing, on feedback; otherwise it does nothing. Reads the marks of
-    // finished frames, decodes missing tiles, and has the next frame marked anew. Without `wait` it
-    // stalls only when three frames are unfinished: the marks may be those of one or two frames ago.
-    // Tiles that a partial file does not hold stay coarse without an error.
-    // Errors: invalid_file (tiles that are damaged, which stay coarse from then on; all else was done),
-    // runtime. A source that fails is no error but UpdateReport::trouble.
+    // Call it once per frame, after drawing. It has no effect unless the texture is resident on
+    // feedback. It reads the marks of finished frames, decodes missing tiles, and clears the marks
+    // for the next frame. Without `wait` it reads marks of one or two frames ago and stalls only if
+    // three frames are unfinished; with `wait` it waits for the last frame's marks. Tiles that a
+    // partial file does not contain stay coarse without an error. Errors: invalid_file (damaged
+    // tiles, which stay coarse; everything else was done), runtime. If the source fails, that is
+    // not an error but UpdateReport::trouble.
     Result<UpdateReport> update(bool wait);
-    // Forgets all cached tiles, as if nothing had been drawn.
+    // Empties the cache and forgets all marks.
     Status drop_cache();
 
-    std::uint64_t bytes() const; // held on the device
-    // Tiles found damaged so far; they are drawn as background. On feedback, only
-    // updates that wait look for them, and create() where it decodes every tile.
+    std::uint64_t bytes() const; // on the device
+    // Number of tiles found damaged so far; they are drawn as background. On feedback, only
+    // create(), where it decodes every tile, and updates that wait look for them.
     std::uint64_t damaged_tiles() const;
-    std::uint64_t cache_slots() const; // on_feedback; else 0
-    // on_feedback: a budget, in bytes, whose cache has a slot for each of `tiles`; else 0.
+    std::uint64_t cache_slots() const; // on feedback: tiles that fit the cache; else 0
+    // On feedback: a budget in bytes whose cache has a slot for each of `tiles` tiles; else 0.
     std::uint64_t budget_for(std::uint64_t tiles) const;
-    const TileCacheStats* cache_stats() const;
     void set_stage_hook(StageHook hook);
 
 private:
@@ -132,22 +125,23 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// All tiles of a file in batches, decoded as often as one likes into memory that is used again for
-// each batch: what decoding on load does without reading the file. For measuring. Needs a current
-// OpenGL 4.5 context at every call, as its destructor does.
+// Decodes all tiles of a file, as often as the caller likes, for measuring. It holds the compressed
+// tiles in memory and decodes every batch into the same texture. Every call and the destructor need
+// a current OpenGL 4.5 context.
 class WholeFileDecoder {
 public:
-    // Reads the file and decodes it once. Errors: invalid_file, where a tile is damaged; io, runtime;
-    // unsupported, above 1 GiB of compressed tiles.
+    // Reads the file and decodes it once. Errors: invalid_file (a tile is damaged), io, runtime,
+    // unsupported (more than 1 GiB of compressed tiles).
     static Result<WholeFileDecoder> create(const ContainerReader& reader);
     WholeFileDecoder(WholeFileDecoder&&) noexcept;
     WholeFileDecoder& operator=(WholeFileDecoder&&) noexcept;
     ~WholeFileDecoder();
 
-    std::uint64_t blocks() const;       // of all tiles
-    std::uint64_t coefficients() const; // that are not 0
+    std::uint64_t blocks() const;       // in all tiles
+    std::uint64_t coefficients() const; // that are not 0, in all tiles
     void set_stage_hook(StageHook hook);
-    // Issues the work of all batches; `cancelled` is asked before each. Errors: runtime.
+    // Issues the work of all batches. Errors: runtime (also if `cancelled`, which is called before
+    // each batch, returns true).
     Status decode(const std::function<bool()>& cancelled = {});
 
 private:

@@ -1,5 +1,4 @@
-// Draws views of a textured sphere, by the seven steps of the paper for every pixel, or of a textured
-// mesh, as triangles.
+// Draws views of a textured sphere, one ray per pixel, or of a textured mesh, as triangles.
 #pragma once
 
 #include "decoder_glsl/gl_sampled_texture.h"
@@ -12,37 +11,37 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// A pinhole camera relative to the centre of the sphere, or in the coordinates of the mesh. The ray
-// through a place of the picture runs along forward + x right + y up, x and y from -1 (left, bottom)
-// to 1 (right, top); the three are at right angles.
+// A pinhole camera, relative to the centre of the sphere or in the coordinates of the mesh. The ray
+// through the point (x, y) of the picture has the direction forward + x right + y up. x and y run
+// from -1 (left, bottom) to 1 (right, top). The three vectors are at right angles to each other.
 struct ViewCamera {
     std::array<float, 3> eye{}, forward{}, right{}, up{};
-    float radius = 1;               // of the sphere; no matter for a mesh
-    bool inside = false;            // the camera is in the sphere
-    std::array<float, 4> outside{}; // colour where a ray misses it
-    std::uint32_t width = 0, height = 0;
+    float radius = 1;                    // of the sphere; unused for a mesh
+    bool inside = false;                 // the camera is inside the sphere
+    std::array<float, 4> outside{};      // RGBA of pixels that show no surface
+    std::uint32_t width = 0, height = 0; // pixels
 };
 
-// Needs a current OpenGL 4.5 context at every call.
+// Every call and the destructor need a current OpenGL 4.5 context.
 class GlViewRenderer {
 public:
-    // Of a sphere. `texture` must outlive it.
+    // Draws a sphere. `texture` must outlive the renderer.
     static Result<GlViewRenderer> create(const SampledTexture& texture);
-    // Of a mesh, four samples a pixel; from behind its triangles are not there. `mesh` is copied to
-    // the device. What is nearer to the eye than a ten-thousandth of the mesh's size may be missing.
-    // On feedback only what is seen marks its tiles. Errors: bad_argument, where the mesh is not as
-    // format/surface_mesh.h says; runtime.
+    // Draws a mesh, with four samples per pixel and without back faces. `mesh` is copied to the
+    // device, `texture` must outlive the renderer. Surfaces nearer to the eye than a ten-thousandth
+    // of the mesh's size may be missing. In a tile cache only visible surfaces mark their tiles.
+    // Errors: bad_argument (the mesh breaks a rule of format/surface_mesh.h), runtime.
     static Result<GlViewRenderer> create(const SampledTexture& texture, const SurfaceMesh& mesh);
     GlViewRenderer(GlViewRenderer&&) noexcept;
     GlViewRenderer& operator=(GlViewRenderer&&) noexcept;
     ~GlViewRenderer();
 
-    // Issues one frame. runtime: no memory for the picture.
+    // Issues the work of one frame. Errors: runtime (no memory for the picture).
     Status draw(const ViewCamera& camera);
-    // The last frame, RGBA floats, row 0 at the top; waits for the device.
+    // The last frame: RGBA floats, row 0 at the top. Waits for the device.
     Result<std::vector<float>> read() const;
 
-    std::uint64_t bytes() const; // on the device
+    std::uint64_t bytes() const; // on the device, without those of the texture
 
 private:
     struct State;

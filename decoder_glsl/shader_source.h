@@ -1,19 +1,19 @@
-// From a file of decoder_glsl/shaders to the complete source that a GLSL compiler takes.
+// Complete GLSL sources from the shader files of decoder_glsl/shaders, which the library holds as
+// text.
 //
-// Shader files hold what all dialects share; the head that differs is made here:
+// Shader files contain what all dialects share. shader_source() puts a head before them:
 //   #version                  450 core, 310 es, or 450 (for SPIR-V)
-//   #define TSR_GL450 1   or TSR_ES310, TSR_VULKAN: for what a dialect cannot do otherwise
-//   precision highp ...       ES only: of numbers and of every opaque type that we use
-//   the caller's defines
-// A line `#include "other.glsl"` becomes the text of that file, the first time that it is asked for.
-// Conditions are not looked at: an #include inside #if 0 or a comment is expanded all the same.
+//   #define TSR_GL450 1       or TSR_ES310, TSR_VULKAN, for code that depends on the dialect
+//   precision highp ...       ES only, for numbers and for all opaque types in use
+//   #define NAME VALUE        for each define of the caller
+// The first line `#include "other.glsl"` becomes the text of that file, later ones nothing.
+// Conditions are ignored: an #include inside #if 0 or in a comment block is expanded as well.
 //
-// `#line N S` stands wherever the source changes files, so that compilers report line N of source
-// string S; the comments `// source S: name` say which file S is (shader_log.h reads both). The head
-// is source string 0.
+// Wherever the source changes files, a line `#line N S` makes compilers report line N of source
+// string S, and a comment `// source S: name` gives the file's name. The head is source string 0.
 //
-// Conventions of the files: `*.comp.glsl`, `*.vert.glsl` and `*.frag.glsl` are programs and compile
-// without any caller's define; plain `*.glsl` are for inclusion. No file has a #version line.
+// Files named *.comp.glsl, *.vert.glsl and *.frag.glsl are programs, which compile without any
+// define of the caller. Other *.glsl files are for inclusion.
 #pragma once
 
 #include "format/status.h"
@@ -29,28 +29,20 @@ namespace TESSERA_PUBLIC tessera {
 enum class ShaderDialect {
     gl450,  // desktop OpenGL 4.5 core
     es310,  // OpenGL ES 3.1
-    vulkan, // GLSL 450 with Vulkan's rules, to be compiled to SPIR-V
+    vulkan, // GLSL 450 by the rules of Vulkan, to be compiled to SPIR-V
 };
 
-// Name and value of a macro: the name an identifier that GLSL does not reserve, the value one line.
+// Name and value of a macro. The name is an identifier that GLSL does not reserve, the value one
+// line.
 using ShaderDefine = std::pair<std::string, std::string>;
 
-struct ShaderFile; // decoder_glsl/shaders/shader_files.h
-
-constexpr int max_include_depth = 16;
-
-// The complete source of the embedded file `name`. bad_argument: a file that does not exist, an
-// include that is malformed, circular or too deep, a #version line, or a define that GLSL would not
-// take; the message names file and line. Thread-safe.
+// The complete source of the embedded file `name`. Errors: bad_argument (the file does not exist,
+// or a define is not valid GLSL; an include is malformed, circular or too deep, in which case the
+// message names file and line). Thread-safe.
 Result<std::string> shader_source(std::string_view name, ShaderDialect dialect,
                                   std::span<const ShaderDefine> defines = {});
 
-// The embedded files that stand for themselves: the programs, and sample.glsl for programs of others.
+// Names of the embedded programs, and of sample.glsl, which programs of applications include.
 std::vector<std::string_view> shader_names();
-
-// shader_source() of other files than the embedded ones.
-Result<std::string> shader_source(std::span<const ShaderFile> files, std::string_view name,
-                                  ShaderDialect dialect,
-                                  std::span<const ShaderDefine> defines = {});
 
 } // namespace tessera

@@ -12,13 +12,12 @@ namespace {
 
 using namespace layout;
 
-constexpr std::uint32_t raw_chunk = 64;
-
-// Every coefficient that is not 0 takes a whole bit, its sign, from the state, which only words
-// refill (FORMAT.md 3.3): a segment holds no more of them than bits.
+// A bound on the levels of a segment, rounded up to whole chunks. Every coefficient that is not 0
+// takes a whole bit from the entropy state, its sign, and only words of the segment refill that
+// state (FORMAT.md 3.3): so a segment has no more of them than bits.
 std::uint32_t levels_bound(std::size_t bytes) {
     const std::size_t levels = std::min<std::size_t>(8 * bytes, max_segment_work);
-    return static_cast<std::uint32_t>((levels + raw_chunk - 1) / raw_chunk * raw_chunk);
+    return static_cast<std::uint32_t>((levels + tsr_raw_chunk - 1) / tsr_raw_chunk * tsr_raw_chunk);
 }
 
 BlockShape shape_of(const Box4& box) {
@@ -28,6 +27,20 @@ BlockShape shape_of(const Box4& box) {
     return shape;
 }
 
+std::uint32_t count_of(std::size_t words, int each) {
+    return static_cast<std::uint32_t>(words / static_cast<std::size_t>(each));
+}
+
+std::uint32_t words_of(std::span<const std::byte> stream) {
+    return static_cast<std::uint32_t>(stream.size() / 2);
+}
+
+// Appends a record of `count` words, 0 at first, and returns a pointer to it.
+std::uint32_t* append_record(std::vector<std::uint32_t>& words, int count) {
+    words.resize(words.size() + static_cast<std::size_t>(count), 0);
+    return words.data() + words.size() - count;
+}
+
 } // namespace
 
 BatchBuilder::BatchBuilder(const DecodeTables& tables, const TileGrid& grid,
@@ -35,10 +48,10 @@ BatchBuilder::BatchBuilder(const DecodeTables& tables, const TileGrid& grid,
     : tables_(tables), grid_(grid), limits_(limits), plan_(plan) {}
 
 BatchBuilder::Size BatchBuilder::empty_size() {
-    return {tsr_w_state, 0, tsr_batch_words};
+    return {.work_words = tsr_w_state, .coefficients = 0, .words = tsr_batch_words};
 }
 
-// Of a tile's values, kept for its copies or the filter.
+// Words that a tile keeps its values in.
 std::uint32_t BatchBuilder::value_words(const Entry& entry, std::uint64_t texels) const {
     const TreeSize& tree = entry.tree;
     const bool keeps = !tree.copies.empty() || (tables_.filters() && !entry.is_stored);
@@ -47,7 +60,7 @@ std::uint32_t BatchBuilder::value_words(const Entry& entry, std::uint64_t texels
     return keeps ? static_cast<std::uint32_t>(texels) * tables_.value_words() : 0;
 }
 
-// What a tile adds to the sizes of its batch.
+// What a tile adds to the sizes of a batch.
 BatchBuilder::Size BatchBuilder::size_of(const Entry& entry, std::size_t bytes,
                                          std::uint64_t texels) const {
     const PayloadParts& parts = entry.parts;
@@ -56,15 +69,13 @@ BatchBuilder::Size BatchBuilder::size_of(const Entry& entry, std::size_t bytes,
     for (const auto& segment : parts.segments)
         raw += levels_bound(segment.bytes.size());
     const std::uint64_t corrections = parts.corrections.empty() ? 0 : texels * tables_.planes();
-    Size size;
-    size.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
-                      std::uint64_t{tree.items} * tsr_item_words + parts.segments.size() +
-                      corrections + 2 * raw + value_words(entry, texels);
-    size.coefficients = raw;
-    size.words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
-                 parts.corrections.size() * tsr_correction_words + raw / raw_chunk +
-                 tree.copies.size() + (bytes + 3) / 4;
-    return size;
+    return {.work_words = tsr_state_words + std::uint64_t{tree.blocks} * tsr_block_words +
+                          std::uint64_t{tree.items} * tsr_item_words + parts.segments.size() +
+                          corrections + tsr_raw_words * raw + value_words(entry, texels),
+            .coefficients = raw,
+            .words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
+                     parts.corrections.size() * tsr_correction_words + raw / tsr_raw_chunk +
+                     tree.copies.size() + (bytes + 3) / 4};
 }
 
 BatchBuilder::Entry BatchBuilder::entry_of(std::span<const std::byte> payload,
@@ -100,89 +111,143 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
     if (!entry.is_sound)
         payload = {};
     const Size cost = size_of(entry, payload.size(), static_cast<std::uint64_t>(shape.texels()));
-    const Size after{size_.work_words + cost.work_words, size_.coefficients + cost.coefficients,
-                     size_.words + cost.words};
-    if (!tiles_.empty() &&
-        (tiles_.size() >= limits_.tiles || after.work_words > limits_.work_words ||
+    const Size& now = content_.size;
+    const Size after{.work_words = now.work_words + cost.work_words,
+                     .coefficients = now.coefficients + cost.coefficients,
+                     .words = now.words + cost.words};
+    if (!empty() &&
+        (content_.tiles.size() >= limits_.tiles || after.work_words > limits_.work_words ||
          after.coefficients > limits_.coefficients || after.words > limits_.words))
         return false;
-    size_ = after;
+    content_.size = after;
     if (!entry.is_sound)
-        damaged_.push_back(tile);
-    add_records(entry, payload, shape, place);
-    tiles_.push_back(tile);
+        content_.damaged.push_back(tile);
+    add_tile(entry, payload, shape, place);
+    content_.tiles.push_back(tile);
     return true;
 }
 
-void BatchBuilder::add_records(const Entry& entry, std::span<const std::byte> payload,
-                               const BlockShape& shape, const TexelPlace& place) {
-    const PayloadParts& parts = entry.parts;
+std::uint32_t BatchBuilder::byte_of(std::span<const std::byte> payload,
+                                    std::span<const std::byte> part) const {
+    const auto base = static_cast<std::uint32_t>(content_.payloads.size());
+    return part.empty() ? base : base + static_cast<std::uint32_t>(part.data() - payload.data());
+}
+
+void BatchBuilder::add_segments(const Entry& entry, std::span<const std::byte> payload) {
+    Content& c = content_;
+    const auto& segments = entry.parts.segments;
+    const auto tile = static_cast<std::uint32_t>(c.tiles.size());
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const std::uint32_t room = levels_bound(segments[i].bytes.size());
+        c.chunk_words.insert(c.chunk_words.end(), room / tsr_raw_chunk,
+                             count_of(c.segment_words.size(), tsr_segment_words));
+        std::uint32_t* record = append_record(c.segment_words, tsr_segment_words);
+        record[tsr_seg_tile] = tile;
+        record[tsr_seg_byte] = byte_of(payload, segments[i].bytes);
+        record[tsr_seg_size] = words_of(segments[i].bytes);
+        record[tsr_seg_first] = static_cast<std::uint32_t>(segments[i].first_block);
+        record[tsr_seg_end] = i + 1 < segments.size()
+                                  ? static_cast<std::uint32_t>(segments[i + 1].first_block)
+                                  : tsr_none;
+        record[tsr_seg_raw] = c.raw;
+        record[tsr_seg_room] = room;
+        c.raw += room;
+    }
+    c.most_segments = std::max(c.most_segments, static_cast<std::uint32_t>(segments.size()));
+}
+
+// Returns the word of the tile's multipliers, or tsr_none.
+std::uint32_t BatchBuilder::add_corrections(const Entry& entry, std::span<const std::byte> payload,
+                                            const BlockShape& shape) {
+    Content& c = content_;
+    const auto& streams = entry.parts.corrections;
+    if (streams.empty())
+        return tsr_none;
+    // An empty stream is decoded too: it gives the zeros of its chunk.
+    for (std::size_t i = 0; i < streams.size(); ++i) {
+        std::uint32_t* record = append_record(c.correction_words, tsr_correction_words);
+        record[tsr_correction_tile] = static_cast<std::uint32_t>(c.tiles.size());
+        record[tsr_correction_byte] = byte_of(payload, streams[i]);
+        record[tsr_correction_size] = words_of(streams[i]);
+        record[tsr_correction_number] = static_cast<std::uint32_t>(i);
+    }
+    const std::uint32_t at = c.multipliers;
+    c.multipliers += static_cast<std::uint32_t>(shape.texels()) * tables_.planes();
+    return at;
+}
+
+void BatchBuilder::add_tile(const Entry& entry, std::span<const std::byte> payload,
+                            const BlockShape& shape, const TexelPlace& place) {
+    Content& c = content_;
     const TreeSize& tree = entry.tree;
-    const auto slot = static_cast<std::uint32_t>(tiles_.size());
-    const auto base = static_cast<std::uint32_t>(payloads_.size());
-    const auto byte_of = [&](std::span<const std::byte> part) {
-        return part.empty() ? base
-                            : base + static_cast<std::uint32_t>(part.data() - payload.data());
-    };
-    const auto words_of = [](std::span<const std::byte> part) {
-        return static_cast<std::uint32_t>(part.size() / 2);
-    };
-    const auto first_segment =
-        static_cast<std::uint32_t>(segment_words_.size() / tsr_segment_words);
-    for (std::size_t i = 0; i < parts.segments.size(); ++i) {
-        const auto& segment = parts.segments[i];
-        const std::uint32_t room = levels_bound(segment.bytes.size());
-        const std::uint32_t end =
-            i + 1 < parts.segments.size()
-                ? static_cast<std::uint32_t>(parts.segments[i + 1].first_block)
-                : tsr_none;
-        chunk_words_.insert(chunk_words_.end(), room / raw_chunk,
-                            first_segment + static_cast<std::uint32_t>(i));
-        segment_words_.insert(segment_words_.end(),
-                              {slot, byte_of(segment.bytes), words_of(segment.bytes),
-                               static_cast<std::uint32_t>(segment.first_block), end, raw_, room});
-        raw_ += room;
-    }
-    most_segments_ = std::max(most_segments_, static_cast<std::uint32_t>(parts.segments.size()));
-    std::uint32_t multipliers = tsr_none;
-    if (!parts.corrections.empty()) {
-        multipliers = multipliers_;
-        multipliers_ += static_cast<std::uint32_t>(shape.texels()) * tables_.planes();
-        // Chunks without a stream, too: the empty one decodes to the zeros that must stand there.
-        for (std::size_t i = 0; i < parts.corrections.size(); ++i)
-            correction_words_.insert(correction_words_.end(), {slot, byte_of(parts.corrections[i]),
-                                                               words_of(parts.corrections[i]),
-                                                               static_cast<std::uint32_t>(i)});
-    }
-    const bool predicted = !tree.copies.empty();
     const std::uint32_t values = value_words(entry, static_cast<std::uint64_t>(shape.texels()));
-    tile_words_.insert(
-        tile_words_.end(),
-        {tables_.shape_id(shape), first_segment, static_cast<std::uint32_t>(parts.segments.size()),
-         place.x, place.y, place.layer, place.u0 | (place.v0 << 16), multipliers, blocks_,
-         tree.blocks, predicted ? static_cast<std::uint32_t>(copy_words_.size()) : tsr_none,
-         values > 0 ? values_ : tsr_none, tree.base ? tables_.shape_id(*tree.base) : tsr_none,
-         entry.is_stored ? base : tsr_none});
-    copy_words_.insert(copy_words_.end(), tree.copies.begin(), tree.copies.end());
-    values_ += values;
-    waves_ = std::max(waves_, tree.waves);
-    most_texels_ = std::max(most_texels_, static_cast<std::uint32_t>(shape.texels()));
-    blocks_ += tree.blocks;
-    items_ += tree.items;
-    payloads_.insert(payloads_.end(), payload.begin(), payload.end());
-    payloads_.resize((payloads_.size() + 3) / 4 * 4);
+    std::uint32_t* record = append_record(c.tile_words, tsr_tile_words);
+    record[tsr_tile_shape] = tables_.shape_id(shape);
+    record[tsr_tile_segment] = count_of(c.segment_words.size(), tsr_segment_words);
+    record[tsr_tile_segments] = static_cast<std::uint32_t>(entry.parts.segments.size());
+    record[tsr_tile_x] = place.x;
+    record[tsr_tile_y] = place.y;
+    record[tsr_tile_layer] = place.layer;
+    record[tsr_tile_origin] = place.u0 | (place.v0 << 16);
+    record[tsr_tile_multipliers] = add_corrections(entry, payload, shape);
+    record[tsr_tile_blocks] = c.blocks;
+    record[tsr_tile_block_room] = tree.blocks;
+    record[tsr_tile_copies] =
+        tree.copies.empty() ? tsr_none : static_cast<std::uint32_t>(c.copy_words.size());
+    record[tsr_tile_values] = values > 0 ? c.values : tsr_none;
+    record[tsr_tile_base] = tree.base ? tables_.shape_id(*tree.base) : tsr_none;
+    record[tsr_tile_stored] = entry.is_stored ? byte_of(payload, payload) : tsr_none;
+    add_segments(entry, payload);
+    c.copy_words.insert(c.copy_words.end(), tree.copies.begin(), tree.copies.end());
+    c.values += values;
+    c.waves = std::max(c.waves, tree.waves);
+    c.most_texels = std::max(c.most_texels, static_cast<std::uint32_t>(shape.texels()));
+    c.blocks += tree.blocks;
+    c.items += tree.items;
+    c.payloads.insert(c.payloads.end(), payload.begin(), payload.end());
+    c.payloads.resize((c.payloads.size() + 3) / 4 * 4);
+}
+
+// The fields of the header that place nothing in the batch buffer. Sets the size of the work
+// buffer.
+void BatchBuilder::put_header(DecodeBatch& batch) const {
+    const Content& c = content_;
+    const auto tiles = static_cast<std::uint32_t>(c.tiles.size());
+    std::vector<std::uint32_t>& words = batch.words;
+    words[tsr_b_tiles] = tiles;
+    words[tsr_b_raw_chunks] = batch.raw_chunks;
+    words[tsr_b_corrections] = batch.corrections;
+    words[tsr_b_payload_bytes] = static_cast<std::uint32_t>(c.payloads.size());
+    words[tsr_b_fold_u] = plan_.fold_u;
+    words[tsr_b_fold_v] = plan_.fold_v;
+    words[tsr_b_folds_u] = plan_.folds_u;
+    words[tsr_b_stride_s] = plan_.stride_s;
+    words[tsr_b_stride_t] = plan_.stride_t;
+    words[tsr_b_items_room] = c.items;
+    std::uint32_t at = tsr_w_state + tiles * tsr_state_words;
+    const auto place = [&](int field, std::uint32_t count) {
+        words[static_cast<std::size_t>(field)] = at;
+        at += count;
+    };
+    place(tsr_b_blocks_at, c.blocks * tsr_block_words);
+    place(tsr_b_items_at, c.items * tsr_item_words);
+    place(tsr_b_counts_at, count_of(c.segment_words.size(), tsr_segment_words));
+    place(tsr_b_multipliers_at, c.multipliers);
+    place(tsr_b_raw_at, c.raw * tsr_raw_words);
+    place(tsr_b_values_at, c.values);
+    batch.work_words = at;
 }
 
 DecodeBatch BatchBuilder::finish() {
+    Content& c = content_;
     DecodeBatch batch;
-    const auto tiles = static_cast<std::uint32_t>(tiles_.size());
-    const auto segments = static_cast<std::uint32_t>(segment_words_.size() / tsr_segment_words);
-    batch.most_segments = most_segments_;
-    batch.raw_chunks = static_cast<std::uint32_t>(chunk_words_.size());
-    batch.corrections = static_cast<std::uint32_t>(correction_words_.size() / tsr_correction_words);
-    batch.waves = waves_;
-    batch.predicted = !copy_words_.empty();
-    batch.most_texels = most_texels_;
+    batch.most_segments = c.most_segments;
+    batch.raw_chunks = static_cast<std::uint32_t>(c.chunk_words.size());
+    batch.corrections = count_of(c.correction_words.size(), tsr_correction_words);
+    batch.waves = c.waves;
+    batch.predicted = !c.copy_words.empty();
+    batch.most_texels = c.most_texels;
+    batch.coefficients = c.raw;
 
     std::vector<std::uint32_t>& words = batch.words;
     words.assign(tsr_batch_words, 0);
@@ -190,54 +255,19 @@ DecodeBatch BatchBuilder::finish() {
         words[static_cast<std::size_t>(field)] = static_cast<std::uint32_t>(words.size());
         words.insert(words.end(), part.begin(), part.end());
     };
-    append(tsr_b_tile_at, tile_words_);
-    append(tsr_b_segment_at, segment_words_);
-    append(tsr_b_raw_chunk_at, chunk_words_);
-    append(tsr_b_correction_at, correction_words_);
-    append(tsr_b_copies_at, copy_words_);
-    words[tsr_b_payload_at] = static_cast<std::uint32_t>(words.size());
-    words[tsr_b_payload_bytes] = static_cast<std::uint32_t>(payloads_.size());
-    words.resize(words.size() + payloads_.size() / 4);
-    if (!payloads_.empty())
-        std::memcpy(words.data() + words[tsr_b_payload_at], payloads_.data(), payloads_.size());
-
-    words[tsr_b_tiles] = tiles;
-    words[tsr_b_raw_chunks] = batch.raw_chunks;
-    words[tsr_b_corrections] = batch.corrections;
-    words[tsr_b_fold_u] = plan_.fold_u;
-    words[tsr_b_fold_v] = plan_.fold_v;
-    words[tsr_b_folds_u] = plan_.folds_u;
-    words[tsr_b_stride_s] = plan_.stride_s;
-    words[tsr_b_stride_t] = plan_.stride_t;
-    words[tsr_b_items_room] = items_;
-    std::uint32_t at = tsr_w_state + tiles * tsr_state_words;
-    const auto place = [&](int field, std::uint32_t count) {
-        words[static_cast<std::size_t>(field)] = at;
-        at += count;
-    };
-    place(tsr_b_blocks_at, blocks_ * tsr_block_words);
-    place(tsr_b_items_at, items_ * tsr_item_words);
-    place(tsr_b_counts_at, segments);
-    place(tsr_b_multipliers_at, multipliers_);
-    place(tsr_b_raw_at, 2 * raw_);
-    place(tsr_b_values_at, values_);
-    batch.work_words = at;
-    batch.coefficients = raw_;
-    batch.tiles = std::move(tiles_);
-    batch.damaged = std::move(damaged_);
-
-    tiles_.clear();
-    damaged_.clear();
-    tile_words_.clear();
-    segment_words_.clear();
-    chunk_words_.clear();
-    correction_words_.clear();
-    copy_words_.clear();
-    payloads_.clear();
-    raw_ = multipliers_ = most_segments_ = blocks_ = items_ = values_ = 0;
-    most_texels_ = 0;
-    waves_ = 1;
-    size_ = empty_size();
+    append(tsr_b_tile_at, c.tile_words);
+    append(tsr_b_segment_at, c.segment_words);
+    append(tsr_b_raw_chunk_at, c.chunk_words);
+    append(tsr_b_correction_at, c.correction_words);
+    append(tsr_b_copies_at, c.copy_words);
+    append(tsr_b_payload_at, {});
+    words.resize(words.size() + c.payloads.size() / 4);
+    if (!c.payloads.empty())
+        std::memcpy(words.data() + words[tsr_b_payload_at], c.payloads.data(), c.payloads.size());
+    put_header(batch);
+    batch.tiles = std::move(c.tiles);
+    batch.damaged = std::move(c.damaged);
+    content_ = {};
     return batch;
 }
 

@@ -20,15 +20,25 @@ namespace {
 using namespace layout;
 using Words = std::vector<std::uint32_t>;
 
-static_assert(tsr_max_spatial_side == max_tile_side && tsr_max_base_side == max_base_side &&
+static_assert(tsr_max_blocks == max_leaves && tsr_max_work == max_segment_work &&
+              tsr_max_coded == max_coded_length && tsr_max_tile_texels == max_tile_texels &&
+              tsr_max_spatial_side == max_tile_side && tsr_max_base_side == max_base_side &&
               tsr_max_angular_side == max_angular_side && tsr_max_frequencies == max_frequencies &&
-              tsr_depth_classes == depth_classes);
+              tsr_correction_chunk == correction_chunk && tsr_rotations == rotation_count &&
+              tsr_base_taps == base_taps);
+static_assert(tsr_depth_classes == depth_classes && tsr_size_classes == size_classes &&
+              tsr_neighbour_classes == neighbour_classes && tsr_cross_classes == cross_classes &&
+              tsr_zero_positions == zero_positions && tsr_magnitude_tables == magnitude_tables &&
+              tsr_other_magnitudes == other_magnitudes);
+static_assert(tsr_zero_end - tsr_t_zero == zero_parameters);
+static_assert(tsr_base_filter_end - tsr_t_base_filter == base_unit * base_taps);
+static_assert(tsr_filter_end - tsr_t_filter == max_planes * filter_rings);
 
 std::uint32_t signed_word(std::int32_t value) {
     return static_cast<std::uint32_t>(value);
 }
 
-// The starts c[1], c[2], ... of a table in pairs, padded with starts that no slot reaches.
+// Writes the starts c[1], c[2], ... of a table in pairs, padded with starts that no slot reaches.
 template <int symbols>
 void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int count) {
     for (int i = 0; i < count; ++i) {
@@ -40,40 +50,40 @@ void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int co
     }
 }
 
+// Writes a list of tables, which must fill the words from `begin` to `end`.
+template <int begin, int end, int symbols, std::size_t count>
+void put_list(std::span<const SymbolTable<symbols>, count> list, Words& words) {
+    constexpr int each = symbols <= 3 ? 1 : tsr_symbol_words;
+    static_assert(symbols - 1 <= 2 * each && int{count} * each == end - begin);
+    int at = begin;
+    for (const auto& table : list) {
+        put_symbols(table, words, at, each);
+        at += each;
+    }
+}
+
 void put_code_tables(const CodeTables& tables, Words& words) {
-    for (std::size_t i = 0; i < tables.zero.size(); ++i)
-        words[tsr_t_zero + i] = tables.zero[i];
-    const auto put = [&](const auto& list, int at) {
-        for (const auto& table : list) {
-            put_symbols(table, words, at, tsr_symbol_words);
-            at += tsr_symbol_words;
-        }
-    };
-    put(tables.magnitude, tsr_t_magnitude);
+    std::ranges::copy(tables.zero, words.begin() + tsr_t_zero);
+    put_list<tsr_t_magnitude, tsr_magnitude_end>(std::span(tables.magnitude), words);
     const std::span lengths(tables.first_length);
-    put(lengths.first(size_classes), tsr_t_first_length);
-    put(lengths.last(size_classes), tsr_t_copying_length);
-    put(tables.other_length, tsr_t_other_length);
-    put(tables.correction, tsr_t_correction);
+    put_list<tsr_t_first_length, tsr_first_length_end>(lengths.first<size_classes>(), words);
+    put_list<tsr_t_copying_length, tsr_copying_length_end>(lengths.last<size_classes>(), words);
+    put_list<tsr_t_other_length, tsr_other_length_end>(std::span(tables.other_length), words);
+    put_list<tsr_t_correction, tsr_correction_end>(std::span(tables.correction), words);
+    static_assert(tsr_split_end - tsr_t_split == depth_classes * depth_classes);
     int at = tsr_t_split;
     for (const auto& row : tables.split)
         for (const auto& table : row)
             put_symbols(table, words, at++, 1);
-    at = tsr_t_kind;
-    for (const auto& table : tables.colour)
-        put_symbols(table, words, at++, 1);
-    at = tsr_t_prediction;
-    for (const auto& table : tables.prediction)
-        put_symbols(table, words, at++, 1);
-    put(tables.displacement, tsr_t_displacement);
-    put_symbols(tables.base, words, tsr_t_base, 1);
-    at = tsr_t_from_base;
-    for (const auto& table : tables.from_base)
-        put_symbols(table, words, at++, 1);
-    put_symbols(tables.base_displacement, words, tsr_t_base_displacement, tsr_symbol_words);
-    at = tsr_t_displacement_kind;
-    for (const auto& table : tables.displacement_kind)
-        put_symbols(table, words, at++, 1);
+    put_list<tsr_t_kind, tsr_kind_end>(std::span(tables.colour), words);
+    put_list<tsr_t_prediction, tsr_prediction_end>(std::span(tables.prediction), words);
+    put_list<tsr_t_displacement_kind, tsr_displacement_kind_end>(
+        std::span(tables.displacement_kind), words);
+    put_list<tsr_t_displacement, tsr_displacement_end>(std::span(tables.displacement), words);
+    put_list<tsr_t_base, tsr_base_end>(std::span(&tables.base, 1).first<1>(), words);
+    put_list<tsr_t_from_base, tsr_from_base_end>(std::span(tables.from_base), words);
+    put_list<tsr_t_base_displacement, tsr_base_displacement_end>(
+        std::span(&tables.base_displacement, 1).first<1>(), words);
 }
 
 void put_transform_tables(Words& words) {
@@ -86,16 +96,13 @@ void put_transform_tables(Words& words) {
     for (const auto& taps : base_filter)
         for (const std::int8_t tap : taps)
             words[at++] = signed_word(tap);
-    at = tsr_t_basis;
-    for (int n = 1; n <= max_tile_side; ++n) {
-        if (n == max_frequencies + 1)
-            at = tsr_t_wide_basis;
+    at = tsr_t_basis; // and on into tsr_t_wide_basis
+    for (int n = 1; n <= max_tile_side; ++n)
         for (int i = 0; i < std::min(n, max_frequencies) * n; ++i)
             words[at++] = signed_word(basis(n)[i]);
-    }
 }
 
-// The background as a pixel of the textures; a half of -0 decodes to +0.
+// The background as a pixel of the texture. A half of -0 decodes to +0.
 std::array<std::uint32_t, 2> background_pixel(const FileHeader& header) {
     const TextureDesc& desc = header.desc;
     std::array<std::byte, 8> texel{}, pixel{};
@@ -165,8 +172,9 @@ void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleT
     for (std::size_t set = 0; set < 5; ++set) {
         const ScaleSet scales = make_scales(set < 4 ? coding.step[set] : coding.rotated_step, shape,
                                             type, coding.dependent);
-        for (std::size_t axes = 0; axes < 5; ++axes)
-            record[tsr_s_scales + set * 5 + axes] = scale_word(scales[axes]);
+        static_assert(std::tuple_size_v<ScaleSet> == tsr_scales_of_set);
+        for (std::size_t axes = 0; axes < tsr_scales_of_set; ++axes)
+            record[tsr_s_scales + set * tsr_scales_of_set + axes] = scale_word(scales[axes]);
     }
 }
 
@@ -184,7 +192,7 @@ void DecodeTables::add_subtree(const BlockShape& shape) {
 }
 
 void DecodeTables::add_shapes(const TileGrid& grid) {
-    // Extents along an axis differ by one at most: the first tile and the last show them all.
+    // Along an axis, tiles have at most two extents, which differ by one.
     std::array<std::set<std::uint8_t>, 4> sides;
     for (std::size_t axis = 0; axis < 4; ++axis)
         for (std::uint64_t i = 0; i < grid.count()[axis]; ++i) {
@@ -204,6 +212,37 @@ void DecodeTables::add_shapes(const TileGrid& grid) {
                 }
 }
 
+void DecodeTables::put_children(const BlockShape& shape, std::uint32_t* record) const {
+    for (const Split split : {Split::spatial, Split::angular}) {
+        std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
+        if (can_split(shape, split)) {
+            const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, split);
+            for (int i = 0; i < children.count; ++i)
+                ids[static_cast<std::size_t>(i)] =
+                    ids_.at(children.block[static_cast<std::size_t>(i)].shape);
+        }
+        std::uint32_t* words = record + tsr_s_children + (split == Split::spatial ? 0 : 2);
+        words[0] = ids[0] | (ids[1] << 16);
+        words[1] = ids[2] | (ids[3] << 16);
+    }
+}
+
+void DecodeTables::add_shape(const BlockShape& shape, std::uint32_t id,
+                             const CodingParameters& coding, SampleType type) {
+    const std::size_t scan_at = words_.size();
+    if (!is_too_large(shape)) // a base picture may be larger than a block
+        append_scan(make_scan_order(shape, coding.scan_weights), words_);
+    std::uint32_t* record = words_.data() + tsr_t_end + std::size_t{id} * tsr_shape_words;
+    const auto& n = shape.n;
+    record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
+                          (std::uint32_t{n[3]} << 24);
+    record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
+    record[tsr_s_coded] = static_cast<std::uint32_t>((words_.size() - scan_at) / tsr_scan_words);
+    record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
+    put_scales(shape, coding, type, record);
+    put_children(shape, record);
+}
+
 Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     TESSERA_TRY_ASSIGN(
         const auto coding,
@@ -220,9 +259,10 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.half_ = header.desc.type == SampleType::half16;
     tables.add_shapes(reader.grid());
     if (tables.ids_.size() > tsr_max_shapes)
-        return Status{ErrorCode::unsupported, reader.name() + ": blocks of " +
+        return Status{ErrorCode::unsupported, reader.name() + ": the tiles split into blocks of " +
                                                   std::to_string(tables.ids_.size()) +
-                                                  " shapes, more than the GPU decoder numbers"};
+                                                  " shapes, the GPU decoder takes " +
+                                                  std::to_string(tsr_max_shapes)};
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
     put_header(header, coding, words);
@@ -230,33 +270,12 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
     words[tsr_t_shapes] = tsr_t_end;
+    constexpr std::size_t most_words = (std::size_t{128} << 20) / 4;
     for (const auto& [shape, id] : tables.ids_) {
-        const std::size_t scan_at = words.size();
-        if (!is_too_large(shape)) // for a block
-            append_scan(make_scan_order(shape, coding.scan_weights), words);
-        if (words.size() > (std::size_t{128} << 20) / 4)
+        tables.add_shape(shape, id, coding, header.desc.type);
+        if (words.size() > most_words)
             return Status{ErrorCode::unsupported,
-                          reader.name() + ": tables of more than 128 MiB for the GPU"};
-        std::uint32_t* record = words.data() + tsr_t_end + std::size_t{id} * tsr_shape_words;
-        const auto& n = shape.n;
-        record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
-                              (std::uint32_t{n[3]} << 24);
-        record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
-        record[tsr_s_coded] = static_cast<std::uint32_t>((words.size() - scan_at) / tsr_scan_words);
-        record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
-        put_scales(shape, coding, header.desc.type, record);
-        for (int split = 0; split < 2; ++split) {
-            std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
-            if (can_split(shape, static_cast<Split>(split + 1))) {
-                const Children children =
-                    children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, static_cast<Split>(split + 1));
-                for (int i = 0; i < children.count; ++i)
-                    ids[static_cast<std::size_t>(i)] =
-                        tables.ids_.at(children.block[static_cast<std::size_t>(i)].shape);
-            }
-            record[tsr_s_children + 2 * split] = ids[0] | (ids[1] << 16);
-            record[tsr_s_children + 2 * split + 1] = ids[2] | (ids[3] << 16);
-        }
+                          reader.name() + ": the GPU decoder needs tables of more than 128 MiB"};
     }
     return tables;
 }

@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// Where each of the four channels comes from; 4 is the constant 1.
+// The source channel of each pixel channel; 4 is the constant 1.
 std::array<std::size_t, 4> channels_of(int channels) {
     switch (channels) {
     case 1:

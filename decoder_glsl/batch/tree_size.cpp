@@ -13,14 +13,9 @@ namespace {
 
 using namespace layout;
 
-constexpr int patch_words = 8192; // of shaders/patch.glsl
-
-// Items of a block whose coefficients have `support` frequencies along s and t: shaders/patch.glsl.
-std::uint32_t items_of(const BlockShape& shape, int planes, int support_s, int support_t) {
-    const int words = planes * support_t * (support_s + shape.n[2]);
-    int positions = std::clamp(patch_words / words, 1, 64);
-    if (positions > 32 && positions < 52)
-        positions = 32;
+// Items of a block whose coefficients have that many frequencies along s and t.
+std::uint32_t items_of(const BlockShape& shape, int planes, int frequencies_s, int frequencies_t) {
+    const int positions = tsr_item_positions(planes, frequencies_s, frequencies_t, shape.n[2]);
     return static_cast<std::uint32_t>((shape.n[0] * shape.n[1] + positions - 1) / positions);
 }
 
@@ -30,7 +25,7 @@ public:
                 bool predicts, const BasePictures& base)
         : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts), base_(base) {}
 
-    // False for a tree that the format forbids.
+    // Returns false for a tree that the format forbids.
     bool count(const BlockShape& tile) {
         const auto node = [](Split) {};
         const auto add = [&](const Block& block) {
@@ -51,7 +46,7 @@ public:
         return decode_split_tree(rans_, tables_, Block{{0, 0, 0, 0}, tile, 0, 0}, node, leaf);
     }
 
-    // What the blocks copy, if any does.
+    // Sets the copy records and their depths, if the tile is predicted.
     void count_copies(const BlockShape& tile) {
         if (!copies_anything(predictions_) && !size.base)
             return;
@@ -66,7 +61,7 @@ public:
     TreeSize size{.blocks = 0, .base = {}, .items = 0};
 
 private:
-    // See tsr_copy_words.
+    // A copy record: see tsr_copy_words.
     static std::uint32_t copy_word(const BlockPrediction& prediction, std::uint8_t depth) {
         const Displacement& d = prediction.displacement;
         return static_cast<std::uint32_t>(prediction.from) | std::uint32_t{depth} << 8 |
@@ -74,12 +69,12 @@ private:
                std::uint32_t{static_cast<std::uint8_t>(d.v)} << 24;
     }
 
-    // Of a block of the base picture.
+    // The copy record of a block of the base picture.
     static std::uint32_t base_word(const BlockShape& tile) {
         return tsr_copy_of_base | static_cast<std::uint32_t>(base_fineness(tile)) << 16;
     }
 
-    // False for a prediction that the format forbids.
+    // Returns false for a prediction that the format forbids.
     bool predict(const Block& block) {
         return decode_prediction(rans_, tables_, size.base ? &base_ : nullptr, block, memory_,
                                  predictions_.back());
@@ -92,15 +87,15 @@ private:
     const BasePictures& base_;
     PredictionMemory memory_;
     std::size_t base_blocks_ = 0;
-    std::vector<Block> blocks_; // with their predictions, those of the base picture first
-    std::vector<BlockPrediction> predictions_;
+    std::vector<Block> blocks_;                // those of the base picture first
+    std::vector<BlockPrediction> predictions_; // of the same blocks
 };
 
 } // namespace
 
 TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
                    const CodeTables& tables, int planes, bool predicts, const BasePictures& base) {
-    // A tile that turns out damaged is drawn as one block of nothing.
+    // A damaged tile is drawn as one block without coefficients.
     const std::uint32_t background = items_of(tile, planes, 1, 1);
     TreeCounter counter(segment, tables, planes, predicts, base);
     if (!counter.count(tile))

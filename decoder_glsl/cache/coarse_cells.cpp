@@ -13,19 +13,19 @@ namespace {
 using namespace layout;
 
 constexpr std::uint64_t most_bytes = 8u << 20; // of texels, and of words, in one box
-constexpr std::size_t tile_words = 2 * tsr_coarse_texels;
+constexpr std::size_t tile_words = tsr_coarse_words;
 
 constexpr std::uint32_t parts_along(int axis) {
     return static_cast<std::uint32_t>(axis < axis_s ? tsr_coarse_uv : tsr_coarse_st);
 }
 
-// Texels of the level that a part of a tile lies on, along one axis.
+// The texels of the level that overlap a part of a tile, along one axis.
 struct Span {
     std::uint32_t first = 0;    // relative to the box that was read
-    std::vector<float> weights; // how many texels of level 0 each stands for there
+    std::vector<float> weights; // texels of level 0 in the part that each of them covers
 };
 
-// The texels of level 0 in part `part` of a tile of `extent` texels, as coarse.comp.glsl has them.
+// Begin and end of part `part` of a tile of `extent` texels of level 0, as in coarse.comp.glsl.
 std::pair<std::uint32_t, std::uint32_t> part_of(std::uint32_t part, std::uint32_t parts,
                                                 std::uint32_t extent) {
     const std::uint32_t begin = (part * extent + parts - 1) / parts;
@@ -34,19 +34,18 @@ std::pair<std::uint32_t, std::uint32_t> part_of(std::uint32_t part, std::uint32_
     return {std::min(begin, end - 1), end};
 }
 
-// Pure arithmetic on a box of tiles at a time.
 class CellMaker {
 public:
     CellMaker(const TileGrid& grid, const LevelEntry& level, TexelSource& source,
               const PutCoarse& put)
         : grid_(grid), level_(level), source_(source), put_(put), desc_(source.desc()) {}
 
-    // `tiles`: coordinates of tiles.
+    // Computes the coarse texels of a box of tiles, given by their coordinates in the grid.
     Status make(const Box4& tiles) {
         const Box4 texels = texels_of(tiles);
         if (std::max<std::uint64_t>(desc_.box_bytes(texels), tiles.texels() * tile_words * 4) >
             most_bytes)
-            // Along the slowest axis that can be cut, so that tiles come in order.
+            // Halves the slowest axis of more than one tile, which keeps the order of tiles.
             for (const int axis : {axis_t, axis_s, axis_v, axis_u}) {
                 const auto a = static_cast<std::size_t>(axis);
                 if (tiles.end[a] - tiles.begin[a] == 1)
@@ -60,7 +59,7 @@ public:
     }
 
 private:
-    // The texels of the level that stand for those of the tiles.
+    // The texels of the level that cover the tiles.
     Box4 texels_of(const Box4& tiles) const {
         Extent4 last = tiles.end;
         for (std::uint32_t& coordinate : last)
@@ -75,7 +74,7 @@ private:
         return texels;
     }
 
-    // Of all tiles along an axis, part by part.
+    // The spans of all parts of the tiles along an axis.
     std::vector<Span> spans_along(int axis, const Box4& tiles, const Box4& texels) const {
         const auto a = static_cast<std::size_t>(axis);
         const unsigned lod = level_.lod(axis);
@@ -107,7 +106,7 @@ private:
         extent_ = texels.extent();
         for (int axis = 0; axis < 4; ++axis)
             spans_[static_cast<std::size_t>(axis)] = spans_along(axis, tiles, texels);
-        std::vector<std::uint32_t> words; // of tiles that follow each other
+        std::vector<std::uint32_t> words; // of consecutive tiles
         std::uint64_t first = 0;
         Status status;
         const auto flush = [&] {
@@ -130,7 +129,7 @@ private:
         return status;
     }
 
-    // `place`: the tile's first span along each axis.
+    // `place`: index of the tile's first span along each axis.
     void add_tile(const Extent4& place, std::vector<std::uint32_t>& words) const {
         for (std::uint32_t t = 0; t < tsr_coarse_st; ++t)
             for (std::uint32_t s = 0; s < tsr_coarse_st; ++s)
@@ -205,7 +204,7 @@ private:
     const PutCoarse& put_;
     const TextureDesc desc_;
     std::vector<std::byte> bytes_; // texels of the box that was read
-    Extent4 extent_{};             // of it
+    Extent4 extent_{};             // of that box
     std::array<std::vector<Span>, 4> spans_;
 };
 
@@ -220,7 +219,8 @@ Status make_coarse_cells(const TileGrid& grid, const LevelEntry& level, TexelSou
                       source.desc().size == level.size;
     if (!fits)
         return {ErrorCode::bad_argument, "texels of " + to_string(source.desc().size) +
-                                             " are no coarse level of " + to_string(grid.size())};
+                                             " are not a coarse level of " +
+                                             to_string(grid.size())};
     return CellMaker(grid, level, source, put).make({{0, 0, 0, 0}, grid.count()});
 }
 

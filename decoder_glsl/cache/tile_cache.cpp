@@ -12,7 +12,7 @@ Result<TileCache> TileCache::create(std::uint64_t slots, std::uint64_t tiles) {
                       "a tile cache has 1 to 2^31 slots, not " + std::to_string(slots));
     if (tiles > 0xffffffffu)
         return Status(ErrorCode::bad_argument,
-                      "a tile cache is for up to 2^32 - 1 tiles, not " + std::to_string(tiles));
+                      "a tile cache holds up to 2^32 - 1 tiles, not " + std::to_string(tiles));
     try {
         return TileCache(static_cast<std::uint32_t>(slots), static_cast<std::size_t>(tiles));
     } catch (const std::exception&) { // bad_alloc, length_error
@@ -29,9 +29,14 @@ TileCache::TileCache(std::uint32_t slots, std::size_t tiles)
     next_[slots] = previous_[slots] = slots;
 }
 
+Status TileCache::no_such_tile(std::uint32_t tile) const {
+    return {ErrorCode::bad_argument, "there is no tile " + std::to_string(tile) +
+                                         ", the cache has " + std::to_string(slot_of_.size()) +
+                                         " tiles"};
+}
+
 void TileCache::begin_frame() {
     ++frame_;
-    ++stats_.frames;
     for (const std::uint32_t tile : waiting_)
         flags_[tile] &= static_cast<std::uint8_t>(~(waits | not_now));
     waiting_.clear();
@@ -41,11 +46,10 @@ Result<std::span<const DecodeJob>> TileCache::touch(std::span<const std::uint32_
                                                     std::uint32_t max_jobs) {
     for (const std::uint32_t tile : tiles)
         if (tile >= slot_of_.size())
-            return Status(ErrorCode::bad_argument, "tile " + std::to_string(tile) +
-                                                       " was touched, of " +
-                                                       std::to_string(slot_of_.size()));
+            return no_such_tile(tile);
     jobs_.clear();
-    // Residents first, so that no missing tile takes the slot of one that comes later in the list.
+    // Residents first: a missing tile must not take the slot of a tile that comes later in the
+    // list.
     for (const std::uint32_t tile : tiles)
         if (slot_of_[tile] != no_slot)
             renew(slot_of_[tile]);
@@ -58,7 +62,6 @@ Result<std::span<const DecodeJob>> TileCache::touch(std::span<const std::uint32_
 void TileCache::renew(std::uint32_t slot) {
     if (touched_[slot] == frame_)
         return;
-    ++stats_.hits;
     touched_[slot] = frame_;
     unlink(slot);
     link_newest(slot);
@@ -66,60 +69,49 @@ void TileCache::renew(std::uint32_t slot) {
 
 void TileCache::request(std::uint32_t tile, std::uint32_t max_jobs) {
     if (jobs_.size() >= max_jobs)
-        return wait(tile, stats_.deferred);
+        return wait(tile);
     std::uint32_t slot = first_free_;
     if (slot != slots_) {
         first_free_ = next_[slot];
-        ++resident_;
     } else {
-        slot = previous_[slots_]; // all are occupied, so there is one
+        slot = previous_[slots_]; // exists, because all slots are occupied
         if (touched_[slot] == frame_)
-            return wait(tile, stats_.late);
+            return wait(tile);
         unlink(slot);
         set_slot(tile_of_[slot], no_slot);
-        ++stats_.evictions;
     }
     tile_of_[slot] = tile;
     touched_[slot] = frame_;
     link_newest(slot);
     set_slot(tile, slot);
     jobs_.push_back({tile, slot});
-    ++stats_.decodes;
 }
 
-void TileCache::wait(std::uint32_t tile, std::uint64_t& counter) {
+void TileCache::wait(std::uint32_t tile) {
     if ((flags_[tile] & waits) != 0)
         return;
     flags_[tile] |= waits;
     waiting_.push_back(tile);
-    ++counter;
 }
 
 Status TileCache::mark_failed(std::uint32_t tile) {
     if (tile >= slot_of_.size())
-        return {ErrorCode::bad_argument, "tile " + std::to_string(tile) + " has failed, of " +
-                                             std::to_string(slot_of_.size())};
+        return no_such_tile(tile);
     if ((flags_[tile] & failed) != 0)
         return {};
     flags_[tile] |= failed;
-    ++stats_.failures;
     free_slot(tile);
     return {};
 }
 
 Status TileCache::put_off(std::uint32_t tile) {
     if (tile >= slot_of_.size())
-        return {ErrorCode::bad_argument, "tile " + std::to_string(tile) + " is put off, of " +
-                                             std::to_string(slot_of_.size())};
+        return no_such_tile(tile);
     if ((flags_[tile] & (failed | not_now)) != 0)
         return {};
     free_slot(tile);
     flags_[tile] |= not_now;
-    ++stats_.put_off;
-    if ((flags_[tile] & waits) == 0) { // begin_frame() finds it among those that wait
-        flags_[tile] |= waits;
-        waiting_.push_back(tile);
-    }
+    wait(tile); // begin_frame() clears the flags of waiting tiles
     return {};
 }
 
@@ -130,12 +122,7 @@ void TileCache::free_slot(std::uint32_t tile) {
     unlink(slot);
     next_[slot] = first_free_;
     first_free_ = slot;
-    --resident_;
     set_slot(tile, no_slot);
-}
-
-bool TileCache::has_failed(std::uint32_t tile) const {
-    return tile < flags_.size() && (flags_[tile] & failed) != 0;
 }
 
 std::uint32_t TileCache::slot_of(std::uint32_t tile) const {

@@ -6,25 +6,33 @@
 #include "format/surface_mesh.h"
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace tessera {
 
-// What decoding batches may take of the device, so that it stays within `bytes` in all. In a file that
-// predicts, half of them are for the values of predicted tiles.
-BatchLimits limits_within(std::uint64_t bytes, bool predicts);
+// Bindings of shaders/sample.glsl. coarse.comp and mips.comp read the sampler's buffer as well.
+constexpr GLuint parameters_binding = 2; // uniform block
+constexpr GLuint sampler_binding = 4, marks_binding = 5, texels_unit = 0;
+constexpr GLuint jobs_binding = 1; // of coarse.comp and mips.comp
+
+// Limits for batches that keep the decoder's buffers within `bytes` in all. `keeps_values`: half of
+// them are for the values of predicted or filtered tiles.
+BatchLimits limits_within(std::uint64_t bytes, bool keeps_values);
 
 // "12.5 MiB".
 std::string mebibytes(std::uint64_t bytes);
 
-// What every residency starts from.
+// A file and what every residency needs to decode and sample it.
 struct TextureFile {
     const ContainerReader& reader;
     DecodeTables tables;
     bool half;
     std::uint64_t budget; // bytes
     GlTileDecoder decoder;
-    AtlasMips mips; // none, but of a mesh's atlas
+    AtlasMips mips; // none without a mesh's atlas
 
     TexelFormat format() const { return half ? TexelFormat::rgba16f : TexelFormat::rgba8; }
     std::vector<ShaderDefine> output_defines() const {
@@ -33,17 +41,20 @@ struct TextureFile {
     }
 };
 
-// The words of shaders/sampler_layout.glsl for a file: header, axes and mips; what a residency does not use
-// stays 0. The page table goes behind them.
+// The words of the sampler's buffer (shaders/sampler_layout.glsl) for a file: header, axes and
+// mips. Each residency sets the fields that it needs, which are 0 here, and appends its page table.
 std::vector<std::uint32_t> sampler_words(const TextureFile& file);
 
-// Feeds the payloads of tiles to a builder and hands each full batch to `flush`.
+// Binds the sampler's buffer, its header as uniforms, and the texels.
+void bind_sampler(const GlBuffer& parameters, const GlTexture& texels);
+
+// Loads the payloads of tiles, collects them in batches and passes each full batch to `flush`.
 class BatchFeed {
 public:
     using Flush = std::function<Status(DecodeBatch&)>;
     BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
               Flush flush);
-    // Errors: io, invalid_file; runtime, when a tile alone is larger than the limits; of `flush`.
+    // Errors: io, invalid_file; unsupported (one tile alone exceeds the limits); those of `flush`.
     Status add(std::uint64_t tile, const TexelPlace& place);
     Status finish();
 
@@ -54,6 +65,7 @@ private:
     Flush flush_;
 };
 
+// How the texels of a texture are held on the device. Only a tile cache has anything to update.
 class Resident {
 public:
     virtual ~Resident() = default;
@@ -64,17 +76,19 @@ public:
     virtual Status drop_cache() { return {}; }
     virtual std::uint64_t slots() const { return 0; }
     virtual std::uint64_t budget_for(std::uint64_t) const { return 0; }
-    virtual const TileCacheStats* stats() const { return nullptr; }
 };
 
+// All tiles of the file, decoded into a plain texture.
 Result<std::unique_ptr<Resident>> make_plain_texture(TextureFile& file, bool hardware_filter);
+// The texels of `source` in a plain texture.
 Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
                                                         TexelSource& source, bool hardware_filter);
+// A tile cache. `file` must outlive it.
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
                                                       const SampledTextureOptions& options);
 
-// Layout of an ordinary texture: angular images side by side, folded over layers. The images are those of
-// `size`, the texture's or, with mips beside it, that of AtlasMips::kept_size().
+// Layout of a plain texture: angular images side by side, folded over layers. `size` is that of the
+// texture or, with mips beside it, AtlasMips::kept_size().
 struct PlainLayout {
     TexelPlan plan;
     TextureShape shape;

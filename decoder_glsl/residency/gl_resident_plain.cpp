@@ -1,4 +1,4 @@
-// On load: every tile decoded into an ordinary texture; or texels that the caller has.
+// On load: a plain texture of all decoded tiles, or of texels that the caller has.
 #include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/gl/gl_error.h"
 #include "decoder_glsl/residency/gl_mips.h"
@@ -13,11 +13,7 @@ using namespace layout;
 
 class PlainTexture final : public Resident {
 public:
-    void bind() const override {
-        parameters_.bind_storage(4);
-        parameters_.bind_uniforms(2, tsr_sampler_words * 4);
-        texels_.bind_texture(0);
-    }
+    void bind() const override { bind_sampler(parameters_, texels_); }
     std::uint64_t bytes() const override { return texels_.bytes() + parameters_.bytes(); }
     std::uint64_t damaged_tiles() const override { return damaged_; }
 
@@ -29,7 +25,7 @@ public:
             return {ErrorCode::unsupported,
                     file.reader.name() + ": decoded as a whole it takes " + mebibytes(needed) +
                         " and some work memory, the budget is " + mebibytes(file.budget) +
-                        "; a tile cache (on feedback) fits"};
+                        "; use a tile cache (on feedback)"};
         TESSERA_TRY(create_objects(file, plain, hardware_filter));
 
         const std::uint64_t fixed = bytes() + file.decoder.bytes();
@@ -47,14 +43,15 @@ public:
             if (location.length == 0)
                 continue;
             const Box4 box = grid.box(tile);
-            TESSERA_TRY(
-                feed.add(tile, {box.begin[2], box.begin[3], 0, box.begin[0], box.begin[1]}));
+            TESSERA_TRY(feed.add(
+                tile,
+                {.x = box.begin[2], .y = box.begin[3], .u0 = box.begin[0], .v0 = box.begin[1]}));
         }
         TESSERA_TRY(feed.finish());
-        return make_mips(file);
+        return compute_mips(file);
     }
 
-    // Layer by layer, so that one layer's texels at a time are held besides the texture.
+    // Goes layer by layer, so that the host holds the texels of one layer at a time.
     Status upload(const TextureFile& file, TexelSource& source, bool hardware_filter) {
         const Extent4& size = file.reader.desc().size;
         const PlainLayout plain = layout_of(file);
@@ -63,14 +60,14 @@ public:
         for (std::uint32_t layer = 0; layer < plain.shape.layers; ++layer) {
             const Box4 box = box_of_layer(plain.plan, size, layer);
             if (box.begin[0] >= box.end[0] || box.begin[1] >= box.end[1])
-                continue; // of nothing but mips
+                continue; // this layer holds mips only
             texels.resize(source.desc().box_bytes(box));
             TESSERA_TRY(source.begin_slab(box));
             TESSERA_TRY(source.read(box, texels));
             put_pixels(source.desc(), box, texels, plain.shape.width, pixels);
             TESSERA_TRY(texels_.upload(layer, pixels));
         }
-        TESSERA_TRY(make_mips(file));
+        TESSERA_TRY(compute_mips(file));
         return take_gl_errors("uploading texels");
     }
 
@@ -80,7 +77,7 @@ private:
                                                   : file.reader.desc().size);
     }
 
-    Status make_mips(const TextureFile& file) {
+    Status compute_mips(const TextureFile& file) {
         if (file.mips.count() == 0)
             return {};
         TESSERA_TRY_ASSIGN(GlMips mips, GlMips::create(file, false));
@@ -90,7 +87,7 @@ private:
             const Extent4 extent = box.extent();
             mips.add(0, box, {box.begin[2], box.begin[3]}, {extent[2], extent[3]});
         }
-        return mips.make(texels_, parameters_);
+        return mips.compute(texels_, parameters_);
     }
 
     Status create_objects(const TextureFile& file, const PlainLayout& plain, bool hardware_filter) {
@@ -99,7 +96,7 @@ private:
         return put_parameters(file, plain);
     }
 
-    // Half the tiles of a window onto a few objects hold nothing else.
+    // Often half the tiles are background. They are filled here and need no decoding.
     Status fill_background(const TextureFile& file) {
         const auto texel = std::as_bytes(file.tables.words().subspan(tsr_t_background_texel, 2));
         return texels_.clear(texel.first(texel_bytes(file.format())));

@@ -1,6 +1,6 @@
 #include "decoder_glsl/gl_sampled_texture.h"
 
-#include "decoder_glsl/cache/cache_slot.h"
+#include "decoder_glsl/cache/cache_plan.h"
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
@@ -24,9 +24,8 @@ std::string mebibytes(std::uint64_t bytes) {
 }
 
 PlainLayout plain_layout(const Extent4& size) {
-    constexpr std::uint32_t widest = 2048; // pixels, what every device has
     const auto fold = [](std::uint32_t images, std::uint32_t side, std::uint32_t& folds) {
-        const std::uint32_t most = std::max(widest / side, 1u);
+        const std::uint32_t most = std::max(most_texture_side / side, 1u);
         folds = (images + most - 1) / most;
         return (images + folds - 1) / folds;
     };
@@ -37,7 +36,9 @@ PlainLayout plain_layout(const Extent4& size) {
     p.plan.folds_u = folds_u;
     p.plan.stride_s = size[2];
     p.plan.stride_t = size[3];
-    p.shape = {p.plan.fold_u * size[2], p.plan.fold_v * size[3], folds_u * folds_v};
+    p.shape = {.width = p.plan.fold_u * size[2],
+               .height = p.plan.fold_v * size[3],
+               .layers = folds_u * folds_v};
     return p;
 }
 
@@ -48,7 +49,8 @@ bool has_atlas(const ContainerReader& reader) {
     return d.proxy == Proxy::mesh && d.surface_map == SurfaceMap::mesh_uv;
 }
 
-// A mesh that does not decode can still be drawn by whoever has another: without mips.
+// Mips need the mesh of the file. Where it does not decode there are none, and an application can
+// still draw the texture on a mesh of its own.
 AtlasMips mips_of(const ContainerReader& reader) {
     constexpr std::uint64_t most_bytes = 1ull << 30; // while it is decoded
     if (!has_atlas(reader))
@@ -63,8 +65,8 @@ TextureShape decoded_shape(const ContainerReader& reader) {
         .shape;
 }
 
-// Texels of a mip, 0 for the texture itself, which lie in the slots from `before` on. Tiles begin at whole
-// texels.
+// Appends the words of an axis for one mip, where 0 is the texture itself. In a slot its texels
+// begin at `before`. Every tile begins at a whole texel of the mip.
 void add_axis(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_t before,
               std::vector<std::uint32_t>& words) {
     Extent4 tile{0, 0, 0, 0};
@@ -82,10 +84,11 @@ void add_mip_table(const AtlasMips& mips, std::vector<std::uint32_t>& words) {
     std::array<std::uint32_t, 2> begin{0, 0}; // on the axes
     for (unsigned mip = 0; mip <= mips.count(); ++mip) {
         const auto size = mips.size(mip);
-        const std::uint32_t line[] = {begin[0], begin[1], size[0] | (size[1] << 16),
-                                      static_cast<std::uint32_t>(words.size())};
-        std::ranges::copy(line,
-                          words.begin() + static_cast<std::ptrdiff_t>(table + mip * tsr_mip_words));
+        std::uint32_t* line = words.data() + table + mip * tsr_mip_words;
+        line[tsr_mip_u] = begin[0];
+        line[tsr_mip_v] = begin[1];
+        line[tsr_mip_size] = size[0] | (size[1] << 16);
+        line[tsr_mip_charts] = static_cast<std::uint32_t>(words.size());
         words.insert(words.end(), mips.charts(mip).begin(), mips.charts(mip).end());
         for (std::size_t a = 0; a < 2; ++a)
             begin[a] += size[a];
@@ -102,8 +105,9 @@ std::uint64_t decoded_bytes(const ContainerReader& reader) {
 
 Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) {
     const TextureShape shape = decoded_shape(reader);
-    const bool fits = shape.width <= 2048 && shape.height <= 2048 && shape.layers <= 2048;
-    // A quarter stays for the work of decoding.
+    const bool fits = shape.width <= most_texture_side && shape.height <= most_texture_side &&
+                      shape.layers <= most_texture_side;
+    // A quarter of the budget is reserved for decoding.
     return fits && decoded_bytes(reader) <= budget - budget / 4 ? Residency::on_load
                                                                 : Residency::on_feedback;
 }
@@ -117,7 +121,7 @@ std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
         words[tsr_p_size + axis] = grid.size()[axis];
         words[tsr_p_tiles + axis] = grid.count()[axis];
     }
-    for (const std::size_t axis : {axis_u, axis_v}) { // from mip to mip
+    for (const std::size_t axis : {axis_u, axis_v}) { // all mips, one after the other
         words[tsr_p_axis_at + axis] = static_cast<std::uint32_t>(words.size());
         add_axis(grid, axis, 0, 0, words);
         for (unsigned mip = 1; mip <= mips.count(); ++mip)
@@ -138,13 +142,13 @@ std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
     return words;
 }
 
-BatchLimits limits_within(std::uint64_t bytes, bool predicts) {
-    constexpr std::uint64_t block = 128ull << 20; // the largest storage buffer that is asked for
-    const std::uint64_t values = predicts ? bytes / 2 : 0;
+BatchLimits limits_within(std::uint64_t bytes, bool keeps_values) {
+    constexpr std::uint64_t block = 128ull << 20; // every device has storage buffers of this size
+    const std::uint64_t values = keeps_values ? bytes / 2 : 0;
     bytes -= values;
     BatchLimits limits;
-    // A byte of payload may hold 8 levels, each 8 bytes of work and 16 of coefficients; the payload
-    // itself and the records of tiles are the least of it.
+    // A byte of payload can hold 8 levels, each of 8 bytes of work and 16 bytes of coefficients.
+    // The payload itself and the records of tiles take much less.
     limits.words = std::min(bytes / 16, block) / 4;
     limits.coefficients = std::min(bytes / 16 * 9, block) / 16;
     limits.work_words = std::min(bytes / 16 * 6 + values, block) / 4;
@@ -173,7 +177,8 @@ Status BatchFeed::finish() {
     const auto share = [](std::uint64_t needed, std::uint64_t limit) {
         return static_cast<double>(needed) / static_cast<double>(std::max<std::uint64_t>(limit, 1));
     };
-    // Above 1: a tile alone, since the builder takes no second one past the limits.
+    // Above 1 only if one tile alone exceeds the limits, because the builder adds no other beyond
+    // them.
     const double most = std::max({share(batch.work_words, limits_.work_words),
                                   share(batch.coefficients, limits_.coefficients),
                                   share(batch.words.size(), limits_.words)});
@@ -184,8 +189,14 @@ Status BatchFeed::finish() {
                     " leaves for decoding; " +
                     mebibytes(static_cast<std::uint64_t>(most * static_cast<double>(file_.budget)) +
                               (1u << 20)) +
-                    " would do"};
+                    " suffices"};
     return flush_(batch);
+}
+
+void bind_sampler(const GlBuffer& parameters, const GlTexture& texels) {
+    parameters.bind_storage(sampler_binding);
+    parameters.bind_uniforms(parameters_binding, tsr_sampler_words * 4);
+    texels.bind_texture(texels_unit);
 }
 
 struct SampledTexture::State {
@@ -199,19 +210,20 @@ SampledTexture::SampledTexture(SampledTexture&&) noexcept = default;
 SampledTexture& SampledTexture::operator=(SampledTexture&&) noexcept = default;
 SampledTexture::~SampledTexture() = default;
 
-// All but the resident.
+// Everything but the residency.
 Result<std::unique_ptr<SampledTexture::State>>
 SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options) {
     TESSERA_TRY(check_device().with_context("this device cannot decode Tessera files"));
     if (reader.alignment().any())
         return Status{ErrorCode::unsupported,
-                      reader.name() + ": views of cameras are no texture of a sphere or a mesh"};
-    // Tile numbers and the products of sizes and tile counts are 32-bit numbers in the shaders.
+                      reader.name() + ": holds camera views, not a texture of a sphere or a mesh"};
+    // Tile numbers and the products of sizes and tile counts must fit the shaders' 32-bit numbers.
     const TileGrid& grid = reader.grid();
     bool fits = grid.tiles() < (1ull << 24);
     for (std::size_t axis = 0; axis < 4; ++axis)
         fits = fits && grid.size()[axis] <= 65536;
-    // Shaders divide by floats, to within 2.5 units of the last place of 24 bits (tsr_angular_tiles).
+    // Shaders divide in floats, with an error of up to 2.5 units in the last of 24 bits
+    // (tsr_angular_tiles).
     constexpr std::uint64_t most = (1u << 23) / 5;
     for (const std::size_t axis : {axis_s, axis_t})
         fits = fits && std::uint64_t{grid.size()[axis]} * grid.count()[axis] < most;
@@ -220,17 +232,21 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
             ErrorCode::unsupported,
             reader.name() +
                 ": larger than 65,536 along an axis, more than 16 million tiles, or more than "
-                "1,200 directions along an axis in tiles of one"};
+                "1,200 tiles of one direction along s or t"};
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     const bool half = reader.desc().type == SampleType::half16;
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
     AtlasMips mips = mips_of(reader);
     if (options.residency == Residency::on_feedback && !cache_slot(grid, mips.count() > 0).fits())
-        mips = {}; // no texture has room for them beside such long tiles
-    return std::unique_ptr<State>(new State{
-        options,
-        {reader, std::move(tables), half, options.budget, std::move(decoder), std::move(mips)},
-        nullptr});
+        mips = {}; // a slot with mips beside such long tiles is too large for a texture
+    return std::unique_ptr<State>(new State{.options = options,
+                                            .file = {.reader = reader,
+                                                     .tables = std::move(tables),
+                                                     .half = half,
+                                                     .budget = options.budget,
+                                                     .decoder = std::move(decoder),
+                                                     .mips = std::move(mips)},
+                                            .resident = nullptr});
 }
 
 Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
@@ -247,7 +263,7 @@ Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader
                                                    TexelSource& source, bool hardware_filter) {
     if (source.desc() != reader.desc())
         return Status{ErrorCode::difference,
-                      reader.name() + ": the texels to upload are of another size or type"};
+                      reader.name() + ": the texels to upload have another size or type"};
     SampledTextureOptions options;
     options.residency = Residency::on_load;
     options.hardware_filter = hardware_filter;
@@ -286,9 +302,6 @@ std::uint64_t SampledTexture::cache_slots() const {
 }
 std::uint64_t SampledTexture::budget_for(std::uint64_t tiles) const {
     return state_->resident->budget_for(tiles);
-}
-const TileCacheStats* SampledTexture::cache_stats() const {
-    return state_->resident->stats();
 }
 void SampledTexture::set_stage_hook(StageHook hook) {
     state_->file.decoder.set_stage_hook(std::move(hook));

@@ -10,11 +10,8 @@ namespace {
 
 using namespace layout;
 
-// Threads of a group, as the shaders say.
-constexpr std::uint32_t stream_group = 16; // tree, corrections
-constexpr std::uint32_t levels_group = 4;
-constexpr std::uint32_t filter_group = 64;
-constexpr std::uint32_t row_groups = 1024; // groups of 64 levels along x of order.comp
+// Bindings of shaders/buffers.glsl.
+constexpr GLuint tables_binding = 0, batch_binding = 1, work_binding = 2, coefficients_binding = 3;
 
 constexpr GLbitfield after_texels = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                                     GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
@@ -44,7 +41,7 @@ Result<GlProgram> compute_program(const std::string& file, std::span<const Shade
 Status grow_buffer(GlBuffer& buffer, std::uint64_t bytes, BufferUse use, const std::string& name) {
     if (buffer.bytes() >= bytes)
         return {};
-    buffer = GlBuffer(); // before the larger one is made, not after
+    buffer = GlBuffer(); // frees the smaller one first
     TESSERA_TRY_ASSIGN(buffer, GlBuffer::create(bytes, use, name));
     return {};
 }
@@ -96,13 +93,13 @@ void GlTileDecoder::run_entropy(const DecodeBatch& batch) {
     const auto tiles = static_cast<std::uint32_t>(batch.tiles.size());
     note(DecodeStage::entropy, true);
     tree_.use();
-    glDispatchCompute(groups_of(tiles, stream_group), 1, 1);
+    glDispatchCompute(groups_of(tiles, TSR_STREAM_GROUP), 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     levels_.use();
-    glDispatchCompute(groups_of(tiles, levels_group), batch.most_segments, 1);
+    glDispatchCompute(groups_of(tiles, TSR_LEVELS_GROUP), batch.most_segments, 1);
     if (batch.corrections > 0) {
         corrections_.use();
-        glDispatchCompute(groups_of(batch.corrections, stream_group), 1, 1);
+        glDispatchCompute(groups_of(batch.corrections, TSR_STREAM_GROUP), 1, 1);
     }
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     note(DecodeStage::entropy, false);
@@ -112,8 +109,9 @@ void GlTileDecoder::run_order(const DecodeBatch& batch) {
     note(DecodeStage::order, true);
     if (batch.raw_chunks > 0) {
         order_.use();
-        glDispatchCompute(std::min(batch.raw_chunks, row_groups),
-                          groups_of(batch.raw_chunks, row_groups), 1);
+        static_assert(tsr_raw_chunk == TSR_TEXEL_GROUP); // one group per chunk
+        glDispatchCompute(std::min(batch.raw_chunks, std::uint32_t{tsr_row_groups}),
+                          groups_of(batch.raw_chunks, tsr_row_groups), 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
     note(DecodeStage::order, false);
@@ -124,7 +122,7 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     TESSERA_TRY(
         target.bind_image(0, GL_WRITE_ONLY, half_ ? TexelFormat::rgba16ui : TexelFormat::r32ui));
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
-    for (std::uint32_t wave = 0; wave < batch.waves; ++wave) { // the device counts them, too
+    for (std::uint32_t wave = 0; wave < batch.waves; ++wave) { // the shaders count waves themselves
         items_.use();
         glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -137,7 +135,7 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     }
     if (filters_) {
         filter_.use();
-        glDispatchCompute(groups_of(batch.most_texels, filter_group),
+        glDispatchCompute(groups_of(batch.most_texels, TSR_TEXEL_GROUP),
                           static_cast<std::uint32_t>(batch.tiles.size()), 1);
         glMemoryBarrier(after_texels);
     }
@@ -153,10 +151,10 @@ Status GlTileDecoder::decode(const DecodeBatch& batch, const GlTexture& target) 
     TESSERA_TRY(grow_buffer(coefficients_, std::max<std::uint64_t>(batch.coefficients, 1) * 16,
                             BufferUse::device, "decoder coefficients"));
     TESSERA_TRY(work_.clear(0, 0, tsr_w_state * 4));
-    tables_.bind_storage(0);
-    batch_.bind_storage(1);
-    work_.bind_storage(2);
-    coefficients_.bind_storage(3);
+    tables_.bind_storage(tables_binding);
+    batch_.bind_storage(batch_binding);
+    work_.bind_storage(work_binding);
+    coefficients_.bind_storage(coefficients_binding);
     run_entropy(batch);
     run_order(batch);
     TESSERA_TRY(run_transform(batch, target));
@@ -169,7 +167,9 @@ Result<std::vector<TileCounts>> GlTileDecoder::counts(const DecodeBatch& batch) 
     std::vector<TileCounts> counts(batch.tiles.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
         const std::uint32_t* state = words.data() + i * tsr_state_words;
-        counts[i] = {state[tsr_st_blocks], state[tsr_st_levels], state[tsr_st_damaged]};
+        counts[i] = {.blocks = state[tsr_st_blocks],
+                     .coefficients = state[tsr_st_levels],
+                     .damaged = state[tsr_st_damaged]};
     }
     return counts;
 }

@@ -1,4 +1,4 @@
-// Decodes batches of tiles on the device: the passes of decoder_glsl/shaders in order.
+// Decodes batches of tiles on the device: runs the passes of decoder_glsl/shaders in order.
 #pragma once
 
 #include "decoder_glsl/batch/decode_batch.h"
@@ -15,34 +15,36 @@
 
 namespace tessera {
 
-// The program of an embedded compute shader for OpenGL 4.5. Errors as of shader_source and GlProgram.
+// The program of an embedded compute shader. Errors: those of shader_source() and GlProgram.
 Result<GlProgram> compute_program(const std::string& file,
                                   std::span<const ShaderDefine> defines = {});
 
-// What a decoded tile came to, as the device counted.
+// What the device counted in a decoded tile.
 struct TileCounts {
     std::uint32_t blocks = 0;
-    std::uint32_t coefficients = 0; // not 0
-    std::uint32_t damaged = 0;      // 0: sound; else tsr_damage_* of shaders/layout.glsl
+    std::uint32_t coefficients = 0; // that are not 0
+    std::uint32_t damaged = 0;      // 0: sound; else the sum of tsr_damage_* (shaders/layout.glsl)
 };
 
-// Needs a current OpenGL 4.5 context at every call. Buffers grow to what batches need and stay.
+// Every call and the destructor need a current OpenGL 4.5 context. Buffers grow to the size that
+// batches need and keep it.
 class GlTileDecoder {
 public:
-    // Uploads the tables. `half`: texels are halves (a texture of rgba16f), else bytes (rgba8).
+    // Uploads the tables and compiles the programs. `half`: texels are halves (rgba16f), else bytes
+    // (rgba8).
     static Result<GlTileDecoder> create(const DecodeTables& tables, bool half);
 
     void set_stage_hook(StageHook hook) { hook_ = std::move(hook); }
 
-    // Decodes the texels of a batch into `target`. Issues the work and returns; the texels are seen by
-    // whatever is issued later. Errors: runtime (no memory; target of another format).
+    // Issues the work that decodes a batch into `target` and returns. OpenGL calls that follow see
+    // the texels. Errors: runtime (no memory), bad_argument (`target` has another format).
     Status decode(const DecodeBatch& batch, const GlTexture& target);
 
-    // Of the last batch; waits for the device.
+    // The counts of `batch`, which was decoded last. Waits for the device.
     Result<std::vector<TileCounts>> counts(const DecodeBatch& batch) const;
 
     std::uint64_t bytes() const; // on the device
-    // Gives back what decoding needs; the next batch takes it anew.
+    // Frees the buffers of batches. The next batch allocates them again.
     void free_work();
 
 private:
@@ -59,13 +61,13 @@ private:
     bool half_ = false;
     GlBuffer tables_, batch_, work_, coefficients_;
     GlProgram tree_, levels_, corrections_, order_, items_, groups_, texels_;
-    GlProgram predicted_texels_; // only of files that predict or filter
-    GlProgram filter_;           // only of files that filter
+    GlProgram predicted_texels_; // for files that predict or filter
+    GlProgram filter_;           // for files that filter
     bool filters_ = false;
     StageHook hook_;
 };
 
-// Makes `buffer` at least `bytes` long, by a larger one in its place; content is lost then.
+// Makes `buffer` at least `bytes` long. A buffer that grows loses its content.
 Status grow_buffer(GlBuffer& buffer, std::uint64_t bytes, BufferUse use, const std::string& name);
 
 } // namespace tessera

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint64_t target_bytes = 256ull << 20; // texels of a batch
 constexpr std::uint64_t most_payload = 1ull << 30;   // bytes of all batches, held by the host
 
-// A tile a layer.
+// The texture that every batch is decoded into, one tile per layer.
 struct Target {
     TexelPlan plan;
     GlTexture texture;
@@ -45,10 +45,10 @@ Result<std::vector<DecodeBatch>> make_batches(const ContainerReader& reader,
         payload += bytes.bytes.size();
         if (payload > most_payload)
             return Status(ErrorCode::unsupported, "more than 1 GiB of compressed tiles");
-        if (!builder.add(tile, bytes.bytes, {0, 0, layer, 0, 0})) {
+        if (!builder.add(tile, bytes.bytes, {.layer = layer})) {
             batches.push_back(builder.finish());
             layer = 0;
-            builder.add(tile, bytes.bytes, {0, 0, layer, 0, 0});
+            builder.add(tile, bytes.bytes, {.layer = layer});
         }
         ++layer;
     }
@@ -80,7 +80,7 @@ Result<WholeFileDecoder> WholeFileDecoder::create(const ContainerReader& reader)
     TESSERA_TRY_ASSIGN(auto batches, make_batches(reader, tables, target));
     auto state = std::unique_ptr<State>(
         new State{std::move(tables), std::move(decoder), std::move(target), std::move(batches)});
-    // This decode also makes the buffers large enough.
+    // This decode also grows the buffers to the size that all batches need.
     for (const DecodeBatch& batch : state->batches) {
         TESSERA_TRY(state->decoder.decode(batch, state->target.texture));
         TESSERA_TRY_ASSIGN(const auto counts, state->decoder.counts(batch));

@@ -1,5 +1,5 @@
-// The decoder's four buffers and checked access to them: nothing here reads or writes outside,
-// whatever an index holds.
+// The decoder's four buffers, and access that is checked against their lengths: whatever an index
+// holds, nothing outside is read or written.
 #ifndef TSR_BUFFERS
 #define TSR_BUFFERS
 #include "dialect.glsl"
@@ -23,7 +23,7 @@ uint tsr_table(int at) {
 uint tsr_shape(uint shape, int field) {
     return tsr_table(tsr_table(tsr_t_shapes) + shape * uint(tsr_shape_words) + uint(field));
 }
-// No longer than sides may be, whatever the shape is.
+// Sides along u, v, s, t, within the format's limits even for a shape that does not exist.
 ivec4 tsr_sides_of(uint shape) {
     uint sides = tsr_shape(shape, tsr_s_sides);
     return min(ivec4(int(sides & 255u), int((sides >> 8) & 255u), int((sides >> 16) & 255u),
@@ -32,7 +32,7 @@ ivec4 tsr_sides_of(uint shape) {
                      tsr_max_angular_side));
 }
 
-// Parts of a place, see tsr_place_*.
+// u, v, s, t of a packed origin (tsr_k_place).
 ivec4 tsr_origin_of(uint place) {
     int most = (1 << tsr_place_v) - 1;
     return ivec4(int(place) & most, int(place >> tsr_place_v) & most,
@@ -64,7 +64,7 @@ uint tsr_segment(uint segment, int field) {
 uint tsr_state_at(uint tile) {
     return uint(tsr_w_state) + tile * uint(tsr_state_words);
 }
-// Record of a block; nowhere, if the tile has no room for it.
+// Word of a block's record, or tsr_nowhere if the tile has no room for it.
 uint tsr_block_at(uint tile, uint block) {
     if (block >= tsr_tile(tile, tsr_tile_block_room))
         return tsr_nowhere;
@@ -76,12 +76,15 @@ uint tsr_item_at(uint item) {
         return tsr_nowhere;
     return tsr_header(tsr_b_items_at) + item * uint(tsr_item_words);
 }
-// What a block copies, see tsr_copy_words; 0 in a tile that is not predicted.
+// The copy record of a block (tsr_copy_words); 0 if the tile is not predicted.
 uint tsr_copy(uint tile, uint block) {
     uint copies = tsr_tile(tile, tsr_tile_copies);
     if (copies == tsr_none)
         return 0u;
     return tsr_batch_word(tsr_header(tsr_b_copies_at) + copies + block * uint(tsr_copy_words));
+}
+bool tsr_is_damaged(uint tile) {
+    return tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u;
 }
 void tsr_damage(uint tile, uint what) {
     uint at = tsr_state_at(tile) + uint(tsr_st_damaged);
@@ -89,7 +92,7 @@ void tsr_damage(uint tile, uint what) {
         TSR_ATOMIC_OR(at, what);
 }
 
-// A little-endian 16-bit word of the payloads, at any byte.
+// The little-endian 16-bit word of the payloads that begins at a byte.
 uint tsr_payload_word(uint byte_at) {
     uint at = tsr_header(tsr_b_payload_at) + (byte_at >> 2);
     uint shift = (byte_at & 3u) * 8u;

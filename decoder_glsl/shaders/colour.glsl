@@ -3,15 +3,15 @@
 #define TSR_COLOUR
 #include "buffers.glsl"
 
-// What the tables say about samples, loaded once an invocation.
+// The tables' fields about samples, loaded once per invocation.
 struct TsrFormat {
     bool half_floats; // else unorm8
     int planes;
     bool ycocg;
     bool smooth_copies;
-    bool filtered; // texels are written by filter.comp
-    int fraction;  // bits of a transform output below a code
-    int value_bits; // of a value below a code
+    bool filtered;    // filter.comp writes the texels
+    int fraction;     // bits of a transform output below a code
+    int value_bits;   // bits of a value below a code
     ivec4 background; // planes
     int smallest;     // code
     int largest;
@@ -34,14 +34,14 @@ TsrFormat tsr_format() {
     return f;
 }
 
-// The planes of a texel, rounded.
+// Transform outputs of all planes, rounded to values.
 ivec4 tsr_values(TsrFormat f, ivec4 outputs) {
-    // Outputs are below 2^28; unsigned, so that anything else wraps in every language.
+    // Outputs of sound tiles are below 2^28. Unsigned sums let any others wrap.
     int shift = f.fraction - f.value_bits;
     return ivec4(uvec4(outputs) + (1u << uint(shift - 1))) >> shift;
 }
 
-// The codes of a texel: planes onto the background, colour transform undone, clamped.
+// Values of all planes to codes: adds the background, inverts the colour transform and clamps.
 ivec4 tsr_codes(TsrFormat f, ivec4 values) {
     ivec4 c = ((values + ((1 << f.value_bits) >> 1)) >> f.value_bits) + f.background;
     if (f.ycocg) {
@@ -53,13 +53,13 @@ ivec4 tsr_codes(TsrFormat f, ivec4 values) {
     return clamp(c, f.smallest, f.largest);
 }
 
-// A code as it is stored: the bits of a half, or the byte.
+// The bits of a half, or the byte, that a code stands for.
 uint tsr_sample_of(int code) {
     return uint(code >= 0 ? code : 0x8000 | -code);
 }
 
-// Codes as the four channels that are stored and sampled: grey in all three colours, alpha 1 where
-// the texture has none.
+// Codes as the four channels of the texture: grey in all three colours, alpha 1 where the file has
+// none.
 uvec4 tsr_samples(TsrFormat f, ivec4 codes) {
     uint one = f.half_floats ? 0x3C00u : 255u;
     uint x = tsr_sample_of(codes.x);

@@ -1,13 +1,13 @@
-// The words in which GLSL and C++ differ. Every file here that is not a *.comp.glsl main compiles in
-// both: the tests build the integer core as C++ through GLM and fuzz it (tests/support/shader_machine.h
-// gives the C++ meaning of these words).
+// Words that GLSL and C++ define differently. The decoder's files compile as both, because tests
+// build and fuzz them as C++ with GLM: tests/support/shader_machine.h gives these words their C++
+// meaning.
 #ifndef TSR_DIALECT
 #define TSR_DIALECT
 #ifndef __cplusplus
 #define TSR_INOUT(type) inout type
-// Stands first in the body of every loop; C++ counts there.
+// The first statement of every loop body, where C++ counts rounds.
 #define TSR_LOOP
-// Vulkan numbers all kinds of bindings together; each kind has a descriptor set there.
+// Vulkan numbers all kinds of bindings together, so each kind gets a descriptor set of its own.
 #ifdef TSR_VULKAN
 #define TSR_IMAGE(number) set = 1, binding = number
 #define TSR_TEXTURE(number) set = 2, binding = number

@@ -1,8 +1,10 @@
-// Pass 6, only of files with a filter, one invocation a texel: filters the values that pass 5 kept
-// (FORMAT.md 4.7) and writes the texels they give. A damaged tile has kept none and is written already.
+// Pass 6, for files with a filter only, one invocation per texel: filters the values that pass 5
+// kept (FORMAT.md 4.7) and writes the texels. Pass 5 has written damaged tiles, which keep no
+// values.
 #include "target.glsl"
 
-// One ring's strength in 1/256, and how fast it falls, of each plane.
+// A ring of the filter, plane by plane: its strength in 1/256, and how fast it falls with the
+// difference.
 struct TsrRing {
     ivec4 strength;
     uvec4 slope;
@@ -16,13 +18,13 @@ TsrRing tsr_ring(int ring) {
     return r;
 }
 
-// A difference times its share, as if strengths were positive.
+// A difference times its weight, for a positive strength.
 ivec4 tsr_pull(ivec4 difference, uvec4 most, TsrRing ring) {
     uvec4 known = min(uvec4(abs(difference)), most);
     return difference * max(abs(ring.strength) - ivec4((known * ring.slope) >> 12u), 0);
 }
 
-// What the four values of a ring, at these words, make of x, in 1/256.
+// The change of x, in 1/256, by the four values of a ring, whose words are `at`.
 ivec4 tsr_ring_pull(TsrFormat format, TsrTarget target, ivec4 x, uvec4 at, int which) {
     TsrRing ring = tsr_ring(which);
     uvec4 most = uvec4(tsr_half_values(format) ? 65535u : 4095u);
@@ -33,7 +35,8 @@ ivec4 tsr_ring_pull(TsrFormat format, TsrTarget target, ivec4 x, uvec4 at, int w
     return sum * sign(ring.strength);
 }
 
-// Words of the four diagonal neighbours at `distance` in the view that begins at `view`.
+// Words of the four diagonal neighbours of (u, v), or of the edge, in the view that begins at
+// `view`.
 uvec4 tsr_diagonals(TsrTarget target, uint view, int u, int v, int distance) {
     int nu = target.sides.x;
     int left = max(u - distance, 0);
@@ -47,8 +50,8 @@ uvec4 tsr_diagonals(TsrTarget target, uint view, int u, int v, int distance) {
 ivec4 tsr_filtered(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
     uint here = tsr_value_at(target, u, v, s, t);
     uint view = tsr_value_at(target, 0, 0, s, t);
-    uint one = uint(target.sides.x * target.sides.y); // from one view to the next along s
-    uint row = one * uint(target.sides.z);
+    uint one = uint(target.sides.x * target.sides.y); // words from one view to the next along s
+    uint row = one * uint(target.sides.z);            // and along t
     uvec4 views = uvec4(here) + uvec4(s > 0 ? 0u - one : 0u, s + 1 < target.sides.z ? one : 0u,
                                       t > 0 ? 0u - row : 0u, t + 1 < target.sides.w ? row : 0u);
     ivec4 x = tsr_value_in(format, target, here);
@@ -79,7 +82,7 @@ void tsr_filter_texel(uint tile, uint texel) {
 }
 
 #ifndef __cplusplus
-layout(local_size_x = 64) in;
+layout(local_size_x = TSR_TEXEL_GROUP) in;
 void main() {
     tsr_filter_texel(gl_WorkGroupID.y, gl_GlobalInvocationID.x);
 }

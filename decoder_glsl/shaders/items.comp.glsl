@@ -1,12 +1,12 @@
-// Pass 4, 64 invocations a tile: cuts the blocks into items, the work of one group of the next pass.
-// A damaged tile becomes one block of no coefficients: the background.
+// Pass 4, 64 invocations per tile: divides the blocks into items, each the work of one group of the
+// next pass. A damaged tile becomes one block without coefficients, which is drawn as background.
 //
-// Passes 4 and 5 run once for every depth of copies in the batch, the wave. Blocks that copy nothing
-// are those of wave 0; what a block copies was written in the waves before its own.
+// Passes 4 and 5 run once per wave, which is a depth of copies. Wave 0 has the blocks that copy
+// nothing. Every block copies from blocks of earlier waves.
 #include "buffers.glsl"
 #include "patch.glsl"
 
-// `room`: items that this invocation may still make; blocks of a sound tile never need more.
+// `room`: number of items that this invocation may still add. Sound tiles never reach it.
 void tsr_cut_block(uint tile, uint block, uint shape, uint rest, TSR_INOUT(uint) room) {
     TsrPatch patch_of = tsr_patch(shape, rest);
     uint positions = uint(patch_of.sides.x * patch_of.sides.y);
@@ -32,7 +32,7 @@ void tsr_cut_tile(uint tile, uint lane) {
     uint wave = tsr_work_word(uint(tsr_w_wave));
     bool predicted = tsr_tile(tile, tsr_tile_copies) != tsr_none;
     uint room = uint(tsr_max_items);
-    if (tsr_work_word(state + uint(tsr_st_damaged)) != 0u) {
+    if (tsr_is_damaged(tile)) {
         if (lane == 0u && wave == 0u) {
             uint at = tsr_block_at(tile, 0u);
             uint shape = tsr_tile(tile, tsr_tile_shape);
@@ -47,7 +47,7 @@ void tsr_cut_tile(uint tile, uint lane) {
     if (wave > 0u && !predicted)
         return;
     uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
-    for (uint block = lane; block < blocks; block += 64u) {
+    for (uint block = lane; block < blocks; block += uint(TSR_TEXEL_GROUP)) {
         TSR_LOOP;
         if (predicted && ((tsr_copy(tile, block) >> 8) & 255u) != wave)
             continue;
@@ -58,7 +58,7 @@ void tsr_cut_tile(uint tile, uint lane) {
 }
 
 #ifndef __cplusplus
-layout(local_size_x = 64) in;
+layout(local_size_x = TSR_TEXEL_GROUP) in;
 void main() {
     tsr_cut_tile(gl_WorkGroupID.x, gl_LocalInvocationIndex);
 }

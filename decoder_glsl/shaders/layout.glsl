@@ -1,164 +1,234 @@
-// Where things lie in the four buffers of the decoder, in 32-bit words. Shared by shaders and host.
+// The decoder's memory layout, in 32-bit words, and other numbers that shaders and host share. GLSL
+// includes this file, and C++ does too (shader_layout.h).
 #ifndef TSR_LAYOUT
 #define TSR_LAYOUT
 
-// Limits of the format (FORMAT.md 3.1).
+#ifdef __cplusplus
+#define TSR_SHARED inline // C++ includes the functions of this file in several sources
+#else
+#define TSR_SHARED
+#endif
+
+// Invocations per group. These are macros because GLSL ES accepts no constants in layout
+// qualifiers.
+#define TSR_STREAM_GROUP 16 // tree, corrections
+// Tiles are few and their streams long: small groups of segments spread over more processors and
+// wait less for each other's branches.
+#define TSR_LEVELS_GROUP 4
+#define TSR_TEXEL_GROUP 64 // order, items, texels, filter
+// A dispatch has at most this many groups along x, because devices need not accept more than
+// 65,535.
+const int tsr_row_groups = 1024;
+
+// ---- Limits of the format (FORMAT.md 3.1).
 const int tsr_max_blocks = 4096;
 const int tsr_max_nodes = 8192;
 const int tsr_max_work = 16000;
 const int tsr_max_coded = 4096;
+const int tsr_max_tile_texels = 6 * 65536;
 const int tsr_max_spatial_side = 64; // of tiles and blocks
-const int tsr_max_base_side = 126;   // of base pictures, whose blocks lie that far from the first texel
+const int tsr_max_base_side = 126;   // of base pictures
 const int tsr_max_angular_side = 32;
 const int tsr_max_frequencies = 32;    // coded along an axis
-const int tsr_depth_classes = 6;       // of either pair, the deepest in one
 const int tsr_correction_chunk = 4096; // texels
+const int tsr_rotations = 49;          // of a block's colours
+const int tsr_base_taps = 6;           // of the base picture's filter
 
-// ---- Binding 0, tables: one a file, read only.
+// ---- Contexts of the entropy decoder (format/tile/code_tables.h).
+const int tsr_depth_classes = 6; // of each pair of axes; the last class holds all deeper nodes
+const int tsr_size_classes = 9;
+const int tsr_neighbour_classes = 16;
+const int tsr_cross_classes = 6;
+const int tsr_zero_positions = 6;
+const int tsr_zero_rows = 1 + tsr_cross_classes; // plane 0; the other planes by cross class
+// Magnitude tables of one quantiser: plane 0 by neighbours, its DC by size class; the other planes
+// by half the neighbours and by cross class, where the first three share one, and their DC by size
+// class.
+const int tsr_magnitude_crosses = tsr_cross_classes - 2;
+const int tsr_first_magnitude_dc = tsr_neighbour_classes;
+const int tsr_other_magnitudes = tsr_first_magnitude_dc + tsr_size_classes;
+const int tsr_other_magnitude_dc =
+    tsr_other_magnitudes + tsr_neighbour_classes / 2 * tsr_magnitude_crosses;
+const int tsr_magnitude_tables = tsr_other_magnitude_dc + tsr_size_classes;
+
+// ---- Binding 0, tables: one set per file, read only. Single words come first.
 const int tsr_t_sample_type = 0; // 0 unorm8, 1 half16
 const int tsr_t_planes = 1;      // 1..4
 const int tsr_t_colour = 2;      // 1: YCoCg-R
-const int tsr_t_rotates = 3;
-const int tsr_t_background = 4; // four planes, signed
-const int tsr_t_fraction = 8;
-const int tsr_t_correction_step = 9; // 2 E + 1
-const int tsr_t_offsets = 10;        // plane 0: magnitude 1, larger; the other planes: the same
-const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_pack
-const int tsr_t_dependent = 16; // 1: dependent quantisation
-const int tsr_t_shapes = 17;    // word of the first shape record
-const int tsr_t_predicts = 18;  // leaves of split trees are followed by predictions
-const int tsr_t_smooth = 19;    // 1: smooth copies
-const int tsr_t_filtered = 20;  // 1: a filter
-const int tsr_t_base_pictures = 21; // 1: tiles may have one
-const int tsr_t_base_margin = 22;
-const int tsr_t_base = 23;      // [1] words c[1] | c[2] << 16
-const int tsr_t_from_base = 24; // [2] likewise
-const int tsr_t_zero = 32;      // frequencies of 0: [2][2][7][6][16]
-const int tsr_symbol_words = 12; // a symbol table: the starts c[1] | c[2] << 16, ..., padded with 4096
-const int tsr_t_magnitude = 2720;    // [2][2][66] symbol tables
-const int tsr_t_first_length = 5888; // [9]
-const int tsr_t_other_length = 5996; // [14]
-const int tsr_t_correction = 6164;   // [21]
-const int tsr_t_split = 6416;        // [depth classes][depth classes] words c[1] | c[2] << 16
-const int tsr_t_kind = 6452;         // [2] likewise: the kind of a block's colour
-const int tsr_t_rotation = 6456;     // [49][9] signed
-const int tsr_t_basis = 6904;        // b(n, k, x) of n <= 32, signed: see tsr_basis_of
-const int tsr_t_prediction = 18344;        // [6] words c[1] | c[2] << 16
-const int tsr_t_displacement = 18350;      // [2]
-const int tsr_t_displacement_kind = 18374; // [2] words c[1] | c[2] << 16
-const int tsr_t_copying_length = 18376;    // [9] tsr_t_first_length of blocks that copy something
-const int tsr_t_wide_basis = 18484;        // b(n, k, x) of n = 33..64, the coded frequencies only
-const int tsr_t_filter = 68148;      // of planes 0..3, for each of 3 rings: slope | strength << 16
-const int tsr_t_base_displacement = 68160; // [1]
-const int tsr_t_base_filter = 68172; // [8][6] signed
-const int tsr_t_end = 68220;         // shape records and their scans follow
+const int tsr_t_rotates = 3;     // 1: blocks may rotate their colours
+const int tsr_t_background = 4;  // four planes, signed
+const int tsr_t_fraction = 8;    // bits of a transform output below a code
+const int tsr_t_correction_step = 9;   // 2 E + 1
+const int tsr_t_offsets = 10;          // plane 0: magnitude 1, larger; the other planes: the same
+const int tsr_t_background_texel = 14; // two words: the texel as it is stored, see tsr_samples
+const int tsr_t_dependent = 16;        // 1: dependent quantisation
+const int tsr_t_shapes = 17;           // word of the first shape record
+const int tsr_t_predicts = 18;         // 1: leaves of split trees are followed by predictions
+const int tsr_t_smooth = 19;           // 1: smooth copies
+const int tsr_t_filtered = 20;         // 1: the file has a filter
+const int tsr_t_base_pictures = 21;    // 1: tiles may have a base picture
+const int tsr_t_base_margin = 22;      // texels
+const int tsr_t_fields = 23;           // number of these words
 
-// A shape record. A scan entry: frequency (5 bits each of u, v, s, t, u lowest), then the 12 earlier
-// neighbours as 16-bit scan indices, the four that count double first; the entry's own index where
-// there is none; last its share | position << 16 (see ScanContext).
-const int tsr_shape_words = 36;
+// Probability tables hold the starts of their symbols in pairs, c[1] | c[2] << 16 and so on, padded
+// with 4096: tsr_symbol_words each, or one word where there are at most three symbols.
+const int tsr_symbol_words = 12;
+
+// Each line gives the first word of a table and the word behind its last. A table begins where the
+// one above it ends: to add one, insert its line and let the next line begin at its end.
+
+// Frequencies of zero coefficients, one word each: [copies][quantiser][row][position][neighbours].
+const int tsr_t_zero = tsr_t_fields,
+    tsr_zero_end = tsr_t_zero + 4 * tsr_zero_rows * tsr_zero_positions * tsr_neighbour_classes;
+// Tokens of magnitudes: [copies][quantiser][table].
+const int tsr_t_magnitude = tsr_zero_end,
+    tsr_magnitude_end = tsr_t_magnitude + 4 * tsr_magnitude_tables * tsr_symbol_words;
+// Length tokens of plane 0 by size class, of blocks that copy nothing and of blocks that copy; of
+// the other planes by plane 0's token.
+const int tsr_t_first_length = tsr_magnitude_end,
+    tsr_first_length_end = tsr_t_first_length + tsr_size_classes * tsr_symbol_words;
+const int tsr_t_copying_length = tsr_first_length_end,
+    tsr_copying_length_end = tsr_t_copying_length + tsr_size_classes * tsr_symbol_words;
+const int tsr_t_other_length = tsr_copying_length_end,
+    tsr_other_length_end = tsr_t_other_length + 14 * tsr_symbol_words;
+// Tokens of corrections, by context.
+const int tsr_t_correction = tsr_other_length_end,
+    tsr_correction_end = tsr_t_correction + 21 * tsr_symbol_words;
+// Splits, one word each: [spatial depth class][angular depth class].
+const int tsr_t_split = tsr_correction_end,
+    tsr_split_end = tsr_t_split + tsr_depth_classes * tsr_depth_classes;
+// Kinds of a block's colour, one word each: [the previous block was rotated].
+const int tsr_t_kind = tsr_split_end, tsr_kind_end = tsr_t_kind + 2;
+// Predictions, one word each, by context.
+const int tsr_t_prediction = tsr_kind_end, tsr_prediction_end = tsr_t_prediction + 6;
+// Kinds of displacements, one word each: [along s, along t]. Then their lengths: [along the
+// parallax, across it].
+const int tsr_t_displacement_kind = tsr_prediction_end,
+    tsr_displacement_kind_end = tsr_t_displacement_kind + 2;
+const int tsr_t_displacement = tsr_displacement_kind_end,
+    tsr_displacement_end = tsr_t_displacement + 2 * tsr_symbol_words;
+// Whether a tile has a base picture, one word; whether a block copies it, one word each: [the
+// previous block copied it]; lengths of its displacements.
+const int tsr_t_base = tsr_displacement_end, tsr_base_end = tsr_t_base + 1;
+const int tsr_t_from_base = tsr_base_end, tsr_from_base_end = tsr_t_from_base + 2;
+const int tsr_t_base_displacement = tsr_from_base_end,
+    tsr_base_displacement_end = tsr_t_base_displacement + tsr_symbol_words;
+// Colour rotations, signed: [rotation][row][column].
+const int tsr_t_rotation = tsr_base_displacement_end,
+    tsr_rotation_end = tsr_t_rotation + tsr_rotations * 9;
+// The base picture's filter, signed: [displacement mod 8][tap].
+const int tsr_t_base_filter = tsr_rotation_end,
+    tsr_base_filter_end = tsr_t_base_filter + 8 * tsr_base_taps;
+// The filter, slope | strength << 16: [plane][ring].
+const int tsr_t_filter = tsr_base_filter_end, tsr_filter_end = tsr_t_filter + 4 * 3;
+// The cosine basis b(n, k, x), signed (tsr_basis_of): n * n words for each n up to 32, then 32 n
+// words for each n up to 64, because only 32 frequencies are coded.
+const int tsr_t_basis = tsr_filter_end,
+    tsr_basis_end = tsr_t_basis + tsr_max_frequencies * (tsr_max_frequencies + 1) *
+                                      (2 * tsr_max_frequencies + 1) / 6;
+const int tsr_t_wide_basis = tsr_basis_end,
+    tsr_wide_basis_end =
+        tsr_t_wide_basis + tsr_max_frequencies / 2 *
+                               (tsr_max_spatial_side * (tsr_max_spatial_side + 1) -
+                                tsr_max_frequencies * (tsr_max_frequencies + 1));
+const int tsr_t_end = tsr_wide_basis_end; // the shape records and their scans follow
+
+// A shape record.
 const int tsr_s_sides = 0; // nu | nv << 8 | ns << 16 | nt << 24
 const int tsr_s_scan = 1;  // word of its first scan entry
 const int tsr_s_coded = 2; // number of scan entries
 const int tsr_s_size_class = 3;
-const int tsr_s_children = 4; // two words a split: four 16-bit shapes, 0xFFFF none
+const int tsr_s_children = 4; // two words per split: four 16-bit shapes, 0xFFFF for none
 const int tsr_s_scales = 8;   // [planes 0..3, rotated][axes 0..4] mantissa | exponent + 128 << 16
+const int tsr_scales_of_set = 5;
+const int tsr_shape_words = tsr_s_scales + 5 * tsr_scales_of_set;
+const int tsr_max_shapes = 1024; // of a file; the host refuses files with more
+// A scan entry: the frequency (5 bits each of u, v, s, t, u lowest); six words of 16-bit scan
+// indices of the 12 earlier neighbours, first the four that count double, its own index where there
+// is none; its share | position << 16 (ScanContext in format/tile/scan_order.h).
+const int tsr_scan_context = 7;
 const int tsr_scan_words = 8;
 
-// ---- Binding 1, batch: what to decode and the payloads; read only.
+// ---- Binding 1, batch: what to decode, and the payloads; read only. The header comes first.
 const int tsr_b_tiles = 0;
-const int tsr_b_raw_chunks = 2; // of 64 raw levels
-const int tsr_b_corrections = 3;
-const int tsr_b_tile_at = 4; // words where the records begin
-const int tsr_b_segment_at = 5;
-const int tsr_b_raw_chunk_at = 6; // the segment of each raw chunk
-const int tsr_b_correction_at = 7;
+const int tsr_b_raw_chunks = 1;
+const int tsr_b_corrections = 2;
+const int tsr_b_tile_at = 3; // words where the records begin
+const int tsr_b_segment_at = 4;
+const int tsr_b_raw_chunk_at = 5; // the segment of each raw chunk
+const int tsr_b_correction_at = 6;
+const int tsr_b_copies_at = 7; // what the blocks of predicted tiles copy
 const int tsr_b_payload_at = 8;
-const int tsr_b_fold_u = 9; // where texels go: see tsr_place in texels.comp.glsl
-const int tsr_b_fold_v = 10;
-const int tsr_b_folds_u = 11;
-const int tsr_b_stride_s = 12;
-const int tsr_b_stride_t = 13;
-const int tsr_b_blocks_at = 14; // words in the work buffer
-const int tsr_b_raw_at = 15;
-const int tsr_b_multipliers_at = 16;
-const int tsr_b_payload_bytes = 17;
-const int tsr_b_counts_at = 18; // in the work buffer: how many raw levels each segment gave
-const int tsr_b_items_at = 19;
-const int tsr_b_items_room = 20; // items
-const int tsr_b_copies_at = 21;  // what the blocks of predicted tiles copy
-const int tsr_b_values_at = 22;  // in the work buffer: values that tiles keep
-const int tsr_batch_words = 32;
+const int tsr_b_payload_bytes = 9;
+const int tsr_b_fold_u = 10; // where texels go: see tsr_place in target.glsl
+const int tsr_b_fold_v = 11;
+const int tsr_b_folds_u = 12;
+const int tsr_b_stride_s = 13;
+const int tsr_b_stride_t = 14;
+const int tsr_b_blocks_at = 15; // words of the work buffer, up to tsr_b_values_at
+const int tsr_b_items_at = 16;
+const int tsr_b_counts_at = 17; // number of raw levels that each segment has
+const int tsr_b_multipliers_at = 18;
+const int tsr_b_raw_at = 19;    // raw levels, tsr_raw_words each
+const int tsr_b_values_at = 20; // values that tiles keep
+const int tsr_b_items_room = 21; // items that fit
+const int tsr_batch_words = 22;
 
-const int tsr_tile_words = 14;
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
 const int tsr_tile_segments = 2;
 const int tsr_tile_x = 3; // pixel of its first texel
 const int tsr_tile_y = 4;
 const int tsr_tile_layer = 5;
-const int tsr_tile_origin = 6;      // its first u | v << 16, when texels are folded over layers
-const int tsr_tile_multipliers = 7; // of its corrections, from tsr_b_multipliers_at; or none
-const int tsr_tile_blocks = 8;      // its first block record, counted in records
+const int tsr_tile_origin = 6; // u | v << 16 of its first texel, if layers are folded
+const int tsr_tile_multipliers = 7; // word of its corrections, from tsr_b_multipliers_at; or none
+const int tsr_tile_blocks = 8;      // number of its first block record
 const int tsr_tile_block_room = 9;  // records
-const int tsr_tile_copies = 10; // word of its first copy record, from tsr_b_copies_at; none: not predicted
+const int tsr_tile_copies = 10; // first copy record, from tsr_b_copies_at; none: not predicted
 const int tsr_tile_values = 11; // word of its values, from tsr_b_values_at; or none
 const int tsr_tile_base = 12;   // shape of its base picture; or none
-const int tsr_tile_stored = 13; // byte of a stored tile's first sample, of the payload area; or none
+const int tsr_tile_stored = 13; // payload byte of a stored tile's first sample; or none
+const int tsr_tile_words = 14;
 
-// A copy record, one a block of a predicted tile (FORMAT.md 4.6).
-// 1 along s, 2 along t, 3 the base picture | depth << 8 | displacement in half texels, of the base in
-// eighths, signed bytes: u << 16 | v << 24. Or, of a block of the base picture, 4 | fineness << 16.
-const int tsr_copy_words = 1;
-const uint tsr_copy_of_base = 4u;
-// Depths of the root of a base picture's split tree, see TsrNode: none spatial, more angular ones than a
-// tile has.
-const uint tsr_depths_of_base = 0x1000u;
-
-const int tsr_segment_words = 7;
 const int tsr_seg_tile = 0;
 const int tsr_seg_byte = 1;  // of the payload area
 const int tsr_seg_size = 2;  // 16-bit words
 const int tsr_seg_first = 3; // first block
-const int tsr_seg_end = 4;   // one past its last block; tsr_none: all that are left
-const int tsr_seg_raw = 5;   // its first raw level; where its sorted coefficients go, too
-const int tsr_seg_room = 6;  // raw levels there is room for
+const int tsr_seg_end = 4;   // one past its last block; tsr_none: all remaining blocks
+const int tsr_seg_raw = 5;   // its first raw level and its first sorted coefficient
+const int tsr_seg_room = 6;  // raw levels that fit
+const int tsr_segment_words = 7;
 
-const int tsr_correction_words = 4; // tile, byte, 16-bit words, chunk
+const int tsr_correction_tile = 0;
+const int tsr_correction_byte = 1; // of the payload area
+const int tsr_correction_size = 2; // 16-bit words
+const int tsr_correction_number = 3; // of the chunk in its tile
+const int tsr_correction_words = 4;
+
+// A copy record, one per block of a predicted tile (FORMAT.md 4.6): what it copies (0 nothing, 1
+// along s, 2 along t, 3 the base picture) | depth << 8 | displacement as signed bytes u << 16 | v
+// << 24, in half texels or, from the base picture, in eighths. A block of the base picture itself
+// has 4 | fineness << 16.
+const int tsr_copy_words = 1;
+const uint tsr_copy_of_base = 4u;
 
 const uint tsr_none = 0xFFFFFFFFu;
-const uint tsr_nowhere = 0xF0000000u; // a word past any buffer
+const uint tsr_nowhere = 0xF0000000u; // a word behind the end of any buffer
 
 // ---- Binding 2, work: what the passes hand to each other.
-const int tsr_w_groups = 0; // arguments of the indirect dispatch of texels.comp, three words
-const int tsr_w_items = 3;  // number of items, as they are made
-const int tsr_w_wave = 4;   // blocks of this depth of copies are next
-const int tsr_w_ready = 5;  // number of items of the wave that texels.comp is at
-const int tsr_w_state = 8;  // the tile states; what follows is placed by the batch header
-const int tsr_state_words = 6;
+const int tsr_w_groups = 0; // three words: arguments of the indirect dispatch of texels.comp
+const int tsr_w_items = 3;  // number of items so far
+const int tsr_w_wave = 4;   // depth of copies of the next wave
+const int tsr_w_ready = 5;  // number of items of the wave that texels.comp works on
+const int tsr_w_state = 6;  // the tile states; the batch header places what follows them
+
 const int tsr_st_blocks = 0;
-const int tsr_st_rans = 1;  // where segment 0 goes on after the tree
-const int tsr_st_left = 2;  // 16-bit words
+const int tsr_st_rans = 1; // entropy state of segment 0 behind the tree
+const int tsr_st_left = 2; // 16-bit words
 const int tsr_st_nodes = 3;
-const int tsr_st_damaged = 4; // 0: sound; else a bit for what was wrong
-const int tsr_st_levels = 5;  // coefficients of the tile
-const int tsr_block_words = 5;
-const int tsr_k_place = 0; // origin, see tsr_place_*
-const int tsr_k_shape = 1;
-const int tsr_k_first = 2; // its first level, counted in its segment
-const int tsr_k_counts = 3; // of planes 0 to 2 | of plane 3 << 16
-const int tsr_k_rest = 4;   // colour | largest ks << 8 | largest kt << 16 | segment of the tile << 24
-// A place: the origin in the tile or its base picture, 7 bits of u and v and 5 of s and t. Where each begins.
-const int tsr_place_v = 7;
-const int tsr_place_s = 14;
-const int tsr_place_t = 19;
-const uint tsr_place_mask = 0xFFFFFFu;
-const int tsr_max_shapes = 1024; // of a file, which the host sees to
-// An item is a run of positions of one block: tile << 12 | block, then its first position and the
-// number of positions << 16. Every item but a block's last covers 64 texels or more, so a tile has at
-// most its blocks + (409,092 - blocks) / 64, with those of a base picture.
-const int tsr_max_items = 10496;
-const int tsr_item_words = 2;
+const int tsr_st_damaged = 4; // 0: sound; else the sum of tsr_damage_*
+const int tsr_st_levels = 5;  // coefficients of the tile that are not 0
+const int tsr_state_words = 6;
 
 const uint tsr_damage_tree = 1u;
 const uint tsr_damage_segments = 2u;
@@ -166,13 +236,51 @@ const uint tsr_damage_levels = 4u;
 const uint tsr_damage_end = 8u;
 const uint tsr_damage_corrections = 16u;
 
-// The values of a tile, for its blocks to copy and for the filter: texels t, s, v, u with u fastest, once for
-// planes 0 and 1 (16 bits each, plane 0 low) and again for planes 2 and 3; halves: once a plane.
+const int tsr_k_place = 0; // origin, see tsr_place_v
+const int tsr_k_shape = 1;
+const int tsr_k_first = 2;  // its first level, counted in its segment
+const int tsr_k_counts = 3; // levels of planes 0 to 2 | of plane 3 << 16
+const int tsr_k_rest = 4; // colour | largest ks << 8 | largest kt << 16 | segment of tile << 24
+const int tsr_block_words = 5;
+// The origin of a block in its tile or base picture, in one word: u, and from these bits on v, s,
+// t.
+const int tsr_place_v = 7;
+const int tsr_place_s = 14;
+const int tsr_place_t = 19;
+const uint tsr_place_mask = 0xFFFFFFu;
+// Depths of the root of a base picture's split tree (TsrNode): no spatial splits, and more angular
+// ones than a tile can have.
+const uint tsr_depths_of_base = 0x1000u;
 
-// ---- Binding 3, coefficients: sorted by t, s, v, u frequency, four words each: frequency, planes 0..2.
+// A raw level: frequency << 12 | block, then magnitude | sign << 20 | plane << 30.
+const int tsr_raw_words = 2;
+const int tsr_raw_chunk = 64; // segments begin at multiples of this
 
-// ---- Page table of the sampler: a slot of the tile cache, or one of these.
-const uint tsr_page_missing = 0xFFFFFFFFu;
-const uint tsr_page_background = 0xFFFFFFFEu;
+// An item is a run of positions (u, v) of one block: tile << 12 | block, then its first position |
+// number of positions << 16.
+const int tsr_item_words = 2;
+// Every item but a block's last covers 64 texels or more (tsr_item_positions).
+const int tsr_max_items =
+    tsr_max_blocks + (tsr_max_tile_texels + tsr_max_base_side * tsr_max_base_side) / 64;
+
+// A group of texels.comp holds the values of its item before and after the pass along s.
+const int tsr_patch_words = 8192; // of shared memory, 32 KiB
+
+// The number of positions in an item, 1..64, for a block of ns texels along s whose coefficients
+// have that many frequencies along s and t. One position always fits: 4 * 32 * (32 + 32) = 8192.
+TSR_SHARED int tsr_item_positions(int planes, int frequencies_s, int frequencies_t, int ns) {
+    int fit = tsr_patch_words / (planes * frequencies_t * (frequencies_s + ns));
+    // 64 invocations share the positions: 33 to 51 would leave at least a fifth of them idle.
+    if (fit > 32 && fit < 52)
+        return 32;
+    return fit > TSR_TEXEL_GROUP ? TSR_TEXEL_GROUP : (fit < 1 ? 1 : fit);
+}
+
+// The kept values of a tile, which its blocks copy and the filter reads: one word for planes 0 and
+// 1 (16 bits each, plane 0 low) of every texel t, s, v, u with u fastest, then the same for planes
+// 2 and 3. Values of halves take one word per plane.
+
+// ---- Binding 3, coefficients, sorted by t, s, v, u frequency: four words each, the frequency and
+// planes 0..2.
 
 #endif

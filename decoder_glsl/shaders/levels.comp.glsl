@@ -1,32 +1,29 @@
-// Pass 2, one invocation a segment: the levels of its blocks (FORMAT.md 3.4).
+// Pass 2, one invocation per segment: decodes the levels of its blocks (FORMAT.md 3.4).
 //
-// Every round of the one loop decodes either the head of a plane or one coefficient, which is how the
-// format counts the work of a segment; so the rounds are bounded and threads of a group stay in step.
+// There is one loop. Each round decodes either the head of a plane or one coefficient, which is
+// what the format counts as the work of a segment: so rounds are bounded, and invocations stay in
+// step.
 //
-// Amplitudes are remembered by their codes, four bits a coefficient in scan order. A coefficient gathers
-// its context from the places of its earlier neighbours, which the scan's table lists.
+// Decoded amplitudes are kept as codes of four bits per coefficient, in scan order. A coefficient's
+// context is the sum over its earlier neighbours, whose indices are in the scan entry.
 #include "rans.glsl"
 
-// Threads of a group. Tiles are few and their streams long: small groups spread over more processors
-// and wait less for each other's branches. Four of them take the 16 KiB of shared memory that every
-// device has.
-#ifndef TSR_LEVELS_GROUP
-#define TSR_LEVELS_GROUP 4
-#endif
-const int tsr_levels_group = TSR_LEVELS_GROUP;
+const int tsr_levels_group = TSR_LEVELS_GROUP; // they take 16 KiB of shared memory
 const int tsr_memory_words = 512; // four bits for each of 4,096 coefficients
 
 #ifndef __cplusplus
-// Of this plane, and of the sums over the earlier planes of the block.
+// Codes of this plane, and of the sums over the earlier planes of the block.
 shared uint tsr_own[tsr_levels_group * tsr_memory_words];
 shared uint tsr_cross[tsr_levels_group * tsr_memory_words];
 #endif
 
-// Word-major, so that threads at the same place of their scans do not share a bank.
+// Invocations interleave their words, so that those at the same scan index use different memory
+// banks.
 int tsr_memory(uint lane, uint word) {
     return int((word & 511u) * uint(tsr_levels_group) + lane);
 }
-// Codes 0, 1, 2, 3, 4, 5, ... 15 stand for the amplitudes 0, 1, 2, 3, 4, 6, ... 192.
+// Codes 0, 1, 2, 3, 4, 5, ..., 15 stand for amplitudes 0, 1, 2, 3, 4, 6, ..., 192: two binary
+// digits.
 uint tsr_amplitude_of(uint code) {
     return code < 2u ? code : (2u + (code & 1u)) << ((code >> 1) - 1u);
 }
@@ -35,7 +32,8 @@ uint tsr_amplitude_code(uint amplitude) {
         return amplitude;
     if (amplitude > 191u)
         return 15u;
-    // Binary digits; not by a loop, whose rounds would count as the segment's work.
+    // The number of binary digits, without a loop, because tests count all rounds as the segment's
+    // work.
     uint digits = 2u + (amplitude > 3u ? 1u : 0u) + (amplitude > 7u ? 1u : 0u) +
                   (amplitude > 15u ? 1u : 0u) + (amplitude > 31u ? 1u : 0u) +
                   (amplitude > 63u ? 1u : 0u) + (amplitude > 127u ? 1u : 0u);
@@ -50,34 +48,34 @@ uint tsr_seen_two(uint lane, uint pair) {
 
 struct TsrSegmentWalk {
     TsrRans r;
-    uint lane;
+    uint lane; // of the invocation in its group
     uint tile;
     uint segment_of_tile;
-    uint raw;   // its first raw level
-    uint room;  // raw levels
+    uint raw;   // the segment's first raw level
+    uint room;  // raw levels that fit
     uint count; // raw levels so far
     // The block.
     uint block;
     uint shape;
-    uint scan; // word of its scan table
-    int coded; // length of its scan
+    uint scan; // word of its first scan entry
+    int coded; // number of scan entries
     bool copies;
-    int colour;
-    uint first; // raw levels before it
-    uint counts;
-    uint largest_s;
+    int colour; // rotation + 1; 0 for none
+    uint first;     // raw levels of the segment before it
+    uint counts;    // see tsr_k_counts
+    uint largest_s; // frequency
     uint largest_t;
     // The plane.
     int plane;
-    int size;
-    int at; // coefficients decoded
-    int state; // of the quantisers
-    int first_token;
-    uint own;   // the word being filled
-    uint cross; // and that of the earlier planes
-    uint cross_words;
-    // Of the segment's blocks so far.
-    int last_rotation;
+    int size;         // coded coefficients
+    int at;           // coefficients decoded
+    int state;        // of dependent quantisation
+    int first_token;  // length token of plane 0
+    uint own;         // the word of codes that is being filled
+    uint cross;       // the same word of the earlier planes
+    uint cross_words; // number of words that earlier planes have filled
+    // The segment's blocks so far.
+    int last_rotation; // + 1
     bool last_rotated;
     bool damaged;
 };
@@ -110,13 +108,13 @@ void tsr_block_colour(TSR_INOUT(TsrSegmentWalk) w) {
         w.colour = w.last_rotation;
     if (kind == 2)
         w.colour = 1 + int(tsr_raw(w.r, 6));
-    w.damaged = w.damaged || w.colour > 49;
+    w.damaged = w.damaged || w.colour > tsr_rotations;
     w.last_rotated = w.colour != 0;
     if (w.last_rotated)
         w.last_rotation = w.colour;
 }
 
-// The length of a plane, and behind plane 0's the colour of the block.
+// Decodes the length of a plane and, behind that of plane 0, the rotation of the block's colours.
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
     if (w.plane == 0) {
@@ -141,7 +139,7 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
 
 void tsr_keep_level(TSR_INOUT(TsrSegmentWalk) w, uint frequency, uint magnitude, uint negative) {
     if (w.count < w.room) {
-        uint at = tsr_header(tsr_b_raw_at) + (w.raw + w.count) * 2u;
+        uint at = tsr_header(tsr_b_raw_at) + (w.raw + w.count) * uint(tsr_raw_words);
         tsr_set_work(at, (frequency << 12) | w.block);
         tsr_set_work(at + 1u, magnitude | (negative << 20) | (uint(w.plane) << 30));
         w.count += 1u;
@@ -152,19 +150,23 @@ void tsr_keep_level(TSR_INOUT(TsrSegmentWalk) w, uint frequency, uint magnitude,
     w.largest_t = max(w.largest_t, frequency >> 15);
 }
 
-// Of the eight states, by the parity of the magnitude; four bits each.
+// The state of dependent quantisation after a magnitude: next_state of format/tile/code_tables.h,
+// packed as four bits per state for even and for odd magnitudes.
 int tsr_next_state(int state, uint magnitude) {
     uint next = (magnitude & 1u) == 0u ? 0x73426150u : 0x51604372u;
     return int((next >> uint(4 * state)) & 7u);
 }
 
-// Index of the magnitude's table (see magnitude_table in format/tile/code_tables.h).
+// Index of a magnitude's table: magnitude_table() of format/tile/code_tables.h.
 int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
     bool dc = w.at == 0;
-    int first = ((w.copies ? 2 : 0) + quantiser) * 66;
+    int first = ((w.copies ? 2 : 0) + quantiser) * tsr_magnitude_tables;
     if (w.plane == 0)
-        return first + (dc ? 16 : 0) + neighbours;
-    return first + 25 + (dc ? 32 + neighbours : (neighbours >> 1) * 4 + max(cross - 2, 0));
+        return first + (dc ? tsr_first_magnitude_dc : 0) + neighbours;
+    if (dc)
+        return first + tsr_other_magnitude_dc + neighbours;
+    return first + tsr_other_magnitudes + (neighbours >> 1) * tsr_magnitude_crosses +
+           max(cross - 2, 0);
 }
 
 void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
@@ -176,9 +178,9 @@ void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
         tsr_own[tsr_memory(w.lane, word)] = 0u;
     }
     uint entry = w.scan + uint(w.at * tsr_scan_words);
-    uint context = tsr_table(entry + 7u);
+    uint context = tsr_table(entry + uint(tsr_scan_context));
     uint cross = (w.cross >> shift) & 15u;
-    int cross_class = min(int(cross + 1u) >> 1, 5);
+    int cross_class = min(int(cross + 1u) >> 1, tsr_cross_classes - 1);
     int neighbours = int(tsr_shape(w.shape, tsr_s_size_class));
     if (w.at > 0) {
         uint sum = 2u * (tsr_seen_two(w.lane, tsr_table(entry + 1u)) +
@@ -191,8 +193,10 @@ void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
     }
     bool dependent = tsr_table(tsr_t_dependent) != 0u;
     int quantiser = w.state & 1;
-    int row = ((w.copies ? 2 : 0) + quantiser) * 7 + (w.plane == 0 ? 0 : 1 + cross_class);
-    int zero = tsr_t_zero + (row * 6 + int(context >> 16)) * 16 + neighbours;
+    int row = ((w.copies ? 2 : 0) + quantiser) * tsr_zero_rows +
+              (w.plane == 0 ? 0 : 1 + cross_class);
+    int zero = tsr_t_zero +
+               (row * tsr_zero_positions + int(context >> 16)) * tsr_neighbour_classes + neighbours;
     uint magnitude = 0u;
     if (tsr_bit(w.r, tsr_table(zero))) {
         int table = tsr_magnitude_table(w, quantiser, neighbours, cross_class);
@@ -215,28 +219,20 @@ void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
         tsr_cross[tsr_memory(w.lane, word)] = w.cross;
 }
 
-void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
-    if (tile >= tsr_header(tsr_b_tiles) || segment_of_tile >= tsr_tile(tile, tsr_tile_segments))
-        return;
-    uint state = tsr_state_at(tile);
-    if ((tsr_work_word(state + uint(tsr_st_damaged)) & tsr_damage_tree) != 0u)
-        return;
-    uint segment = tsr_tile(tile, tsr_tile_segment) + segment_of_tile;
+// The entropy state behind the tree, where segment 0 goes on.
+void tsr_skip_tree(uint state, uint byte_at, uint words, TSR_INOUT(TsrRans) r) {
+    r.left = min(tsr_work_word(state + uint(tsr_st_left)), words);
+    r.at = byte_at + 2u * (words - r.left);
+    r.state = tsr_work_word(state + uint(tsr_st_rans));
+}
+
+TsrSegmentWalk tsr_start_segment(uint tile, uint segment_of_tile, uint segment, uint lane) {
     TsrSegmentWalk w;
-    w.r = tsr_begin(tsr_segment(segment, tsr_seg_byte), tsr_segment(segment, tsr_seg_size));
-    int rounds = tsr_max_work;
-    if (segment_of_tile == 0u) { // go on behind the tree
-        uint left = min(tsr_work_word(state + uint(tsr_st_left)), tsr_segment(segment, tsr_seg_size));
-        w.r.state = tsr_work_word(state + uint(tsr_st_rans));
-        w.r.at = tsr_segment(segment, tsr_seg_byte) +
-                 2u * (tsr_segment(segment, tsr_seg_size) - left);
-        w.r.left = left;
-        rounds -= int(min(tsr_work_word(state + uint(tsr_st_nodes)), uint(tsr_max_nodes)));
-    }
-    uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
-    uint end = tsr_segment(segment, tsr_seg_end);
-    if (end == tsr_none)
-        end = blocks;
+    uint byte_at = tsr_segment(segment, tsr_seg_byte);
+    uint words = tsr_segment(segment, tsr_seg_size);
+    w.r = tsr_begin(byte_at, words);
+    if (segment_of_tile == 0u)
+        tsr_skip_tree(tsr_state_at(tile), byte_at, words, w.r);
     w.lane = lane;
     w.tile = tile;
     w.segment_of_tile = segment_of_tile;
@@ -244,6 +240,7 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
     w.room = tsr_segment(segment, tsr_seg_room);
     w.count = 0u;
     w.block = tsr_segment(segment, tsr_seg_first);
+    w.copies = false;
     w.last_rotation = 1;
     w.last_rotated = false;
     w.size = 0;
@@ -253,6 +250,48 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
     w.own = 0u;
     w.cross = 0u;
     w.damaged = false;
+    return w;
+}
+
+// Ends a plane and, after the last plane, its block.
+void tsr_end_plane(TSR_INOUT(TsrSegmentWalk) w, int planes, uint end) {
+    w.cross_words = max(w.cross_words, uint(w.size + 7) >> 3);
+    w.plane += 1;
+    w.size = 0;
+    w.at = 0;
+    if (w.plane < planes)
+        return;
+    tsr_end_block(w);
+    if (w.block < end)
+        tsr_begin_block(w);
+}
+
+void tsr_end_segment(TsrSegmentWalk w, uint segment, uint end) {
+    if (w.block < end || w.damaged)
+        tsr_damage(w.tile, tsr_damage_levels);
+    else if (!tsr_ended_well(w.r))
+        tsr_damage(w.tile, tsr_damage_end);
+    uint levels = tsr_state_at(w.tile) + uint(tsr_st_levels);
+    if (levels < uint(tsr_work.length()))
+        TSR_ATOMIC_ADD(levels, w.count);
+    tsr_set_work(tsr_header(tsr_b_counts_at) + segment, w.count);
+}
+
+void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
+    if (tile >= tsr_header(tsr_b_tiles) || segment_of_tile >= tsr_tile(tile, tsr_tile_segments))
+        return;
+    uint state = tsr_state_at(tile);
+    if ((tsr_work_word(state + uint(tsr_st_damaged)) & tsr_damage_tree) != 0u)
+        return;
+    uint segment = tsr_tile(tile, tsr_tile_segment) + segment_of_tile;
+    TsrSegmentWalk w = tsr_start_segment(tile, segment_of_tile, segment, lane);
+    int rounds = tsr_max_work;
+    if (segment_of_tile == 0u) // the tree's nodes count as work of segment 0
+        rounds -= int(min(tsr_work_word(state + uint(tsr_st_nodes)), uint(tsr_max_nodes)));
+    uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
+    uint end = tsr_segment(segment, tsr_seg_end);
+    if (end == tsr_none)
+        end = blocks;
     if (end > blocks || (segment_of_tile > 0u && end <= w.block)) {
         tsr_damage(tile, tsr_damage_segments);
         return;
@@ -268,26 +307,10 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
             tsr_coefficient(w);
         else
             tsr_plane_head(w);
-        if (w.at == w.size) { // the plane ends, and with the last one the block
-            w.cross_words = max(w.cross_words, uint(w.size + 7) >> 3);
-            w.plane += 1;
-            w.size = 0;
-            w.at = 0;
-            if (w.plane == planes) {
-                tsr_end_block(w);
-                if (w.block < end)
-                    tsr_begin_block(w);
-            }
-        }
+        if (w.at == w.size)
+            tsr_end_plane(w, planes, end);
     }
-    if (w.block < end || w.damaged)
-        tsr_damage(tile, tsr_damage_levels);
-    else if (!tsr_ended_well(w.r))
-        tsr_damage(tile, tsr_damage_end);
-    uint levels = state + uint(tsr_st_levels);
-    if (levels < uint(tsr_work.length()))
-        TSR_ATOMIC_ADD(levels, w.count);
-    tsr_set_work(tsr_header(tsr_b_counts_at) + segment, w.count);
+    tsr_end_segment(w, segment, end);
 }
 
 #ifndef __cplusplus

@@ -1,4 +1,5 @@
-// A textured mesh. Its depths are drawn before: what is hidden marks no tiles.
+// Fragments of a textured mesh. Depths are drawn in an earlier pass, so that hidden fragments mark
+// no tiles.
 #include "sample.glsl"
 
 layout(early_fragment_tests) in;

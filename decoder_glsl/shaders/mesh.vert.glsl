@@ -1,19 +1,23 @@
-// The vertices of a textured mesh.
+// Vertices of a textured mesh.
 #include "dialect.glsl"
-#include "mesh_view.glsl"
+
+layout(std140, TSR_UNIFORMS(0)) uniform TesseraMeshView {
+    mat4 tsr_projection; // of positions relative to the eye
+    vec4 tsr_mesh_eye;   // xyz in the mesh's coordinates
+};
 
 layout(location = 0) in vec3 tsr_position;
 layout(location = 1) in vec3 tsr_normal;
 layout(location = 2) in vec3 tsr_tangent;
 layout(location = 3) in vec2 tsr_uv;
 
-// At the part of a pixel that the triangle covers, so that uv stays in its chart.
+// Interpolated at the part of a pixel that the triangle covers, so that uv stays in its chart.
 layout(location = 0) centroid out vec3 tsr_to_eye;
 layout(location = 1) centroid out vec3 tsr_surface_normal;
 layout(location = 2) centroid out vec3 tsr_surface_tangent;
 layout(location = 3) centroid out vec2 tsr_place;
 
-// Both passes over the mesh see the same depths.
+// The passes for depths and for colours must compute the same depths.
 invariant gl_Position;
 
 void main() {

@@ -1,28 +1,29 @@
-// Where a texture on a mesh is sampled: FORMAT.md 5.2 in single precision. format/surface_mesh.h is
-// the same in double precision and judges this. In the subset of surface.glsl, whose footprints it
-// uses.
+// The texels that a sample of a mesh reads: FORMAT.md 5.2 in single precision. Tests compare it
+// with format/surface_mesh.h, which is the same in double precision. It keeps to the subset of
+// surface.glsl.
 #include "surface.glsl"
 
-const int tsr_map_mirrored = 4; // of the angular maps, as FORMAT.md numbers them
+const int tsr_map_mirrored = 4; // number of this angular map in FORMAT.md
 
-// The frame of a place on a mesh; y is cross(z, x).
+// The frame at a point of a mesh; y is cross(z, x).
 struct TsrMeshFrame {
     vec3 x;
     vec3 z; // the normal
 };
 
-// The four texels around a place in the square of an octahedral map. Each may lie a texel outside of
-// it, which tsr_folded() mends.
+// The four texels around a position in the square of an octahedral map. They may lie one texel
+// outside the square: tsr_folded() moves them inside.
 struct TsrOctahedralTaps {
     ivec2 first;
-    vec2 weight; // of those after it
+    vec2 weight; // of the texels after it
 };
 
 float tsr_length(vec3 v) {
     return sqrt(dot(v, v));
 }
 
-// What is left of v at right angles to n, of unit length; else the axis least along n, made so.
+// The unit vector along v's component at right angles to n. If there is none, that of the axis
+// which is least parallel to n.
 vec3 tsr_made_tangent(vec3 v, vec3 n) {
     vec3 flat_v = v - dot(v, n) * n;
     float left = tsr_length(flat_v);
@@ -37,8 +38,8 @@ vec3 tsr_made_tangent(vec3 v, vec3 n) {
     return normalize(axis - dot(axis, n) * n);
 }
 
-// Of interpolated normal and tangent. Where normals cancel out the frame looks along d, which is seen
-// from there: the corner whose normal counts is not known.
+// The frame of an interpolated normal and tangent. Where normals cancel out, d takes the normal's
+// place.
 TsrMeshFrame tsr_mesh_frame(vec3 normal, vec3 tangent, vec3 d) {
     float left = tsr_length(normal);
     TsrMeshFrame f;
@@ -47,7 +48,7 @@ TsrMeshFrame tsr_mesh_frame(vec3 normal, vec3 tangent, vec3 d) {
     return f;
 }
 
-// Directions into the surface are taken for those along it, what has no length for the normal.
+// Projects directions into the surface onto the surface. Returns the normal for those of no length.
 vec3 tsr_away_from(vec3 n, vec3 d) {
     vec3 away = d - min(0.0f, dot(n, d)) * n;
     float left = tsr_length(away);
@@ -55,7 +56,7 @@ vec3 tsr_away_from(vec3 n, vec3 d) {
 }
 
 float tsr_side_of(float x) {
-    return x < 0.0f ? -1.0f : 1.0f; // zero is on the positive side
+    return x < 0.0f ? -1.0f : 1.0f; // 1 for 0
 }
 
 vec2 tsr_hemisphere_square(TsrMeshFrame f, vec3 d) {
@@ -75,7 +76,7 @@ vec2 tsr_mirrored_square(vec3 n, vec3 d) {
     return vec2(p, q);
 }
 
-// (s, t) in 0..1 of the unit direction d, away from the surface.
+// (s, t) in 0..1 of the unit direction d, which points away from the surface.
 vec2 tsr_octahedral_place(int map, TsrMeshFrame frame, vec3 d) {
     vec3 away = tsr_away_from(frame.z, d);
     vec2 square = map == tsr_map_mirrored ? tsr_mirrored_square(frame.z, away)
@@ -83,7 +84,7 @@ vec2 tsr_octahedral_place(int map, TsrMeshFrame frame, vec3 d) {
     return clamp((square + vec2(1.0f)) / 2.0f, 0.0f, 1.0f);
 }
 
-// The bounds of the texels are for what is no number: they stay in the texture, whatever comes in.
+// The clamps keep texels inside the texture even if `place` is not a number.
 TsrOctahedralTaps tsr_octahedral_taps(vec2 place, ivec2 size) {
     float across = place.x * float(size.x) - 0.5f;
     float up = place.y * float(size.y) - 0.5f;
@@ -94,13 +95,13 @@ TsrOctahedralTaps tsr_octahedral_taps(vec2 place, ivec2 size) {
     return taps;
 }
 
-// Whether some of the taps lie outside of the square, where the mirrored map folds over.
+// Whether some of the texels lie outside the square, where the mirrored map folds.
 bool tsr_crosses_fold(TsrOctahedralTaps taps, ivec2 size) {
     return taps.first.x < 0 || taps.first.y < 0 || taps.first.x >= size.x - 1 ||
            taps.first.y >= size.y - 1;
 }
 
-// Beyond an edge of the mirrored map's square lies the same edge, run through the other way.
+// Beyond an edge of the mirrored map's square the same edge follows, in reverse.
 ivec2 tsr_folded(ivec2 tap, ivec2 size) {
     ivec2 at = tap;
     if (at.x < 0 || at.x >= size.x)
@@ -110,7 +111,7 @@ ivec2 tsr_folded(ivec2 tap, ivec2 size) {
     return at;
 }
 
-// The same taps, ended at the edges of the square.
+// The same texels, clamped to the square.
 TsrAngularFootprint tsr_ended(TsrOctahedralTaps taps, ivec2 size) {
     TsrAngularFootprint f;
     f.weight = taps.weight;
@@ -119,8 +120,7 @@ TsrAngularFootprint tsr_ended(TsrOctahedralTaps taps, ivec2 size) {
     return f;
 }
 
-// The four texels of the atlas around a place. size: texels along u and v, both of which end at the
-// edges of the atlas.
+// The four texels of the atlas around uv, clamped to its edges. size: texels along u and v.
 TsrSurfaceFootprint tsr_atlas_footprint(vec2 uv, ivec2 size) {
     float across = clamp(uv.x, 0.0f, 1.0f) * float(size.x) - 0.5f;
     float up = clamp(uv.y, 0.0f, 1.0f) * float(size.y) - 0.5f;

@@ -1,13 +1,13 @@
-// Pass 3, one invocation a level: dequantises it (FORMAT.md 4.1), turns rotated colours back (4.4)
-// and puts it in the order in which the inverse transform sums: t, s, v, u frequency, u fastest.
+// Pass 3, one invocation per level: dequantises it (FORMAT.md 4.1), turns rotated colours back
+// (4.4) and moves it to its position in the order in which the inverse transform sums: by t, s, v
+// and u frequency, u fastest.
 //
-// The place in that order is found by counting the coefficients of the block that go before: blocks
-// hold tens of levels, and the passes that read them all stay uniform.
+// An invocation finds this position by counting the coefficients of its block that come earlier.
+// Blocks hold tens of levels, and all invocations of a block read the same ones.
 #include "buffers.glsl"
 
-// The coefficient of a level, at most 2^26 either way; 0 is no level.
-//
-// `finer`: subtracted from the scale's exponent.
+// The coefficient of a level, within 2^26 of 0; 0 where there is no level. `finer` is subtracted
+// from the exponent of the scale.
 int tsr_dequantize(uint level, uint scale, int finer, int offset_at) {
     uint magnitude = level & 0xFFFFFu;
     if (magnitude == 0u)
@@ -28,7 +28,7 @@ int tsr_dequantize(uint level, uint scale, int finer, int offset_at) {
     return (level & 0x100000u) != 0u ? -int(value) : int(value);
 }
 
-// Row `row` of a rotation times x, rounded as 4.4 says; 32-bit arithmetic does.
+// Row `row` of a rotation times x, rounded as 4.4 says. The sums fit 32 bits.
 int tsr_turn_back(ivec3 x, int rotation, int row) {
     int at = tsr_t_rotation + rotation * 9 + row * 3;
     uint a = tsr_table(at);
@@ -39,10 +39,13 @@ int tsr_turn_back(ivec3 x, int rotation, int row) {
     return int(high + uint(int(low + 2048u) >> 11)) >> 1;
 }
 
-struct TsrLevels { // of one frequency, in planes 0 to 2 or, in x, in plane 3
-    uint x;
+// The levels of one frequency of a block, and the position of their coefficient.
+struct TsrLevels {
+    uint x; // planes 0 to 2; plane 3 is in x
     uint y;
     uint z;
+    uint before;     // number of levels that come earlier in the order
+    bool first_here; // no lower plane has a level at this frequency
 };
 
 void tsr_take_level(TSR_INOUT(TsrLevels) found, uint level) {
@@ -55,86 +58,112 @@ void tsr_take_level(TSR_INOUT(TsrLevels) found, uint level) {
         found.x = level;
 }
 
+// Looks through the `count` raw levels from word `first` on for those at the frequency of
+// `own_key`, of which `own_plane` has one.
+TsrLevels tsr_find_levels(uint first, uint count, uint own_key, uint own_plane) {
+    TsrLevels found;
+    found.x = 0u;
+    found.y = 0u;
+    found.z = 0u;
+    found.before = 0u;
+    found.first_here = true;
+    for (uint i = 0u; i < count; ++i) {
+        TSR_LOOP;
+        uint at = first + i * uint(tsr_raw_words);
+        uint key = tsr_work_word(at);
+        found.before += key < own_key ? 1u : 0u;
+        if (key == own_key) {
+            uint level = tsr_work_word(at + 1u);
+            if ((level >> 30) < own_plane) {
+                found.before += 1u;
+                found.first_here = false;
+            }
+            tsr_take_level(found, level);
+        }
+    }
+    return found;
+}
+
+// The coefficients of planes 0 to 2, or of plane 3 in x. `colour`: rotation + 1 of the block, 0 for
+// none; `copy`: its copy record.
+ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint shape, int colour,
+                          uint copy) {
+    int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
+               ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
+    // The steps of a base picture's blocks are 2^(-k / 2) times the file's (FORMAT.md 4.1).
+    int k = (copy & tsr_copy_of_base) != 0u ? int((copy >> 16) & 15u) : 0;
+    int finer = (k + 1) >> 1;
+    int scales = tsr_s_scales + min(axes + (k & 1), tsr_scales_of_set - 1);
+    int first_offset = tsr_t_offsets;
+    int other_offset = tsr_t_offsets + 2;
+    ivec3 x = ivec3(0);
+    if (plane_3) {
+        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + 3 * tsr_scales_of_set), finer,
+                             other_offset);
+        return x;
+    }
+    bool rotated = colour != 0;
+    int rotated_scales = scales + 4 * tsr_scales_of_set;
+    x.x = tsr_dequantize(found.x, tsr_shape(shape, rotated ? rotated_scales : scales), finer,
+                         first_offset);
+    x.y = tsr_dequantize(
+        found.y, tsr_shape(shape, rotated ? rotated_scales : scales + tsr_scales_of_set), finer,
+        other_offset);
+    x.z = tsr_dequantize(
+        found.z, tsr_shape(shape, rotated ? rotated_scales : scales + 2 * tsr_scales_of_set), finer,
+        other_offset);
+    if (rotated)
+        x = ivec3(tsr_turn_back(x, colour - 1, 0), tsr_turn_back(x, colour - 1, 1),
+                  tsr_turn_back(x, colour - 1, 2));
+    return x;
+}
+
+// `slot`: number of the raw level.
 void tsr_order_level(uint slot) {
-    uint chunk = slot >> 6;
+    uint chunk = slot / uint(tsr_raw_chunk);
     if (chunk >= tsr_header(tsr_b_raw_chunks))
         return;
     uint segment = tsr_batch_word(tsr_header(tsr_b_raw_chunk_at) + chunk);
     uint raw = tsr_segment(segment, tsr_seg_raw);
     uint tile = tsr_segment(segment, tsr_seg_tile);
-    if (slot - raw >= tsr_work_word(tsr_header(tsr_b_counts_at) + segment) ||
-        tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u)
+    if (slot - raw >= tsr_work_word(tsr_header(tsr_b_counts_at) + segment) || tsr_is_damaged(tile))
         return;
     uint raw_at = tsr_header(tsr_b_raw_at);
-    uint own_key = tsr_work_word(raw_at + slot * 2u);
-    uint own_level = tsr_work_word(raw_at + slot * 2u + 1u);
+    uint own_key = tsr_work_word(raw_at + slot * uint(tsr_raw_words));
+    uint own_level = tsr_work_word(raw_at + slot * uint(tsr_raw_words) + 1u);
     uint own_plane = own_level >> 30;
+    bool plane_3 = own_plane == 3u;
 
+    // Planes 0 to 2 are sorted together, and plane 3 behind them.
     uint block = tsr_block_at(tile, own_key & 0xFFFu);
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
-    int colour = int(tsr_work_word(block + uint(tsr_k_rest)) & 63u);
-    uint run = tsr_work_word(block + uint(tsr_k_first));
+    uint run = raw + tsr_work_word(block + uint(tsr_k_first));
     uint size = counts & 0xFFFFu;
-    if (own_plane == 3u) {
+    if (plane_3) {
         run += size;
         size = counts >> 16;
     }
-    // Where it goes, and the levels of the other planes at its frequency.
-    uint before = 0u;
-    TsrLevels found;
-    found.x = 0u;
-    found.y = 0u;
-    found.z = 0u;
-    bool first_here = true;
-    uint rounds = min(size, 3u * uint(tsr_max_coded));
-    for (uint i = 0u; i < rounds; ++i) {
-        TSR_LOOP;
-        uint at = raw_at + (raw + run + i) * 2u;
-        uint key = tsr_work_word(at);
-        before += key < own_key ? 1u : 0u;
-        if (key == own_key) {
-            uint level = tsr_work_word(at + 1u);
-            if ((level >> 30) < own_plane) {
-                before += 1u;
-                first_here = false;
-            }
-            tsr_take_level(found, level);
-        }
-    }
+    size = min(size, 3u * uint(tsr_max_coded));
+    TsrLevels found =
+        tsr_find_levels(raw_at + run * uint(tsr_raw_words), size, own_key, own_plane);
 
+    // The invocation of the lowest plane writes the coefficients of all planes, the others write 0.
     uint frequency = own_key >> 12;
-    int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
-               ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
-    uint shape = tsr_work_word(block + uint(tsr_k_shape));
-    bool rotated = colour != 0 && own_plane < 3u;
-    // Steps of 2^(-k / 2) times the file's, in blocks of a base picture (FORMAT.md 4.1).
-    uint copies = tsr_copy(tile, own_key & 0xFFFu);
-    int k = (copies & tsr_copy_of_base) != 0u ? int((copies >> 16) & 15u) : 0;
-    int finer = (k + 1) >> 1;
-    int scales = tsr_s_scales + min(axes + (k & 1), 4);
     ivec3 x = ivec3(0);
-    if (first_here && own_plane == 3u)
-        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + 15), finer, tsr_t_offsets + 2);
-    else if (first_here) {
-        x.x = tsr_dequantize(found.x, tsr_shape(shape, scales + (rotated ? 20 : 0)), finer,
-                             tsr_t_offsets);
-        x.y = tsr_dequantize(found.y, tsr_shape(shape, scales + (rotated ? 20 : 5)), finer,
-                             tsr_t_offsets + 2);
-        x.z = tsr_dequantize(found.z, tsr_shape(shape, scales + (rotated ? 20 : 10)), finer,
-                             tsr_t_offsets + 2);
-    }
-    if (rotated)
-        x = ivec3(tsr_turn_back(x, colour - 1, 0), tsr_turn_back(x, colour - 1, 1),
-                  tsr_turn_back(x, colour - 1, 2));
-    uint sorted = raw + run + before;
+    if (found.first_here)
+        x = tsr_coefficients_of(found, plane_3, frequency,
+                                tsr_work_word(block + uint(tsr_k_shape)),
+                                int(tsr_work_word(block + uint(tsr_k_rest)) & 63u),
+                                tsr_copy(tile, own_key & 0xFFFu));
+    uint sorted = run + found.before;
     if (sorted < uint(tsr_coefficients.length()))
         tsr_coefficients[sorted] = uvec4(frequency, uint(x.x), uint(x.y), uint(x.z));
 }
 
 #ifndef __cplusplus
-layout(local_size_x = 64) in;
+layout(local_size_x = TSR_TEXEL_GROUP) in;
 void main() {
-    // Rows of 2^16 levels: no axis of a dispatch is longer than every device allows.
-    tsr_order_level(gl_WorkGroupID.y * 65536u + gl_GlobalInvocationID.x);
+    tsr_order_level(gl_WorkGroupID.y * uint(tsr_row_groups * TSR_TEXEL_GROUP) +
+                    gl_GlobalInvocationID.x);
 }
 #endif

@@ -1,4 +1,5 @@
-// The entropy decoder of FORMAT.md 3.3: range asymmetric numeral systems, one stream a thread.
+// The entropy decoder of FORMAT.md 3.3: range asymmetric numeral systems (rANS), one stream per
+// invocation.
 #ifndef TSR_RANS
 #define TSR_RANS
 #include "buffers.glsl"
@@ -6,7 +7,7 @@
 struct TsrRans {
     uint state;
     uint at;   // byte of the next word, in the payload area
-    uint left; // words
+    uint left; // 16-bit words that remain
 };
 
 void tsr_refill(TSR_INOUT(TsrRans) r) {
@@ -17,7 +18,7 @@ void tsr_refill(TSR_INOUT(TsrRans) r) {
     }
 }
 
-// Words past the payload area are not there, whatever the directory says.
+// The stream ends with the payload area, whatever size its record gives.
 TsrRans tsr_begin(uint byte_at, uint words) {
     TsrRans r;
     r.state = 0u;
@@ -39,14 +40,14 @@ void tsr_consume(TSR_INOUT(TsrRans) r, uint start, uint end) {
     tsr_refill(r);
 }
 
-// 0 with frequency `zero`, else 1.
+// Decodes one bit, whose 0 has frequency `zero` of 4,096.
 bool tsr_bit(TSR_INOUT(TsrRans) r, uint zero) {
     bool one = (r.state & 4095u) >= zero;
     tsr_consume(r, one ? zero : 0u, one ? 4096u : zero);
     return one;
 }
 
-// `count` equiprobable bits, 0..16.
+// Decodes `count` equiprobable bits, 0..16.
 uint tsr_raw(TSR_INOUT(TsrRans) r, int count) {
     uint value = r.state & ((1u << uint(count)) - 1u);
     r.state >>= uint(count);
@@ -60,8 +61,8 @@ struct TsrSymbol {
     uint end;
 };
 
-// Two starts of a table against the slot. Starts ascend, so the last one at or below the slot is the
-// symbol's and the first one above it is its end.
+// Compares two starts of a table with the slot. Starts ascend: the last one at or below the slot
+// begins the symbol, and the first one above the slot ends it.
 void tsr_two_starts(uint pair, uint slot, TSR_INOUT(TsrSymbol) s) {
     uint a = pair & 0xFFFFu;
     uint b = pair >> 16;
@@ -77,7 +78,8 @@ void tsr_two_starts(uint pair, uint slot, TSR_INOUT(TsrSymbol) s) {
     }
 }
 
-// A symbol of the table at `at`; most are among the first few, so the rest is looked at in stages.
+// Decodes a symbol with the table at `at`. Most symbols are among the first few, so the other
+// starts are read only when they are needed.
 int tsr_symbol(TSR_INOUT(TsrRans) r, uint at) {
     uint slot = r.state & 4095u;
     TsrSymbol s;
@@ -104,7 +106,7 @@ int tsr_symbol(TSR_INOUT(TsrRans) r, uint at) {
     return s.index;
 }
 
-// A symbol of three, whose table is one word.
+// Decodes one of up to three symbols, whose table is one word.
 int tsr_symbol3(TSR_INOUT(TsrRans) r, uint at) {
     TsrSymbol s;
     s.index = 0;
@@ -115,7 +117,7 @@ int tsr_symbol3(TSR_INOUT(TsrRans) r, uint at) {
     return s.index;
 }
 
-// The magnitude of a token and the raw bits behind it, 1 .. 2^21 (FORMAT.md 3.4).
+// Decodes the raw bits behind a token and returns the magnitude, 1..2^21 (FORMAT.md 3.4).
 uint tsr_magnitude(TSR_INOUT(TsrRans) r, int token) {
     if (token < 4)
         return uint(token) + 1u;

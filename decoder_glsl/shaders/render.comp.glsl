@@ -1,4 +1,4 @@
-// A view of a textured sphere, an invocation a pixel.
+// Draws a view of a textured sphere, one invocation per pixel.
 #include "sample.glsl"
 #include "view.glsl"
 

@@ -1,4 +1,4 @@
-// A triangle over the whole picture.
+// One triangle that covers the whole picture, for render.frag.
 void main() {
 #ifdef TSR_VULKAN
     int corner = gl_VertexIndex;

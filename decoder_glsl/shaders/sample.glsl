@@ -1,30 +1,32 @@
-// The colour that leaves a textured surface in a direction. For any stage.
+// The colour that leaves a textured surface in a direction. For any shader stage.
 //
-//     #define TESSERA_RESIDENT_CACHE 1         a tile cache; without, a plain texture
-//     #define TESSERA_HARDWARE_FILTER 1        4 filtered fetches instead of 16
+//     #define TESSERA_RESIDENT_CACHE 1     a tile cache; without it a plain texture
+//     #define TESSERA_HARDWARE_FILTER 1    4 filtered fetches instead of 16
 //     #include "sample.glsl"
-//     vec4 colour = tessera_sample(from_centre, direction);                                  of a sphere
-//     vec4 colour = tessera_sample_surface(uv, normal, tangent, direction, footprint);       of a mesh
+//     // on a sphere, and on a mesh:
+//     vec4 colour = tessera_sample(from_centre, direction);
+//     vec4 colour = tessera_sample_surface(uv, normal, tangent, direction, footprint);
 //
-//   from_centre   from the sphere's centre to the place on its surface; any length above 0
-//   uv            the place in the atlas, 0..1
-//   normal        interpolated between the vertices, as is
-//   tangent       mesh_tangents() (format/surface_mesh.h); of any length
-//   direction     of unit length, from the surface to the observer, who may stand in the sphere where the file says so
-//   footprint     texels of the atlas along u and v that a pixel covers: chooses the mips
-//   result        linear mix of texels as they are stored (no transfer function undone); grey in all
-//                 three colours, alpha 1 where the texture has none
+//   from_centre   from the sphere's centre to the point on its surface; any length above 0
+//   uv            position in the atlas, 0..1
+//   normal        interpolated between the vertices; of any length
+//   tangent       mesh_tangents() (format/surface_mesh.h), interpolated; of any length
+//   direction     of unit length, from the surface to the observer, who is inside the sphere where
+//                 the file says so
+//   footprint     texels of the atlas along u and v that a pixel covers; it selects the mips
+//   result        linear mix of the stored texels; transfer functions are not undone. Grey textures
+//                 give the same value in all three colours; alpha is 1 where a texture has none.
 //
-// Bindings (define others before the include where these are taken;
-// in Vulkan set 0, but textures set 2):
+// Bindings, and the macros that move them when they are defined before the include. In Vulkan
+// buffers are in set 0, textures in set 2 and uniform blocks in set 3.
 //   TESSERA_BINDING_SAMPLER     4  storage buffer: sizes, page table, coarse texels
-//   TESSERA_BINDING_MARKS       5  storage buffer, written: CACHE only, one word a tile
-//   TESSERA_BINDING_PARAMETERS  2  uniform block (in Vulkan set 3): the first 128 bytes of SAMPLER
+//   TESSERA_BINDING_MARKS       5  storage buffer, written, one word per tile: tile cache only
+//   TESSERA_BINDING_PARAMETERS  2  uniform block: the first 128 bytes of SAMPLER
 //   TESSERA_UNIT_TEXELS         0  sampler2DArray
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
-// CACHE: a tile that is not there yet gives its coarse texels, and is marked so that the host
-// decodes it.
+// With a tile cache, a sample of a missing tile returns coarse texels and marks the tile, so that
+// the host decodes it.
 #ifndef TSR_SAMPLE
 #define TSR_SAMPLE
 #ifndef TESSERA_BINDING_SAMPLER
@@ -40,7 +42,6 @@
 #define TESSERA_UNIT_TEXELS 0
 #endif
 #include "dialect.glsl"
-#include "layout.glsl"
 #include "sampler_layout.glsl"
 #include "surface.glsl"
 #include "octahedral.glsl"
@@ -52,7 +53,8 @@ uint tsr_word(int i) {
     return tsr_sampler[i];
 }
 
-// The first words once more: a uniform is read once for all pixels, a word of a buffer for each.
+// The first words again. Pixels share reads of uniforms, but each pixel reads words of a buffer
+// itself.
 layout(std140, TSR_UNIFORMS(TESSERA_BINDING_PARAMETERS)) uniform TesseraParameters {
     uvec4 tsr_parameters[tsr_sampler_words / 4];
 };
@@ -63,7 +65,7 @@ ivec4 tsr_four(int field) {
     return ivec4(tsr_parameters[field >> 2]);
 }
 
-// A texel of two packed words: 8-bit samples in the first, or four halves.
+// Unpacks a texel: 8-bit samples in the first word, or halves in both.
 vec4 tsr_unpack(uint low, uint high) {
     if (tsr_parameter(tsr_p_half) != 0u) {
         vec2 a = unpackHalf2x16(low);
@@ -73,7 +75,7 @@ vec4 tsr_unpack(uint low, uint high) {
     return unpackUnorm4x8(low);
 }
 
-// The word of an axis, see sampler_layout.glsl.
+// The word of a texel on the axis of u (0) or v (1), see sampler_layout.glsl, and its fields.
 uint tsr_axis(int axis, int texel) {
     return tsr_word(int(tsr_parameter(tsr_p_axis_at + axis)) + texel);
 }
@@ -87,13 +89,13 @@ int tsr_axis_mip(uint word) {
     return int(word >> tsr_axis_mip_at);
 }
 int tsr_axis_extent(uint word) {
-    return (int(word >> tsr_axis_extent_at) & (tsr_max_spatial_side - 1)) + 1;
+    return (int(word >> tsr_axis_extent_at) & (tsr_axis_extents - 1)) + 1;
 }
 
 vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {
     return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
 }
-// The shares of four texels in that mix, and a sum by shares.
+// The shares of the four texels in that mix, and a sum by shares.
 vec4 tsr_shares(vec2 weight) {
     vec2 rest = vec2(1.0) - weight;
     return vec4(rest.x * rest.y, weight.x * rest.y, rest.x * weight.y, weight.x * weight.y);
@@ -104,8 +106,8 @@ vec4 tsr_sum4(vec4 a, vec4 b, vec4 c, vec4 d, vec4 shares) {
 
 layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
 
-// Four texels of an angular image, and their shares. Neighbours: x and y, x and z lie side by side or,
-// at an end, are the same.
+// Four texels of an angular image, and their shares. `neighbours`: x and y, and x and z, are
+// adjacent or, at an edge, the same.
 struct TsrAngularTaps {
     ivec4 s;
     ivec4 t;
@@ -118,8 +120,8 @@ TsrAngularTaps tsr_taps(TsrAngularFootprint f) {
                           ivec4(f.low.y, f.low.y, f.high.y, f.high.y), tsr_shares(f.weight), true);
 }
 
-// How far neighbours reach beyond the first of them. Where two are the same one, the mix must not reach
-// for what lies beside it.
+// How far the mix of neighbours lies from the first one, in texels. Where two are the same texel,
+// it must not reach the texel beside it.
 vec2 tsr_beyond(TsrAngularTaps taps) {
     return vec2(taps.s.x == taps.s.y ? 0.0 : taps.shares.y + taps.shares.w,
                 taps.t.x == taps.t.z ? 0.0 : taps.shares.z + taps.shares.w);
@@ -133,7 +135,7 @@ vec4 tsr_fetched(ivec3 image, ivec4 s, ivec4 t, vec4 shares) {
 }
 
 #ifdef TESSERA_HARDWARE_FILTER
-// A mix by the texture unit.
+// A mix by the texture unit, `beyond` texels from the centre of a pixel.
 vec4 tsr_filtered(ivec3 pixel, vec2 beyond) {
     vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
     vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + beyond) / size;
@@ -141,8 +143,8 @@ vec4 tsr_filtered(ivec3 pixel, vec2 beyond) {
 }
 #endif
 
-// What few pixels need is done in loops that most leave before their first turn. Where an if costs the
-// time of both its sides, as on llvmpipe, a loop costs that of one turn: so turns are short.
+// Work that few pixels need is in loops which most pixels do not enter. Some devices, llvmpipe
+// among them, spend the time of both sides of an `if`, but only one short round of such a loop.
 
 #ifdef TESSERA_RESIDENT_CACHE
 #include "sample_cache.glsl"
@@ -159,7 +161,7 @@ TsrAngularTaps tsr_taps_of(int u, int v, ivec4 size, vec3 direction) {
 vec4 tessera_sample(vec3 from_centre, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
     TsrSurfaceFootprint f = tsr_surface_footprint(from_centre, ivec2(size.x, size.y));
-    // Each of the four surface texels has its own frame, hence its own angles.
+    // Each of the four surface texels has its own frame, and so its own angles.
     return tsr_four_images(f, tsr_shares(f.weight),
                            tsr_taps_of(f.low.x, f.low.y, size, direction),
                            tsr_taps_of(f.high.x, f.low.y, size, direction),
@@ -171,12 +173,12 @@ uint tsr_mip_word(int mip, int field) {
     return tsr_word(int(tsr_parameter(tsr_p_mip_at) + uint(mip * tsr_mip_words + field)));
 }
 uint tsr_chart(int mip, ivec2 texel) {
-    uint width = tsr_mip_word(mip, 2) & 0xFFFFu;
-    return tsr_word(int(tsr_mip_word(mip, 3) + uint(texel.y) * width + uint(texel.x)));
+    uint width = tsr_mip_word(mip, tsr_mip_size) & 0xFFFFu;
+    return tsr_word(int(tsr_mip_word(mip, tsr_mip_charts) + uint(texel.y) * width + uint(texel.x)));
 }
 
-// The texels around a place in a mip, and their shares: those of the place's own chart only. Where none
-// shows it, those of the atlas.
+// The texels around a position in a mip, and their shares. Only texels of the position's own chart
+// count. Where the mip has none of them, the texels of the atlas are used.
 struct TsrMipFootprint {
     TsrSurfaceFootprint f; // texels as the axes count them
     vec4 shares;
@@ -191,7 +193,7 @@ TsrMipFootprint tsr_mip_footprint(vec2 uv, int mip) {
     TsrSurfaceFootprint f = m.f; // in the mip
     uint own = 0u;
     vec4 shares = vec4(0.0);
-    // First the texel that the place lies in, then those around it in the mip.
+    // Round 0 finds the chart at the position, rounds 1 to 4 the texels around it in the mip.
     for (int k = mip > 0 ? 0 : 5; k < 5; ++k) {
         ivec2 texel = ivec2(clamp(int(place.x), 0, size.x - 1), clamp(int(place.y), 0, size.y - 1));
         if (k > 0)
@@ -199,7 +201,7 @@ TsrMipFootprint tsr_mip_footprint(vec2 uv, int mip) {
         uint chart = tsr_chart(k == 0 ? 0 : mip, texel);
         if (k == 0) {
             own = chart;
-            uint sides = tsr_mip_word(mip, 2);
+            uint sides = tsr_mip_word(mip, tsr_mip_size);
             ivec2 side = ivec2(int(sides & 0xFFFFu), int(sides >> 16));
             f = tsr_atlas_footprint(place / float(1 << mip) / vec2(float(side.x), float(side.y)),
                                     side);
@@ -211,7 +213,7 @@ TsrMipFootprint tsr_mip_footprint(vec2 uv, int mip) {
     }
     float sum = shares.x + shares.y + shares.z + shares.w;
     if (own != 0u && sum > 0.0) {
-        ivec2 begin = ivec2(int(tsr_mip_word(mip, 0)), int(tsr_mip_word(mip, 1)));
+        ivec2 begin = ivec2(int(tsr_mip_word(mip, tsr_mip_u)), int(tsr_mip_word(mip, tsr_mip_v)));
         m.f.low = f.low + begin;
         m.f.high = f.high + begin;
         m.shares = shares / sum;
@@ -219,10 +221,11 @@ TsrMipFootprint tsr_mip_footprint(vec2 uv, int mip) {
     return m;
 }
 
-// Between two mips both are mixed. Half a level finer than the shorter side of what the pixel covers, but
-// at most four texels along the longer one (AtlasMips::mip_for).
+// The mip to sample; two mips are mixed in between. It is half a level finer than the shorter side
+// of the footprint, but such that the longer side covers at most four texels (AtlasMips::mip_for).
 float tsr_mip_for(vec2 footprint) {
-    float covered = max(min(footprint.x, footprint.y) * 0.70710678, max(footprint.x, footprint.y) / 4.0);
+    float covered =
+        max(min(footprint.x, footprint.y) * 0.70710678, max(footprint.x, footprint.y) / 4.0);
     return covered > 1.0 ? min(log2(covered), float(tsr_parameter(tsr_p_mips))) : 0.0;
 }
 
@@ -247,7 +250,7 @@ vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, 
         taps = tsr_folded_taps(octahedral, angular);
     float mip = tsr_mip_for(footprint);
     int first = int(mip);
-    float second = mip - float(first); // its share
+    float second = mip - float(first); // share of the next mip
     vec4 colour = vec4(0.0);
     for (int i = 0; i <= (second > 0.0 ? 1 : 0); ++i) {
         TsrMipFootprint m = tsr_mip_footprint(uv, first + i);

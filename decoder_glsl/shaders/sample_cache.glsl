@@ -1,15 +1,18 @@
-// A tile cache: the page table says where a tile is, and sampling marks the tiles that it touches.
+// Sampling a tile cache: the page table gives the slot of a tile, and sampling marks the tiles that
+// it touches.
 layout(std430, binding = TESSERA_BINDING_MARKS) restrict buffer TesseraMarks { uint tsr_marks[]; };
 
-// Every invocation writes the same word, so the order does not matter; most find it written.
+// All invocations write the same value, so their order does not matter. Most find it written
+// already.
 void tsr_mark(uint tile) {
     if (tsr_marks[tile] == 0u)
         tsr_marks[tile] = 1u;
 }
 
-// The tiles along s (axis 2) or t (3) that texels lie in, and the texels where tiles begin: what TileGrid
-// says, (x + 1) n - 1 over d and i d over n, rounded down. Halves keep floats away from whole numbers
-// where d n < 2^23 / 5. A table of words costs llvmpipe more: it loads them one by one.
+// The tiles along s (axis 2) or t (axis 3) that contain texels, and the first texels of tiles. As
+// in TileGrid: floor(((x + 1) n - 1) / d) and floor(i d / n), for n tiles of d texels. Adding a
+// half keeps floats away from whole numbers if d n < 2^23 / 5. Reading a table instead is slower on
+// llvmpipe.
 ivec4 tsr_angular_tiles(int axis, ivec4 texels) {
     float n = float(tsr_parameter(tsr_p_tiles + axis));
     return ivec4((vec4(texels + 1) * n - 0.5) / float(tsr_parameter(tsr_p_size + axis)));
@@ -19,12 +22,12 @@ ivec4 tsr_angular_begins(int axis, ivec4 tiles) {
     return ivec4((vec4(tiles) * d + 0.5) / float(tsr_parameter(tsr_p_tiles + axis)));
 }
 
-// A surface texel among the tiles: the part of a tile's number and of a pixel that u and v give.
+// The parts of a tile's number and of a pixel that depend on u and v.
 struct TsrColumn {
-    uint u; // words of the axes
+    uint u; // word of the axis
     uint v;
     uint tile;
-    ivec2 pixel;
+    ivec2 pixel; // from the first pixel of the slot
 };
 
 TsrColumn tsr_column(ivec2 texel) {
@@ -37,7 +40,7 @@ TsrColumn tsr_column(ivec2 texel) {
     return c;
 }
 
-// Number of the tile; s and t: its place among the tiles along them.
+// Number of the tile that is the s-th along s and the t-th along t.
 uint tsr_tile_of(TsrColumn c, int s, int t) {
     uint angular = uint(t) * tsr_parameter(tsr_p_tiles + 2) + uint(s);
     return angular * tsr_parameter(tsr_p_tiles) * tsr_parameter(tsr_p_tiles + 1) + c.tile;
@@ -49,29 +52,32 @@ uint tsr_page(uint tile) {
 
 // The first pixel of a surface texel's angular image.
 ivec3 tsr_cache_image(uint page, TsrColumn c) {
-    return ivec3(int(page & 1023u) * int(tsr_parameter(tsr_p_slot_width)) + c.pixel.x,
-                 int((page >> 10) & 1023u) * int(tsr_parameter(tsr_p_slot_height)) + c.pixel.y,
-                 int(page >> 20));
+    int column = int(page & (tsr_page_side - 1u));
+    int row = int((page >> tsr_page_row_at) & (tsr_page_side - 1u));
+    return ivec3(column * int(tsr_parameter(tsr_p_slot_width)) + c.pixel.x,
+                 row * int(tsr_parameter(tsr_p_slot_height)) + c.pixel.y,
+                 int(page >> tsr_page_layer_at));
 }
 
 vec4 tsr_background() {
     return tsr_unpack(tsr_parameter(tsr_p_background), tsr_parameter(tsr_p_background + 1));
 }
 
-// Where the place lies among the coarse texels of an axis, counted over all its tiles, of which each has
-// `parts`. The place is `texels` into a tile of `extent` texels.
+// Position among the coarse texels of an axis, `parts` per tile, counted over all its `tiles`, of
+// the position `texels` into tile `tile` of `extent` texels.
 float tsr_coarse_place(int tile, float texels, int extent, int parts, uint tiles) {
     float place = (float(tile) + texels / float(extent)) * float(parts) - 0.5;
     return clamp(place, 0.0, float(int(tiles) * parts - 1));
 }
 
-// Of the word of a texel on the axes of u and v, with `before` others before its mip in the slot.
+// The same for a texel on the axis of u or v, whose mip begins `before` texels into the slot.
 float tsr_coarse_surface_place(uint axis, int before, uint tiles) {
     float texels = (float(tsr_axis_place(axis) - before) + 0.5) * float(1 << tsr_axis_mip(axis));
-    return tsr_coarse_place(tsr_axis_tile(axis), texels, tsr_axis_extent(axis), tsr_coarse_uv, tiles);
+    return tsr_coarse_place(tsr_axis_tile(axis), texels, tsr_axis_extent(axis), tsr_coarse_uv,
+                            tiles);
 }
 
-// `beyond` texels after the centre of a texel along s or t.
+// The same for a position along s or t, `beyond` texels after the centre of a texel.
 float tsr_coarse_angular_place(int axis, int texel, float beyond) {
     int tile = tsr_angular_tiles(axis, ivec4(texel)).x;
     ivec4 begin = tsr_angular_begins(axis, ivec4(tile, tile + 1, 0, 0));
@@ -102,8 +108,8 @@ vec4 tsr_coarse_texel(ivec4 at) {
     return tsr_unpack(tsr_word(int(word)), tsr_word(int(word + 1u)));
 }
 
-// One of the 16 coarse texels that are mixed linearly for a place `beyond` texels after s and t, with its
-// share.
+// One of the 16 coarse texels that are mixed linearly at a position `beyond` texels after s and t,
+// times its share.
 vec4 tsr_coarse_part(int part, TsrColumn c, int s, int t, vec2 beyond) {
     vec4 place = tsr_coarse_places(c, s, t, beyond);
     ivec4 low = ivec4(place);
@@ -111,11 +117,11 @@ vec4 tsr_coarse_part(int part, TsrColumn c, int s, int t, vec2 beyond) {
     bvec4 high = bvec4((part & 1) != 0, (part & 2) != 0, (part & 4) != 0, (part & 8) != 0);
     vec4 w = mix(vec4(1.0) - weight, weight, vec4(high));
     float share = w.x * w.y * w.z * w.w;
-    // A place at the last texel has weight 0 beyond it.
+    // A position at the last texel gives weight 0 to the texel behind it, which does not exist.
     return share > 0.0 ? share * tsr_coarse_texel(low + ivec4(high)) : vec4(0.0);
 }
 
-// Where the four texels of an angular image are: tiles along s and t, and texels of these.
+// The four texels of an angular image: their tiles along s and t, and their positions in these.
 struct TsrAngle {
     ivec4 s_tile;
     ivec4 t_tile;
@@ -130,14 +136,14 @@ TsrAngle tsr_angle(TsrAngularTaps taps) {
                     taps.t - tsr_angular_begins(3, t_tile));
 }
 
-// The tile of a surface texel's image where all of it lies in one tile, else tsr_no_tile.
+// The tile that contains all four texels of an angular image, else tsr_no_tile.
 const uint tsr_no_tile = 0xFFFFFFFFu;
 uint tsr_only_tile(TsrColumn c, TsrAngle a) {
     bool together = a.s_tile == ivec4(a.s_tile.x) && a.t_tile == ivec4(a.t_tile.x);
     return together ? tsr_tile_of(c, a.s_tile.x, a.t_tile.x) : tsr_no_tile;
 }
 
-// The image of a surface texel, all of which lies in the tile of that page.
+// The mix of an angular image whose texels are all in the tile of that page.
 vec4 tsr_cached_image(uint page, TsrColumn c, TsrAngle a, TsrAngularTaps taps) {
     ivec3 image = tsr_cache_image(page, c);
 #ifdef TESSERA_HARDWARE_FILTER
@@ -147,7 +153,7 @@ vec4 tsr_cached_image(uint page, TsrColumn c, TsrAngle a, TsrAngularTaps taps) {
 #endif
 }
 
-// What is read of a surface texel's image.
+// The angular image of one of the four surface texels, and its share in the result.
 struct TsrImage {
     TsrColumn c;
     TsrAngle a;
@@ -165,14 +171,14 @@ TsrImage tsr_choose(int k, TsrImage a, TsrImage b, TsrImage c, TsrImage d) {
     return d;
 }
 
-// The four images, of tiles that differ and may not be there. An image that is not there as a whole is
-// coarse.
+// The mix of four images from several tiles, some of which may be missing. An image of which a
+// texel is missing is replaced by coarse texels.
 vec4 tsr_images_in_parts(bool wanted, TsrImage i0, TsrImage i1, TsrImage i2, TsrImage i3) {
     vec4 sum = vec4(0.0);
     vec4 image = vec4(0.0);
-    bool whole = true; // all texels of the image so far are there
-    int coarse = 0;    // a bit an image
-    uint tile = tsr_no_tile; // the one before
+    bool whole = true;       // no texel of the image is missing so far
+    int coarse = 0;          // one bit per image
+    uint tile = tsr_no_tile; // of the previous texel
     uint page = 0u;
     for (int k = wanted ? 0 : 16; k < 16; ++k) {
         TsrImage i = tsr_choose(k >> 2, i0, i1, i2, i3);
@@ -207,7 +213,7 @@ vec4 tsr_images_in_parts(bool wanted, TsrImage i0, TsrImage i1, TsrImage i2, Tsr
     return sum;
 }
 
-// Most pixels lie in one tile: one page is looked up for them and one tile marked.
+// Most pixels need one tile only: they look up one page and mark one tile.
 vec4 tsr_four_images(TsrSurfaceFootprint f, vec4 shares, TsrAngularTaps low_low,
                      TsrAngularTaps high_low, TsrAngularTaps low_high, TsrAngularTaps high_high) {
     TsrImage i0 = TsrImage(tsr_column(f.low), tsr_angle(low_low), low_low, shares.x);

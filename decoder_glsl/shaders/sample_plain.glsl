@@ -1,4 +1,5 @@
-// A texture that is decoded as a whole: angular images side by side, folded over layers.
+// Sampling a plain texture: the whole file is decoded, with angular images side by side and folded
+// over layers.
 ivec3 tsr_plain_pixel(ivec2 texel) {
     uint u = tsr_axis(0, texel.x);
     uint v = tsr_axis(1, texel.y);
@@ -21,7 +22,7 @@ vec4 tsr_four_images(TsrSurfaceFootprint f, vec4 shares, TsrAngularTaps low_low,
     ivec2 high_u = ivec2(f.high.x, f.low.y);
     ivec2 high_v = ivec2(f.low.x, f.high.y);
 #ifdef TESSERA_HARDWARE_FILTER
-    if (low_low.neighbours) // as the others are, then
+    if (low_low.neighbours) // and so are the others
         return tsr_sum4(tsr_plain_mix(f.low, low_low), tsr_plain_mix(high_u, high_low),
                         tsr_plain_mix(high_v, low_high), tsr_plain_mix(f.high, high_high), shares);
 #endif

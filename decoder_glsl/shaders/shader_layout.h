@@ -1,4 +1,4 @@
-// The constants that host and shaders share, in C++.
+// The numbers and the layout that host and shaders share, in C++.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a GLSL compiler complains of, with file names and the lines themselves.
+// Adds file names and source lines to the log of a GLSL compiler.
 #pragma once
 
 #include <string>
@@ -6,10 +6,11 @@
 
 namespace tessera {
 
-// A driver's log in which every message that names a place is followed by that place's file, line
-// and text, where the log's form is known: "0:12(5):" (Mesa), "0(12) :" (NVIDIA), "ERROR: 0:12:"
-// (glslang, AMD, Apple). `source` is what was compiled; its `#line N S` and `// source S: name`
-// lines are followed, and without them lines count from the top. Pure, thread-safe.
+// Returns the log with a line behind every message that names a source string and a line: the file,
+// the line's number and its text. It knows the forms "0:12(5):" (Mesa), "0(12) :" (NVIDIA) and
+// "ERROR: 0:12:" (glslang, AMD, Apple). `source` is the compiled text; its `#line N S` and `//
+// source S: name` lines name files and lines. Without them lines are counted from the top. Pure,
+// thread-safe.
 std::string explain_shader_log(std::string_view log, std::string_view source);
 
 } // namespace tessera

@@ -19,7 +19,7 @@ std::string dialect_head(ShaderDialect dialect) {
         break;
     }
     std::string head = "#version 310 es\n#define TSR_ES310 1\n";
-    // ES gives the opaque types no default precision, or a low one that would round 32-bit data.
+    // In ES opaque types have no default precision, or a low one that would round 32-bit data.
     for (const char* type : {"float", "int"})
         head += std::string("precision highp ") + type + ";\n";
     for (const char* shape : {"sampler2D", "sampler2DArray", "image2D", "image2DArray"})
@@ -44,10 +44,11 @@ Status append_defines(std::span<const ShaderDefine> defines, std::string& source
     for (std::size_t i = 0; i < defines.size(); ++i) {
         const auto& [name, value] = defines[i];
         if (!is_free_identifier(name))
-            return {ErrorCode::bad_argument, "GLSL allows no macro of the name '" + name + "'"};
-        // A backslash at the end would swallow the next line.
+            return {ErrorCode::bad_argument, "GLSL allows no macro named '" + name + "'"};
+        // A backslash at the end would join the next line to it.
         if (value.find_first_of("\n\r\\") != std::string::npos || value.find('\0') != value.npos)
-            return {ErrorCode::bad_argument, "the value of macro '" + name + "' is not one line"};
+            return {ErrorCode::bad_argument,
+                    "the value of macro '" + name + "' is not a single line"};
         if (std::any_of(
                 defines.begin(), defines.begin() + static_cast<std::ptrdiff_t>(i),
                 [&, &name = name](const ShaderDefine& other) { return other.first == name; }))
@@ -64,7 +65,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// What follows "# word" on a line, or none when the line is not that directive.
+// The text behind "# word" on a line, or none if the line is another directive or none.
 std::optional<std::string_view> directive(std::string_view line, std::string_view word) {
     line = trimmed(line);
     if (!line.starts_with('#'))
@@ -75,7 +76,7 @@ std::optional<std::string_view> directive(std::string_view line, std::string_vie
     return trimmed(line.substr(word.size()));
 }
 
-// `"name"`, perhaps with a comment behind; empty when it is anything else.
+// The name in `"name"`, which a comment may follow; empty if the text is anything else.
 std::string_view included_name(std::string_view text) {
     if (!text.starts_with('"'))
         return {};
@@ -128,7 +129,8 @@ private:
 
     Status append_line(std::string_view line, int number, std::size_t source_number, int depth) {
         if (directive(line, "version"))
-            return {ErrorCode::bad_argument, "the #version line is written by shader_source"};
+            return {ErrorCode::bad_argument,
+                    "a shader file has no #version line, shader_source adds it"};
         const auto argument = directive(line, "include");
         if (!argument) {
             out_.append(line.ends_with('\r') ? line.substr(0, line.size() - 1) : line);

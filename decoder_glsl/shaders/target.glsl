@@ -1,5 +1,5 @@
-// Where the texels of a tile go, and where its values stand while others copy them or the filter waits
-// for them all.
+// The pixels that the texels of a tile go to, and the words in which its values wait for copies and
+// for the filter.
 #ifndef TSR_TARGET
 #define TSR_TARGET
 #include "colour.glsl"
@@ -19,20 +19,20 @@ void tsr_write_texel(ivec3 at, uvec4 samples) {
 #endif
 #endif
 
-// Where the texels of a tile go. Tiles of a plain texture are folded over layers where the angular
-// images side by side would be wider than a texture may be; the folds of a cache are wider than any
-// tile. Unsigned, so that any batch wraps in every language.
+// A plain texture folds its angular images over layers where a row of all of them would be wider
+// than a texture may be. A cache folds nothing: its folds are wider than any tile. Positions are
+// unsigned, so that those of damaged batches wrap.
 struct TsrTarget {
-    uvec3 pixel; // of the tile's first texel; its layer
-    uvec2 first; // (u, v) of that texel, counted as folds do
-    uvec2 fold;
+    uvec3 pixel; // x, y and layer of the tile's first texel
+    uvec2 first; // (u, v) of that texel, where texels are folded
+    uvec2 fold;  // angular images per layer, along u and v
     uint folds_u;
-    uvec2 stride;
+    uvec2 stride;     // pixels from one angular image to the next
     uint multipliers; // word of the tile's corrections, or none
     uint values;      // word of its kept values, or none
-    uint stored;      // byte of its first sample, where it is stored, or none
+    uint stored;      // byte of a stored tile's first sample, or none
     ivec4 sides;      // of the tile
-    ivec2 base_sides; // of its base picture; 0, if it has none
+    ivec2 base_sides; // of its base picture; 0 where it has none
     int step;         // of corrections
 };
 
@@ -46,8 +46,8 @@ TsrTarget tsr_target(uint tile) {
     t.folds_u = tsr_header(tsr_b_folds_u);
     t.stride = uvec2(tsr_header(tsr_b_stride_s), tsr_header(tsr_b_stride_t));
     uint multipliers = tsr_tile(tile, tsr_tile_multipliers);
-    // What a damaged tile has decoded of its corrections does not show.
-    bool damaged = tsr_work_word(tsr_state_at(tile) + uint(tsr_st_damaged)) != 0u;
+    // A damaged tile is drawn as background, without the corrections that it has decoded.
+    bool damaged = tsr_is_damaged(tile);
     t.multipliers = damaged || multipliers == tsr_none
                         ? tsr_none
                         : tsr_header(tsr_b_multipliers_at) + multipliers;
@@ -112,7 +112,8 @@ ivec4 tsr_stored(TsrFormat format, TsrTarget target, int u, int v, int s, int t)
                  planes > 3 ? tsr_stored_code(format, at + 3u * size) : 0);
 }
 
-// Where values of a predicted tile stand: the texel's word, and words from one to the next part of it.
+// Word of a texel's kept values: planes 0 and 1, or plane 0 of halves. The others follow at
+// multiples of tsr_value_stride().
 uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
     return target.values +
            uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
@@ -123,14 +124,15 @@ uint tsr_tile_texels(TsrTarget target) {
 uint tsr_value_stride(TsrTarget target) {
     return tsr_tile_texels(target) + uint(target.base_sides.x * target.base_sides.y);
 }
-// Likewise of its base picture: the values follow the tile's in each part. (u, v) or the edge.
+// The same for the texel of the base picture at (u, v), or at its edge. Its values follow the
+// tile's.
 uint tsr_base_value_at(TsrTarget target, int u, int v) {
     return target.values + tsr_tile_texels(target) +
            uint(clamp(v, 0, max(target.base_sides.y - 1, 0)) * target.base_sides.x +
                 clamp(u, 0, max(target.base_sides.x - 1, 0)));
 }
 
-// As the image's format, it is known when a shader is compiled.
+// Whether values are those of halves. The host compiles shaders for one sample type.
 bool tsr_half_values(TsrFormat format) {
 #ifdef __cplusplus
     return format.half_floats;
@@ -146,7 +148,7 @@ int tsr_value_limit(TsrFormat format) {
     return tsr_half_values(format) ? 1 << 18 : 1 << 14;
 }
 
-// Two planes of 16 bits in a word, and two of 20 bits in one each.
+// The planes of a word: two of 16 bits each, or one of 20 bits.
 ivec2 tsr_two_values(uint word) {
     return ivec2(int(word << 16u) >> 16, int(word) >> 16);
 }
@@ -154,7 +156,7 @@ int tsr_one_value(uint word) {
     return int(word << 12u) >> 12;
 }
 
-// The values whose first word this is.
+// The values of all planes, the first of which is at word `at`.
 ivec4 tsr_value_in(TsrFormat format, TsrTarget target, uint at) {
     int planes = format.planes;
     uint stride = tsr_value_stride(target);
@@ -168,14 +170,14 @@ ivec4 tsr_value_in(TsrFormat format, TsrTarget target, uint at) {
     return ivec4(low.x, low.y, high.x, high.y);
 }
 
-// The values at a texel of the view (s, t), or the edge of the tile.
+// The values at (u, v), or at the tile's edge, of the view (s, t).
 ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
     return tsr_value_in(format, target,
                         tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
                                      clamp(v, 0, target.sides.y - 1), s, t));
 }
 
-// `at`: the value's first word.
+// `at`: the value's first word, as in tsr_value_in().
 void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, uint at) {
     int planes = format.planes;
     uint stride = tsr_value_stride(target);

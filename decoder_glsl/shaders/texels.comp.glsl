@@ -1,12 +1,13 @@
-// Pass 5, one group of 64 an item: the inverse transform of some positions of a block, and the texels
-// they give (FORMAT.md part 4).
+// Pass 5, one group of 64 invocations per item: the inverse transform at some positions of a block,
+// and its texels (FORMAT.md part 4).
 //
-// Stage 1: an invocation a position walks all coefficients, u and v. Stage 2 sums along s. Stage 3
-// sums along t, all planes of a texel at once, adds what a block copies, and writes it. All invocations read the same
-// coefficients at the same time, and the shared arrays are laid out with positions innermost.
+// Stage 1: one invocation per position walks all coefficients, along u and v. Stage 2 sums along s.
+// Stage 3 sums along t for all planes of a texel, adds what the block copies, and writes the texel.
+// All invocations read the same coefficients at the same time. The shared arrays have positions
+// innermost.
 //
-// Batches with predicted tiles, and files with a filter, need TSR_PREDICTED_TILES; the others are spared
-// its registers. A filter writes the texels of sound tiles itself, in pass 6.
+// Batches with predicted tiles and files with a filter need TSR_PREDICTED_TILES. Without it the
+// shader takes fewer registers. In files with a filter, pass 6 writes the texels of sound tiles.
 #include "patch.glsl"
 #include "target.glsl"
 #include "walk.glsl"
@@ -19,15 +20,15 @@ struct TsrItem {
     bool real;
     uint tile;
     uint block;
-    uint first; // position
+    uint first; // position: u + v * (side along u)
     int positions;
     TsrPatch patch_of;
     ivec4 origin;      // of the block in the tile
-    uint copies;       // as in tsr_copy_words
+    uint copies;       // its copy record, see tsr_copy_words
     uint coefficients; // the first one
     uint colour_count;
     uint alpha_count;
-    int later; // word of the shared memory where the values after pass s begin
+    int later;        // word of the shared memory where the values after pass s begin
     int plane_before; // words from one plane to the next, before pass s and after it
     int plane_after;
     TsrFormat format;
@@ -38,10 +39,10 @@ TsrItem tsr_item(uint number) {
     TsrItem item;
     item.real = number < tsr_work_word(uint(tsr_w_ready));
     uint at = tsr_item_at(number);
-    uint who = item.real ? tsr_work_word(at) : 0u;
+    uint owner = item.real ? tsr_work_word(at) : 0u;
     uint range = item.real ? tsr_work_word(at + 1u) : 0u;
-    item.tile = who >> 12;
-    item.block = who & 0xFFFu;
+    item.tile = owner >> 12;
+    item.block = owner & 0xFFFu;
     uint block = tsr_block_at(item.tile, item.block);
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
     uint rest = tsr_work_word(block + uint(tsr_k_rest));
@@ -63,7 +64,7 @@ TsrItem tsr_item(uint number) {
     return item;
 }
 
-// Word of a value of plane 0 before pass s: [kt][ks][position], and after it: [kt][s][position]. The
+// Word of plane 0's value before pass s, [kt][ks][position], and after it, [kt][s][position]. The
 // other planes follow at the distances plane_before and plane_after.
 int tsr_before_s(TsrItem item, int kt, int ks, int position) {
     return (kt * item.patch_of.support_s + ks) * item.positions + position;
@@ -92,7 +93,7 @@ void tsr_put_planes(TsrItem item, int at, int distance, ivec3 value) {
         tsr_put(at + 2 * distance, value.z);
 }
 
-// Planes 0 to 2, or plane 3 alone; clamped where a pass follows.
+// Stores a column of planes 0 to 2, or of plane 3 alone, for pass s. `key`: its frequency.
 void tsr_put_column(TsrItem item, int first_plane, int position, uint key, ivec3 column) {
     int ks = min(int((key >> 10) & 31u), item.patch_of.support_s - 1);
     int kt = min(int(key >> 15), item.patch_of.support_t - 1);
@@ -106,7 +107,8 @@ void tsr_put_column(TsrItem item, int first_plane, int position, uint key, ivec3
     tsr_put_planes(item, at, item.plane_before, value);
 }
 
-void tsr_step(TsrItem item, TSR_INOUT(TsrWalk) w, int first_plane, int position, uint at, uint end) {
+void tsr_step(TsrItem item, TSR_INOUT(TsrWalk) w, int first_plane, int position, uint at,
+              uint end) {
     if (at >= end)
         return;
     uvec4 coefficient = tsr_coefficient_at(at);
@@ -125,7 +127,7 @@ void tsr_walk_run(TsrItem item, int first_plane, int position, uint begin, uint 
     int nu = max(item.patch_of.sides.x, 1);
     TsrWalk w = tsr_start_walk(item.patch_of.sides, ivec2(place % nu, place / nu));
     w.key = tsr_coefficient_at(begin).x;
-    // Four a round, so that the longest runs stay far below the bound on rounds.
+    // Four per round, so that the longest runs stay far below the bound on rounds.
     for (uint i = 0u; i < count; i += 4u) {
         TSR_LOOP;
         uint at = begin + i;
@@ -138,11 +140,11 @@ void tsr_walk_run(TsrItem item, int first_plane, int position, uint begin, uint 
     tsr_put_column(item, first_plane, position, key, tsr_end_column(w));
 }
 
-// Stage 0: columns without a coefficient are 0.
+// Stage 0. Columns without coefficients stay 0.
 void tsr_clear_patch(TsrItem item, int lane) {
     if (!item.real)
         return;
-    for (int i = lane; i < item.later; i += 64) {
+    for (int i = lane; i < item.later; i += TSR_TEXEL_GROUP) {
         TSR_LOOP;
         tsr_put(i, 0);
     }
@@ -156,8 +158,8 @@ void tsr_sum_u_v(TsrItem item, int lane) {
     tsr_walk_run(item, 3, lane, item.coefficients + item.colour_count, item.alpha_count);
 }
 
-// What an invocation does in the stages after the walk: one position, and every `step`-th row from
-// `first` on, where rows are the values that a position has.
+// An invocation's part of the stages after the walk: at one position, every `step`-th row from
+// `first` on. A row is one (s, kt) in stage 2 and one s in stage 3.
 struct TsrShare {
     int position;
     int first;
@@ -166,14 +168,14 @@ struct TsrShare {
 
 TsrShare tsr_share(TsrItem item, int lane) {
     TsrShare share;
-    int positions = clamp(item.positions, 1, 64);
-    share.step = 64 / positions;
+    int positions = clamp(item.positions, 1, TSR_TEXEL_GROUP);
+    share.step = TSR_TEXEL_GROUP / positions;
     share.first = lane / positions;
     share.position = lane - share.first * positions;
     if (!item.real || item.positions < 1)
         share.first = 65536;
     if (share.first >= share.step)
-        share.first = 65536; // past every row
+        share.first = 65536; // beyond every row
     return share;
 }
 
@@ -183,14 +185,15 @@ struct TsrValues {
     ivec3 alpha;
 };
 
-// A pass along an axis of n texels, for its texel x: the sum over the first `support` frequencies, of
-// which that of 0 is at word `from`, the next `step` words on, and the other planes `plane` words.
+// A pass along an axis of n texels, for its texel x: sums the first `support` frequencies.
+// Frequency 0 is at word `from`, the next one `step` words further on, and the next plane `plane`
+// words further on.
 TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int from, int step, int plane) {
     bool has_alpha = item.patch_of.planes > 3;
     TsrValues values;
     values.colour = tsr_get_planes(item, from, plane);
     values.alpha = ivec3(has_alpha ? tsr_get(from + 3 * plane) : 0, 0, 0);
-    // The basis of frequency 0 is 1: a sum of it alone is the value itself.
+    // The basis of frequency 0 is 1, so its sum alone is the value itself.
     if (support < 2)
         return values;
     int basis = tsr_basis_of(n) + x;
@@ -209,7 +212,7 @@ TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int from, int s
     return values;
 }
 
-// Stage 2, for one position, s and kt.
+// Stage 2 for one position, s and kt.
 void tsr_sum_s_at(TsrItem item, int kt, int s, int position) {
     TsrValues values =
         tsr_sum_along(item, item.patch_of.sides.z, s, item.patch_of.support_s,
@@ -235,8 +238,9 @@ void tsr_sum_s(TsrItem item, int lane) {
     }
 }
 
-// What `steps` displacements away in the view (s, t) lies, times 4 or, smooth, 16 (C of FORMAT.md 4.6);
-// `move`: u, v in the signed high bytes. First come the texels that it lies on or between, then those beside.
+// The values `steps` displacements away from (u, v) in the view (s, t), times 4, or times 16 for
+// smooth copies (C of FORMAT.md 4.6). `move`: a copy record. The first taps are the texels that the
+// position lies on or between, the others are those beside them.
 ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
     int x = 2 * u + steps * (int(move << 8u) >> 24);
     int y = 2 * v + steps * (int(move) >> 24);
@@ -254,7 +258,7 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
         if (k >= between) {
             int m = k - between;
             int side = (m & 2) - 1;
-            int along = (m & 1) * halves; // which of the two that it lies between
+            int along = (m & 1) * halves; // which of the two texels that the position lies between
             bool vertical = halves == 0 ? (m & 1) != 0 : f != 0;
             a = vertical ? along : side;
             b = vertical ? side : along;
@@ -265,20 +269,20 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
     return sum;
 }
 
-// What the base picture shows at a texel of the tile (FORMAT.md 4.6).
+// The values that a texel of the tile copies from the base picture (FORMAT.md 4.6).
 ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
     int x = (s - (item.target.sides.z - 1) / 2) * (int(item.copies << 8u) >> 24);
     int y = (t - (item.target.sides.w - 1) / 2) * (int(item.copies) >> 24);
     int margin = int(tsr_table(tsr_t_base_margin));
     int i = u + margin + (x >> 3) - 2;
     int j = v + margin + (y >> 3) - 2;
-    int along_u = tsr_t_base_filter + (x & 7) * 6;
-    int along_v = tsr_t_base_filter + (y & 7) * 6;
+    int along_u = tsr_t_base_filter + (x & 7) * tsr_base_taps;
+    int along_v = tsr_t_base_filter + (y & 7) * tsr_base_taps;
     ivec4 sum = ivec4(512);
-    for (int b = 0; b < 6; ++b) {
+    for (int b = 0; b < tsr_base_taps; ++b) {
         TSR_LOOP;
         ivec4 row = ivec4(2);
-        for (int a = 0; a < 6; ++a)
+        for (int a = 0; a < tsr_base_taps; ++a)
             row += int(tsr_table(along_u + a)) *
                    tsr_value_in(item.format, item.target,
                                 tsr_base_value_at(item.target, i + a, j + b));
@@ -287,7 +291,8 @@ ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
     return sum >> 10;
 }
 
-// The values of a texel of a predicted tile: with what its block copies, clamped, and kept for others.
+// Adds what a texel of a predicted tile copies, clamps the sum, keeps it for other blocks, and
+// returns it.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     ivec4 copied = ivec4(0);
     bool of_base = (item.copies & tsr_copy_of_base) != 0u;
@@ -310,7 +315,7 @@ ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     return value;
 }
 
-// Stage 3, for one position, s and t: the values of all planes.
+// Stage 3 for one position, s and t: the values of all planes.
 ivec4 tsr_sum_t_at(TsrItem item, int s, int t, int position) {
     TsrValues values =
         tsr_sum_along(item, item.patch_of.sides.w, t, item.patch_of.support_t,
@@ -335,7 +340,7 @@ void tsr_sum_t(TsrItem item, int lane) {
             TSR_LOOP;
             int in_s = item.origin.z + s;
             int in_t = item.origin.w + t;
-            // Without a frequency along t all are the same.
+            // Without frequencies along t, all texels of the row have the same values.
             bool changes = t == 0 || item.patch_of.support_t > 1;
             if (changes)
                 values = tsr_sum_t_at(item, s, t, share.position);
@@ -359,9 +364,9 @@ void tsr_sum_t(TsrItem item, int lane) {
 }
 
 #ifndef __cplusplus
-layout(local_size_x = 64) in;
+layout(local_size_x = TSR_TEXEL_GROUP) in;
 void main() {
-    TsrItem item = tsr_item(gl_WorkGroupID.y * 1024u + gl_WorkGroupID.x);
+    TsrItem item = tsr_item(gl_WorkGroupID.y * uint(tsr_row_groups) + gl_WorkGroupID.x);
     int lane = int(gl_LocalInvocationIndex);
     tsr_clear_patch(item, lane);
     barrier();

@@ -1,21 +1,20 @@
-// The integer inverse transform of FORMAT.md 4.3, for all planes of a frequency at once. Sums are
-// unsigned, so that they wrap in every language.
+// The integer inverse transform of FORMAT.md 4.3, for three planes at once. Sums are unsigned,
+// because unsigned overflow wraps in GLSL and in C++.
 #ifndef TSR_TRANSFORM
 #define TSR_TRANSFORM
 #include "buffers.glsl"
 
-// b(n, k, x): word of k = 0, x = 0.
+// Word of b(n, 0, 0). b(n, k, x) is n k + x words further on.
 int tsr_basis_of(int n) {
-    if (n > tsr_max_frequencies) // a table of n has only the rows of the coded frequencies
-        return tsr_t_wide_basis + tsr_max_frequencies / 2 *
-                                      (n * (n - 1) - (tsr_max_frequencies + 1) * tsr_max_frequencies);
+    if (n > tsr_max_frequencies) // tables of longer sides have the coded frequencies only
+        return tsr_t_wide_basis +
+               tsr_max_frequencies / 2 *
+                   (n * (n - 1) - (tsr_max_frequencies + 1) * tsr_max_frequencies);
     return tsr_t_basis + ((n - 1) * n * (2 * n - 1)) / 6;
 }
-uint tsr_basis(int basis, int n, int k, int x) {
-    return tsr_table(basis + k * n + x);
-}
 
-// A sum of products as H and L, and of how many planes: x, y, z are planes 0 to 2 (or plane 3 in x).
+// A sum of products in two halves, H and L of the format: x, y, z are planes 0 to 2, or x is plane
+// 3.
 struct TsrSum {
     uvec3 high;
     uvec3 low;
@@ -28,7 +27,7 @@ TsrSum tsr_no_sum() {
     return sum;
 }
 
-// A pass clamps what goes into it.
+// Every pass clamps its inputs.
 ivec3 tsr_clamped(ivec3 value) {
     return clamp(value, -(1 << 26), (1 << 26) - 1);
 }

@@ -1,19 +1,20 @@
-// The first two passes of the inverse transform at one (u, v) of a block, straight from its sorted
-// coefficients: each line along u is summed and rounded when the next line begins, each column along
-// v likewise. So a column's value is exact and nothing is held but two sums.
+// The passes along u and v of the inverse transform, for one (u, v) of a block, in one walk over
+// its sorted coefficients. A line is all coefficients that differ in the u frequency only; a column
+// is all lines that differ in the v frequency only. Each sum is rounded when the next line or
+// column begins, so the walk rounds where the format does and holds two sums only.
 #ifndef TSR_WALK
 #define TSR_WALK
 #include "transform.glsl"
 
 struct TsrWalk {
     ivec4 sides;  // of the block
-    ivec2 place;  // u, v
-    int basis_u;  // words of the tables of both sides
+    ivec2 place;  // u, v in the block
+    int basis_u;  // words of the basis at frequency 0
     int basis_v;
-    uint key;     // frequency of the coefficient before
+    uint key;     // frequency of the previous coefficient
     TsrSum line;
     TsrSum column;
-    ivec3 line_value;   // in place of the sum, along a side of 1: no pass there
+    ivec3 line_value;   // used instead of the sum along a side of 1, which has no pass
     ivec3 column_value;
 };
 
@@ -42,7 +43,7 @@ void tsr_end_line(TSR_INOUT(TsrWalk) w) {
     w.line_value = ivec3(0);
 }
 
-// The value at (u, v) of the angular frequency of w.key.
+// Ends the column of w.key and returns its value at (u, v).
 ivec3 tsr_end_column(TSR_INOUT(TsrWalk) w) {
     tsr_end_line(w);
     ivec3 value = w.sides.y > 1 ? tsr_rounded(w.column) : w.column_value;
@@ -51,7 +52,7 @@ ivec3 tsr_end_column(TSR_INOUT(TsrWalk) w) {
     return value;
 }
 
-// Adds a coefficient whose column is the current one.
+// Adds a coefficient of the current column.
 void tsr_walk_on(TSR_INOUT(TsrWalk) w, uvec4 coefficient) {
     if ((coefficient.x >> 5) != (w.key >> 5))
         tsr_end_line(w);
@@ -60,7 +61,7 @@ void tsr_walk_on(TSR_INOUT(TsrWalk) w, uvec4 coefficient) {
     if (w.sides.x > 1)
         tsr_add(w.line, tsr_table(w.basis_u + int(coefficient.x & 31u) * w.sides.x), value);
     else
-        w.line_value = ivec3(uvec3(w.line_value) + uvec3(value)); // wraps in every language
+        w.line_value = ivec3(uvec3(w.line_value) + uvec3(value)); // unsigned, so that it wraps
 }
 
 uvec4 tsr_coefficient_at(uint at) {

@@ -141,14 +141,14 @@ TEST(ShaderCore, BasisMatchesTheFormat) {
                     basis(n)[k * n + x])
                     << n << " " << k << " " << x;
     // The tables lie one behind the other.
-    EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
-              shaders::tsr_t_prediction);
-    EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
-              shaders::tsr_t_filter);
-    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_base_displacement);
     EXPECT_EQ(shaders::tsr_t_base_displacement + shaders::tsr_symbol_words,
-              shaders::tsr_t_base_filter);
-    EXPECT_EQ(shaders::tsr_t_base_filter + base_unit * base_taps, shaders::tsr_t_end);
+              shaders::tsr_t_rotation);
+    EXPECT_EQ(shaders::tsr_t_base_filter + base_unit * base_taps, shaders::tsr_t_filter);
+    EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_basis);
+    EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
+              shaders::tsr_t_wide_basis);
+    EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
+              shaders::tsr_t_end);
 }
 
 // ---- Arbitrary bytes.

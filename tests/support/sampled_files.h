@@ -3,6 +3,7 @@
 
 #include "decoder_glsl/gl_view_renderer.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
+#include "decoder_glsl/shader_source.h"
 #include "format/texture.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/gpu_fixture.h"
@@ -80,12 +81,29 @@ inline const Bytes& mixed_file(SampleType type, std::uint8_t channels, double qu
     return file;
 }
 
+// tessera_sample() for a list of points: what tests compare with the CPU. A point is two vectors, from
+// the centre and direction; the colour replaces the first.
+inline Result<GlProgram> sample_points_program(const SampledTexture& texture) {
+    TESSERA_TRY_ASSIGN(auto source,
+                       shader_source("sample.glsl", ShaderDialect::gl450, texture.defines()));
+    source += R"glsl(
+layout(std430, binding = 7) buffer Points { vec4 points[]; };
+layout(local_size_x = 64) in;
+void main() {
+    uint point = gl_WorkGroupID.y * 65536u + gl_GlobalInvocationID.x;
+    if (point * 2u + 1u < uint(points.length()))
+        points[point * 2u] = tessera_sample(points[point * 2u].xyz, points[point * 2u + 1u].xyz);
+}
+)glsl";
+    return GlProgram::compute(source, "sample_points");
+}
+
 class GpuSample : public GpuTest {
 protected:
     // Colours at the probes. Draws until all tiles that it needs are resident.
     static std::vector<glm::vec4> sampled(SampledTexture& texture,
                                           const std::vector<Probe>& probes) {
-        const auto program = compute_program("sample_points.comp.glsl", texture.defines());
+        const auto program = sample_points_program(texture);
         EXPECT_TRUE(program) << program.status().message();
         std::vector<glm::vec4> points;
         for (const Probe& probe : probes) {
