@@ -1,4 +1,4 @@
-#include "corpus/model/draco_part.h"
+#include "corpus/model/readers.h"
 
 #include <draco/compression/decode.h>
 #include <glm/vec4.hpp>

@@ -1,6 +1,4 @@
 // glTF 2.0 by tinygltf.
-#include "corpus/model/draco_part.h"
-#include "corpus/model/gltf_json.h"
 #include "corpus/model/image_file.h"
 #include "corpus/model/readers.h"
 
@@ -15,7 +13,6 @@ namespace {
 
 using tinygltf::Accessor;
 
-constexpr std::size_t most_bytes = std::size_t{1} << 31;
 constexpr int deepest = 64;                 // nodes below each other
 constexpr std::size_t most_nodes = 100'000; // drawn
 
@@ -337,14 +334,12 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
     const std::vector<unsigned char> bytes = joined(safe);
     if (bytes.size() > UINT32_MAX)
         return {ErrorCode::unsupported, "is larger than 4 GB"};
-    const std::size_t slash = path.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash);
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keep_bytes, nullptr);
     std::string error, warning;
     const bool ok = loader.LoadBinaryFromMemory(&file, &error, &warning, bytes.data(),
-                                                static_cast<unsigned>(bytes.size()), folder,
-                                                tinygltf::NO_REQUIRE);
+                                                static_cast<unsigned>(bytes.size()),
+                                                folder_of(path), tinygltf::NO_REQUIRE);
     if (ok)
         return {};
     std::string text = error.empty() ? warning : error;
@@ -373,7 +368,7 @@ Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& 
 } // namespace
 
 Status read_gltf(const std::string& path, ModelBuilder& builder) {
-    TESSERA_TRY_ASSIGN(auto bytes, read_whole_file(path, most_bytes));
+    TESSERA_TRY_ASSIGN(auto bytes, read_whole_file(path, most_model_bytes));
     TESSERA_TRY_ASSIGN(const SafeGltf safe, make_safe_gltf(std::move(bytes)));
     tinygltf::Model file;
     TESSERA_TRY(load(path, safe, file));

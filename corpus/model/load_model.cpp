@@ -18,29 +18,38 @@ std::string suffix_of(const std::string& path) {
     return suffix;
 }
 
-bool is_gltf(const std::string& suffix) {
-    return suffix == "gltf" || suffix == "glb";
+using Reader = Status (*)(const std::string& path, ModelBuilder& builder);
+
+// The reader for files of this name; null for other kinds.
+Reader reader_of(const std::string& path) {
+    const std::string suffix = suffix_of(path);
+    return suffix == "gltf" || suffix == "glb" ? read_gltf
+           : suffix == "obj"                   ? read_obj
+           : suffix == "ply"                   ? read_ply
+                                               : nullptr;
 }
 
 Result<Model> load(const std::string& path) {
-    const std::string suffix = suffix_of(path);
     ModelBuilder builder;
-    TESSERA_TRY(is_gltf(suffix) ? read_gltf(path, builder)
-                                : read_with_assimp(path, suffix == "ply", builder));
+    TESSERA_TRY(reader_of(path)(path, builder));
     return std::move(builder).finish();
 }
 
 } // namespace
 
 bool is_model_path(const std::string& path) {
-    const std::string suffix = suffix_of(path);
-    return is_gltf(suffix) || suffix == "obj" || suffix == "ply";
+    return reader_of(path) != nullptr;
+}
+
+std::string folder_of(const std::string& path) {
+    const std::size_t slash = path.find_last_of('/');
+    return slash == std::string::npos ? "." : path.substr(0, slash);
 }
 
 Result<Model> load_model(const std::string& path) {
     if (!is_model_path(path))
         return Status(ErrorCode::bad_argument, path + ": not a .gltf, .glb, .obj or .ply");
-    // The libraries throw what they do not expect.
+    // The libraries throw exceptions.
     try {
         Result<Model> model = load(path);
         const bool named = model.status().message().rfind(path, 0) == 0;

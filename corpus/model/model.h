@@ -4,6 +4,7 @@
 #include "format/status.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -13,6 +14,11 @@
 #include <vector>
 
 namespace tessera::corpus {
+
+// Linear light of a value in 0..1 as displays show it.
+inline double srgb_to_linear(double x) {
+    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
 
 // RGBA, rows from the top.
 struct Image {
@@ -56,6 +62,7 @@ struct Model {
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
     std::vector<Image> images;
+    std::vector<std::string> notes; // what the file names but lacks, and what stands in for it
 };
 
 // By its suffix: .gltf and .glb (glTF 2.0, also with KHR_draco_mesh_compression), .obj, .ply. Moved

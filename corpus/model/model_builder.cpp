@@ -1,4 +1,5 @@
-#include "corpus/model/model_builder.h"
+#include "corpus/model/image_file.h"
+#include "corpus/model/readers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,6 +124,15 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
         model_.triangles.push_back(triangle);
     }
     return {};
+}
+
+Result<int> ModelBuilder::add_image(const std::string& path) {
+    if (const auto it = images_.find(path); it != images_.end())
+        return it->second;
+    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY_ASSIGN(Image image, decode_image(bytes).with_context(path));
+    model_.images.push_back(std::move(image));
+    return images_[path] = static_cast<int>(model_.images.size()) - 1;
 }
 
 Result<Model> ModelBuilder::finish() && {

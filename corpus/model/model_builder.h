@@ -3,6 +3,8 @@
 
 #include "corpus/model/model.h"
 
+#include <map>
+
 namespace tessera::corpus {
 
 // A part of a model as a file has it. What is empty is absent.
@@ -23,11 +25,16 @@ public:
     // Materials and images must be there. Errors: invalid_file, no triangle has an area.
     Result<Model> finish() &&;
 
+    // The number of the picture in this file, which is read once. Errors: io, invalid_file, unsupported,
+    // naming the picture.
+    Result<int> add_image(const std::string& path);
+
     Model& model() { return model_; }
 
 private:
     Model model_;
-    std::size_t flat_ = 0; // triangles without area
+    std::map<std::string, int> images_; // by path
+    std::size_t flat_ = 0;              // triangles without area
 };
 
 } // namespace tessera::corpus

@@ -1,12 +1,25 @@
-// Readers of the kinds of files; load_model() chooses one.
+// The readers behind load_model(), and what they share. Errors name the element; load_model() adds the file.
 #pragma once
 
+#include "corpus/model/gltf_json.h"
 #include "corpus/model/model_builder.h"
+
+#include <span>
 
 namespace tessera::corpus {
 
-// Errors name the element, not the file.
-Status read_gltf(const std::string& path, ModelBuilder& builder);
-Status read_with_assimp(const std::string& path, bool is_ply, ModelBuilder& builder); // .obj, .ply
+constexpr std::size_t most_model_bytes = std::size_t{1} << 31; // of each file
+
+Status read_gltf(const std::string& path, ModelBuilder& builder); // .gltf, .glb
+Status read_obj(const std::string& path, ModelBuilder& builder);
+Status read_ply(const std::string& path, ModelBuilder& builder);
+
+// The positions, attributes and triangles of a glTF primitive that is a Draco stream. Errors:
+// invalid_file; unsupported (too large).
+Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& use,
+                         ModelPart& part);
+
+// The folder that holds the file; "." for a bare name.
+std::string folder_of(const std::string& path);
 
 } // namespace tessera::corpus

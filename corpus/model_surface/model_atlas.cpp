@@ -78,7 +78,9 @@ unsigned uv_bits_for(const Texels2& size) {
 
 Model put_on(const Model& model, const Laid& laid, const SurfaceMesh& mesh,
              const std::vector<MatchedTriangle>& matches) {
-    Model put{{}, {}, model.materials, model.images};
+    Model put;
+    put.materials = model.materials;
+    put.images = model.images;
     for (std::size_t i = 0; i < matches.size(); ++i) {
         const ModelTriangle& from = model.triangles[laid.from[matches[i].triangle]];
         ModelTriangle triangle;

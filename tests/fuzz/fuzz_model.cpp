@@ -1,4 +1,4 @@
-// glTF and OBJ: the first byte says which (g: .gltf, b: .glb, o: .obj, p: .ply), the rest is the file.
+// Models. The first byte says which kind (g: .gltf, b: .glb, o: .obj, p: .ply), the rest is the file.
 #include "corpus/model/model.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/model_files.h"
@@ -36,11 +36,24 @@ std::vector<Bytes> seeds() {
     add(static_cast<std::uint32_t>(padded.size()));
     glb += "JSON" + padded;
     return {
-        bytes_of("g" + json), bytes_of("g" + with_material.text()), bytes_of("b" + glb),
+        bytes_of("g" + json),
+        bytes_of("g" + with_material.text()),
+        bytes_of("b" + glb),
         bytes_of("ov 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"),
+        bytes_of(
+            "omtllib a.mtl\nusemtl a\nv 0 0 0 1 0 0\nv 4 0 0 1\nv 3,5 1 0\nv 4 4 0\nv 0 4 \\\n0\n"
+            "vn 0 0 1\ng a b\nf 1//1 2//1 3//-1 4 -1\n"),
         bytes_of("pply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                  "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")};
+                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+        bytes_of(
+            "pply\nformat binary_big_endian 1.0\nelement vertex 4\nproperty char x\n"
+            "property short y\nproperty uint z\nproperty uchar red\nproperty uchar green\n"
+            "property uchar blue\nelement tristrips 1\nproperty list uchar ushort vertex_index\n"
+            "end_header\n" +
+            std::string("\0\0\0\0\0\0\0\1\1\1\1\0\0\0\0\0\0\2\2\2\0\0\1\0\0\0\0\3\3\3"
+                        "\1\0\1\0\0\0\0\4\4\4\4\0\0\0\1\0\2\0\3",
+                        49))};
 }
 
 void run(const std::uint8_t* data, std::size_t size) {

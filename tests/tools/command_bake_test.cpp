@@ -82,6 +82,15 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     fail(1, "render scene.tess" + view + "--truth roof.obj", {"scene.tess", "roof.obj"});
 }
 
+TEST_F(BakeVerb, SaysThatAMaterialFileIsMissing) {
+    spit(at("roof.obj"), "mtllib gone.mtl\n" + roof);
+    const Outcome o = run("bake roof.obj --density 1 --directions 1x1 --tile 8x8x1x1 --spp 1 "
+                          "--effort 0 -q -o a.tess");
+    EXPECT_EQ(o.code, 0);
+    EXPECT_EQ(o.err, "tessera bake: note: roof.obj: the material file 'gone.mtl' is missing; its "
+                     "materials are grey\n");
+}
+
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {
     const std::string sphere = "bake composed -o x.tess ", mesh = sphere + "--proxy mesh ";
     fail(1, sphere + "--density 8", {"--density", "--proxy mesh"});

@@ -9,6 +9,7 @@
 #include "tools/support/source_facts.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <thread>
 
 namespace tessera {
@@ -103,6 +104,8 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
+    for (const std::string& note : file.model.notes)
+        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), note.c_str());
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     const Extent4 tile = wish.tile.value_or(usual_tile);
