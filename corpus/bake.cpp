@@ -15,12 +15,12 @@
 namespace tessera::corpus {
 namespace {
 
-// The objects that some ray of a texel can meet, for all directions (s, t) at one surface place.
+// The objects that any ray of a texel can meet, for all directions (s, t) at one place (u, v).
 //
 // All rays of a texel start within `reach` of the place's centre and run within `spread` radians of
 // the texel's central ray. They can meet a bounding sphere of radius r at distance D only if the
-// central ray runs within spread + asin((r + reach) / D) of its centre. With the centre's direction
-// known in the place's own frame, that is one multiplication and one comparison per texel.
+// central ray runs within spread + asin((r + reach) / D) of its centre. Since the direction of the
+// centre is known in the place's frame, a texel needs one multiplication and one comparison.
 class Culling {
 public:
     Culling(const Scene& scene, const SphereWindow& window, const Sampler& sampler)
@@ -30,7 +30,7 @@ public:
           reach_(window.radius *
                  std::hypot(sampler.half_width(axis_u), sampler.half_width(axis_v))) {}
 
-    // `alphas`: the texels along s.
+    // `alphas`: the angles of the texels along s.
     void move_to(const SinCos& longitude, const SinCos& latitude,
                  const std::vector<SinCos>& alphas) {
         always_ = 0;
@@ -40,7 +40,7 @@ public:
             add(scene_.objects[i], ObjectMask{1} << i, longitude, latitude, alphas);
     }
 
-    // The masks of one row of texels, along s, at one t.
+    // Writes the objects of each texel of one row along s. `beta` is the row's angle.
     void row(const SinCos& beta, std::vector<ObjectMask>& masks) const {
         std::fill(masks.begin(), masks.end(), always_);
         const double* across = across_.data();
@@ -55,14 +55,14 @@ public:
 private:
     struct Cone {
         ObjectMask bit;
-        double up;     // towards the object's centre, along ey
-        double cosine; // of the angle beyond which no ray can hit
+        double up;     // the part along ey of the direction to the object's centre
+        double cosine; // of the largest angle at which a ray can hit the object
     };
 
     void add(const Object& object, ObjectMask bit, const SinCos& longitude, const SinCos& latitude,
              const std::vector<SinCos>& alphas) {
         const glm::dvec3 ez = place_normal(longitude, latitude);
-        // From the object to the place: rays run along -d, so this compares with d.
+        // From the object to the place, because rays run along -d.
         const glm::dvec3 way = window_.centre +
                                ez * (window_.inside ? -window_.radius : window_.radius) -
                                object.centre;
@@ -90,7 +90,7 @@ private:
     double reach_;
     ObjectMask always_ = 0;
     std::vector<Cone> cones_;
-    std::vector<double> across_; // per cone, per texel along s: the part of the cosine that s gives
+    std::vector<double> across_; // for each cone and texel along s: the cosine's part from s
 };
 
 class BakedTexture final : public TexelSource {
@@ -130,7 +130,7 @@ private:
         Culling culling(scene_, window_, sampler_);
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {
-                // Of the frame: from inside, the antipode's.
+                // The frame of a window that is seen from inside is that of the opposite place.
                 const double side = window_.inside ? -1.0 : 1.0;
                 const SinCos at_u = sampler_.centre(axis_u, u), at_v = sampler_.centre(axis_v, v);
                 const SinCos longitude{side * at_u.sin, side * at_u.cos};
@@ -169,7 +169,7 @@ private:
         return sum / static_cast<double>(sampler_.count());
     }
 
-    // The samples depend on the place alone, so that no angular variation creeps in.
+    // The samples depend only on the place, so that noise does not vary with the direction.
     void paint(const Box4& box, std::byte* out) const {
         const std::size_t bytes = desc_.texel_bytes();
         const Extent4 extent = box.extent();
@@ -195,7 +195,7 @@ private:
     SphereWindow window_;
     TextureDesc desc_;
     Sampler sampler_;
-    TexelBytes empty_; // what a texel holds whose rays meet nothing
+    TexelBytes empty_; // a texel whose rays meet no object
 };
 
 } // namespace
@@ -207,7 +207,7 @@ Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, 
     TESSERA_TRY_ASSIGN(Scene scene, make_scene(name));
     if (scene.painted && window.inside)
         return Status{ErrorCode::bad_argument,
-                      name + " is paint on a sphere that is seen from outside"};
+                      name + " is a painted sphere; it can only be seen from outside"};
     if (samples_per_texel == 0 || samples_per_texel > max_samples_per_texel)
         return Status{ErrorCode::bad_argument, std::to_string(samples_per_texel) +
                                                    " samples per texel, outside 1.." +

@@ -1,4 +1,4 @@
-// The baker: a scene as a source of texels, ray traced box by box as they are asked for.
+// The baker: a source of texels that ray traces the boxes of a scene that it is asked to read.
 #pragma once
 
 #include "corpus/catalog.h"
@@ -12,15 +12,16 @@ namespace tessera::corpus {
 
 constexpr unsigned max_samples_per_texel = 65536;
 
-// Texels of the scene `name`: 3 channels RGB, unorm8 or half16 as find_scene(name) says.
+// A texture of the built-in scene `name` on the sphere `window`: RGB, of the scene's sample type.
 //
-// A texel is the mean of `samples_per_texel` (1..65536) rays spread over all four dimensions of the
-// texel; with one sample it is the ray of the texel's centre. The bytes depend on the arguments
-// only: any partition into boxes, order and number of threads gives the same. read() is thread-safe
-// and holds no more than a few rows of the box. A box outside the texture, or an `out` of the wrong
-// size, is bad_argument.
+// A texel is the mean of `samples_per_texel` (1..65536) rays that spread over the texel along all
+// four axes. One sample is the ray through the texel's centre. The bytes depend on the arguments
+// only, not on the boxes that are read, their order or the number of threads. read() is thread-safe
+// and needs memory for a few rows of the box; a box outside the texture or an `out` of the wrong
+// size is bad_argument.
 //
-// `window`: where the texture lies. bad_argument for an unknown scene, a size that check_desc refuses, or a wrong sample count.
+// Errors: bad_argument (unknown scene, size that check_desc() refuses, wrong number of samples, a
+// painted scene seen from inside); runtime (out of memory).
 Result<std::unique_ptr<TexelSource>> make_baked_source(const std::string& name, const Extent4& size,
                                                        unsigned samples_per_texel,
                                                        std::uint64_t seed,

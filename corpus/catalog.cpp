@@ -1,6 +1,5 @@
 #include "corpus/catalog.h"
 
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -13,22 +12,13 @@ constexpr glm::dvec3 y_axis{0.0, 1.0, 0.0};
 constexpr glm::dvec3 z_axis{0.0, 0.0, 1.0};
 
 Material flat(const glm::dvec3& colour) {
-    Material material;
-    material.colour = colour;
-    material.specular = 2.0 / 3.0;
-    material.shininess = 32;
-    return material;
+    return {.colour = colour, .specular = 2.0 / 3.0};
 }
 
 Material patterned(Pattern pattern, double cells, const glm::dvec3& colour,
                    const glm::dvec3& colour2, double grain = 0.0) {
-    Material material;
-    material.pattern = pattern;
-    material.cells = cells;
-    material.colour = colour;
-    material.colour2 = colour2;
-    material.grain = grain;
-    return material;
+    return {
+        .colour = colour, .colour2 = colour2, .pattern = pattern, .cells = cells, .grain = grain};
 }
 
 Material mirrored(double share, const glm::dvec3& colour) {
@@ -38,13 +28,10 @@ Material mirrored(double share, const glm::dvec3& colour) {
 }
 
 Material glowing(const glm::dvec3& emission) {
-    Material material;
-    material.colour = glm::dvec3{0.0};
-    material.emission = emission;
-    return material;
+    return {.colour = glm::dvec3{0.0}, .emission = emission};
 }
 
-// The paper's table. No shadows: the purple cylinder would put the white sphere in the dark.
+// The objects of the paper. No shadows: the purple cylinder would darken the whole white sphere.
 Scene composed() {
     Scene scene;
     scene.objects = {
@@ -71,7 +58,7 @@ Scene aliasing_far() {
     return aliasing(-5);
 }
 
-// A closed room around the window: no ray misses, and nothing is smooth.
+// A closed room around the window: no ray misses, and no surface is smooth.
 Scene gallery() {
     Scene scene;
     scene.shadows = true;
@@ -107,12 +94,12 @@ Scene gallery() {
                         patterned(Pattern::tiles, 9, {0.9, 0.4, 0.1}, {0.1, 0.1, 0.2}, 0.3)),
                z_axis, 65),
     };
-    for (std::size_t i = 0; i < 6; ++i) // the room would keep its own light out
+    for (std::size_t i = 0; i < 6; ++i) // otherwise the room would keep its light out
         scene.objects[i].casts_shadow = false;
     return scene;
 }
 
-// A mirror ball among textured things: its reflections move with the observer at every place.
+// A mirror ball among textured objects. Its reflections move with the observer at every place.
 Scene mirror() {
     Scene scene;
     scene.shadows = true;
@@ -138,7 +125,7 @@ Scene mirror() {
     return scene;
 }
 
-// Scene-linear light over seven decades: a moonlit room with lamps, one of them as bright as a sun.
+// Scene-linear light over seven decades: a moonlit room with lamps, one of them very bright.
 Scene lamps() {
     Scene scene;
     scene.type = SampleType::half16;
@@ -162,7 +149,7 @@ Scene lamps() {
     return scene;
 }
 
-// The surface's own colour: what a plain 2D texture could hold.
+// The colour of the window itself, which a 2D texture could hold.
 Scene lambert() {
     Scene scene;
     scene.painted = true;
@@ -170,7 +157,7 @@ Scene lambert() {
     return scene;
 }
 
-// Thin blades seen edge on, rods through the poles, sparks of one texel, things on the window.
+// Thin blades seen edge-on, rods through the poles, sparks of one texel, objects on the window.
 Scene hard() {
     Scene scene;
     scene.shadows = true;
@@ -193,70 +180,43 @@ Scene hard() {
             sphere({radius * std::sin(angle), height, radius * std::cos(angle)}, 0.012, spark));
     }
     const Material fine = patterned(Pattern::checker, 25, {1, 1, 1}, {0, 0, 0});
-    const std::array<Object, 8> rest{
-        cylinder({0, 0, 0}, 0.02, 9, flat({0.1, 1, 0.1})), // along the axis, out of both poles
-        sphere({0, 3.2, 0}, 0.25, fine),
-        sphere({0, -3.2, 0}, 0.25, flat({1, 0, 0})),
-        plane({0, -1.2, 0}, 3, 3, fine),
-        sphere({3.2, 0, 0}, 0.3, flat({0, 0.3, 1})), // touches the window from within
-        sphere({-3.5, 0, 0}, 0.3, flat({1, 1, 0})),  // half out: some rays start inside it
-        sphere({0, 0.4, -30}, 6, fine),              // far behind, finer than any texel
-        turned(box({0, 1.6, 0}, {5, 0.001, 0.4}, white), z_axis, 3),
-    };
-    scene.objects.insert(scene.objects.end(), rest.begin(), rest.end());
+    scene.objects.insert(
+        scene.objects.end(),
+        {
+            cylinder({0, 0, 0}, 0.02, 9, flat({0.1, 1, 0.1})), // along the axis, through both poles
+            sphere({0, 3.2, 0}, 0.25, fine),
+            sphere({0, -3.2, 0}, 0.25, flat({1, 0, 0})),
+            plane({0, -1.2, 0}, 3, 3, fine),
+            sphere({3.2, 0, 0}, 0.3, flat({0, 0.3, 1})), // touches the window from inside
+            sphere({-3.5, 0, 0}, 0.3, flat({1, 1, 0})),  // half outside: some rays start inside
+            sphere({0, 0.4, -30}, 6, fine),              // far behind, finer than any texel
+            turned(box({0, 1.6, 0}, {5, 0.001, 0.4}, white), z_axis, 3),
+        });
     return scene;
 }
 
 struct Entry {
     const char* name;
     const char* description;
-    SampleType type;
-    Extent4 default_size;
     Scene (*make)();
+    SampleType type = SampleType::unorm8;
+    Extent4 default_size{512, 256, 32, 32};
 };
 
-constexpr std::array<Entry, 8> catalog{{
-    {"composed",
-     "the paper's scene: two spheres, three cylinders, two cubes",
-     SampleType::unorm8,
-     {512, 256, 32, 32},
-     composed},
-    {"aliasing-near",
-     "the paper's cylinder at (2,0,0), close to the surface",
-     SampleType::unorm8,
-     {1024, 512, 32, 32},
-     aliasing_near},
-    {"aliasing-far",
-     "the paper's cylinder at (-5,0,0), beyond the far side",
-     SampleType::unorm8,
-     {1024, 512, 32, 32},
-     aliasing_far},
-    {"gallery",
-     "a closed room, fine textures everywhere, no empty texel",
-     SampleType::unorm8,
-     {512, 256, 32, 32},
-     gallery},
-    {"mirror",
-     "a mirror ball among textured objects",
-     SampleType::unorm8,
-     {512, 256, 32, 32},
-     mirror},
-    {"lamps",
-     "lamps in a dark room, scene-linear from 1e-3 to 1e4",
-     SampleType::half16,
-     {512, 256, 32, 32},
-     lamps},
-    {"lambert",
-     "a painted surface, the same from every direction",
-     SampleType::unorm8,
-     {512, 256, 32, 32},
-     lambert},
-    {"hard",
-     "numerically nasty: edge-on blades, sparks, rods through the poles",
-     SampleType::unorm8,
-     {512, 256, 32, 32},
-     hard},
-}};
+constexpr Extent4 aliasing_size{1024, 512, 32, 32};
+
+constexpr Entry catalog[] = {
+    {"composed", "the paper's scene: two spheres, three cylinders, two cubes", composed},
+    {"aliasing-near", "the paper's cylinder at (2,0,0), close to the surface", aliasing_near,
+     SampleType::unorm8, aliasing_size},
+    {"aliasing-far", "the paper's cylinder at (-5,0,0), beyond the far side", aliasing_far,
+     SampleType::unorm8, aliasing_size},
+    {"gallery", "a closed room, fine textures everywhere, no empty texel", gallery},
+    {"mirror", "a mirror ball among textured objects", mirror},
+    {"lamps", "lamps in a dark room, scene-linear from 1e-3 to 1e4", lamps, SampleType::half16},
+    {"lambert", "a painted surface, the same from every direction", lambert},
+    {"hard", "numerically hard: edge-on blades, sparks, rods through the poles", hard},
+};
 
 SceneInfo info_of(const Entry& entry) {
     return {entry.name, entry.description, entry.type, entry.default_size};

@@ -1,4 +1,4 @@
-// The built-in scenes by name. README.md says what each is for.
+// The built-in scenes by name. README.md says what each of them tests.
 #pragma once
 
 #include "corpus/scene.h"
@@ -13,16 +13,16 @@ struct SceneInfo {
     std::string name;
     std::string description; // one line
     SampleType type = SampleType::unorm8;
-    Extent4 default_size{0, 0, 0, 0}; // the size its numbers are usually quoted for
+    Extent4 default_size{0, 0, 0, 0};
 };
 
-// Every scene, in the order of the README.
+// All scenes, in the order of README.md.
 std::vector<SceneInfo> scenes();
 
-// bad_argument, naming the scenes there are, if `name` is none of them.
+// Error: bad_argument, which lists the names of all scenes, if there is no scene of this name.
 Result<SceneInfo> find_scene(const std::string& name);
 
-// The scene itself; same error. Building one takes microseconds.
+// Builds the scene, which takes microseconds. Error: as find_scene().
 Result<Scene> make_scene(const std::string& name);
 
 } // namespace tessera::corpus

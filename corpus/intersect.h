@@ -1,4 +1,4 @@
-// Where rays meet objects. Inline, since the baker calls these billions of times. Pure.
+// Where rays meet objects. Inline because the baker calls these functions billions of times. Pure.
 #pragma once
 
 #include "corpus/scene.h"
@@ -11,8 +11,8 @@
 
 namespace tessera::corpus {
 
-// The part enter <= distance <= leave of a line that lies in a convex object; empty if enter >
-// leave. What lies wholly behind the ray's start may be left out.
+// The part of a line inside a convex object: enter <= distance <= leave. Empty if enter > leave. A
+// part that lies wholly behind the ray's start may be omitted.
 struct Chord {
     double enter = -std::numeric_limits<double>::infinity();
     double leave = std::numeric_limits<double>::infinity();
@@ -29,13 +29,13 @@ inline glm::dvec3 to_local(const Object& object, const glm::dvec3& world_directi
     return object.rotated ? object.to_local * world_direction : world_direction;
 }
 
-// Ray in the frame of the object, the object's centre at the origin. Distances are kept.
+// The ray in the object's frame, whose origin is the object's centre. Distances stay the same.
 inline Ray local_ray(const Object& object, const Ray& ray) {
     return {to_local(object, ray.origin - object.centre), to_local(object, ray.direction)};
 }
 
-// |o + distance * d| <= half along one axis. A ray parallel to the slab is in it all along or
-// never; the division would give NaN for one that runs in its face.
+// The distances at which |o + distance * d| <= half along one axis. A ray parallel to the slab is
+// always or never inside; a division would give NaN for a ray that runs within its face.
 inline Chord slab_chord(double o, double d, double half) {
     if (d == 0.0)
         return std::abs(o) <= half ? Chord{} : Chord::none();
@@ -45,7 +45,7 @@ inline Chord slab_chord(double o, double d, double half) {
     return {std::min(a, b), std::max(a, b)};
 }
 
-// The discriminant comes from the foot of the perpendicular, not from b^2 - a c, which would cancel
+// The discriminant is computed from the foot of the perpendicular. b^2 - a c would lose its digits
 // for rays that graze a small sphere far away.
 inline Chord sphere_chord(const Ray& ray, double radius) {
     const double middle = -glm::dot(ray.origin, ray.direction);
@@ -73,8 +73,8 @@ inline Chord tube_chord(const Ray& ray, double radius) {
     return {middle - half, middle + half};
 }
 
-// A plane's chord is one point. A ray that runs in the plane does not see it. The distance needs
-// only the normal; most planes a ray is tested against are behind it, which spares the full turn.
+// A plane's chord is one point. A ray that runs within the plane misses it. The distance needs only
+// the normal: most tested planes lie behind the ray, and need no full rotation.
 inline Chord plane_chord(const Object& object, const Ray& ray) {
     const glm::dmat3& m = object.to_local;
     const glm::dvec3 normal{m[0].y, m[1].y, m[2].y};
@@ -106,8 +106,8 @@ inline Chord object_chord(const Object& object, const Ray& ray) {
     return chord;
 }
 
-// Distance above `nearest` at which the ray first meets the surface, infinity for a miss. From
-// inside that is where the ray leaves.
+// The first distance above `nearest` at which the ray meets the surface; infinity for a miss. A ray
+// that starts inside meets the surface where it leaves.
 inline double hit_distance(const Object& object, const Ray& ray, double nearest) {
     const Chord chord = object_chord(object, ray);
     if (!chord.empty()) {
@@ -119,7 +119,8 @@ inline double hit_distance(const Object& object, const Ray& ray, double nearest)
     return std::numeric_limits<double>::infinity();
 }
 
-// Outward normal in the object's frame at `local`, a point on (or, by rounding, near) the surface.
+// The outward normal at `local`, a point on the surface up to rounding. Both are in the object's
+// frame.
 inline glm::dvec3 local_normal(const Object& object, const glm::dvec3& local) {
     const glm::dvec3& half = object.half;
     if (object.shape == Shape::sphere)
@@ -140,13 +141,12 @@ inline glm::dvec3 local_normal(const Object& object, const glm::dvec3& local) {
                   : glm::dvec3{0.0, 0.0, local.z < 0.0 ? -1.0 : 1.0};
 }
 
-// What the ray meets first.
 struct Hit {
     const Object* object = nullptr; // null for a miss
     double distance = std::numeric_limits<double>::infinity();
 };
 
-// Among the objects of `mask`; ties go to the earlier object.
+// The object of `mask` that the ray meets first; of several at the same distance the first one.
 inline Hit nearest_hit(const Scene& scene, const Ray& ray, ObjectMask mask) {
     Hit hit;
     for (; mask != 0; mask &= mask - 1) {

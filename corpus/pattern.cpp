@@ -7,7 +7,7 @@ struct Cell {
     std::int64_t x, y, z;
 };
 
-// floor(), inline: without SSE 4.1 std::floor is a call, and this runs some 10 times per ray.
+// An inline floor(). Without SSE 4.1 std::floor is a function call, and a ray needs about 10.
 std::int64_t cell_of(double q) {
     const auto truncated = static_cast<std::int64_t>(q);
     return truncated - (q < static_cast<double>(truncated) ? 1 : 0);
@@ -16,8 +16,7 @@ Cell cell_of(const glm::dvec3& q) {
     return {cell_of(q.x), cell_of(q.y), cell_of(q.z)};
 }
 
-// Three multipliers keep neighbouring cells apart before the mixing. Keys of neighbours differ by
-// these, whatever the cell.
+// The keys of neighbouring cells differ by these multipliers.
 constexpr std::uint64_t key_x = 0x8DA6B343D8163841u;
 constexpr std::uint64_t key_y = 0xD8163841CB1AB31Fu;
 constexpr std::uint64_t key_z = 0xCB1AB31F8DA6B343u;
@@ -27,7 +26,7 @@ std::uint64_t key_of(const Cell& c) {
            static_cast<std::uint64_t>(c.z) * key_z;
 }
 
-// Uniform in 0..1. One round of mixing is all the noise needs.
+// A uniform number in 0..1. Noise needs only one round of mixing.
 double value_of(std::uint64_t key) {
     const std::uint64_t mixed = (key ^ (key >> 29)) * 0xBF58476D1CE4E5B9u;
     return static_cast<double>(static_cast<std::int64_t>((mixed ^ (mixed >> 32)) & 0xFFFFFFu)) *
@@ -56,8 +55,8 @@ double one_octave(const glm::dvec3& q) {
                 lerp(row(key + key_z), row(key + key_y + key_z), fy), fz);
 }
 
-// A lattice of bricks 2 x 1 x 2 cells, every second row shifted by half a brick. Mortar is 0, each
-// brick has its own shade in 0.5..1.
+// Bricks of 2 x 1 x 2 cells, with every second row shifted by half a brick. Mortar is 0; each brick
+// has its own value in 0.5..1.
 double bricks(const glm::dvec3& q) {
     constexpr double mortar = 0.09;
     const std::int64_t row = cell_of(q.y);

@@ -1,5 +1,5 @@
-// Procedural textures: deterministic on every machine, since they use only an integer hash and
-// + - * floor on doubles. Pure and thread-safe.
+// Procedural textures. They use only an integer hash and + - * floor on doubles, so the result is
+// the same on every machine. Pure and thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace tessera::corpus {
 
 enum class Pattern : std::uint8_t { flat, checker, stripes, noise, bricks, tiles };
 
-// Well-mixed bits of `x` (splitmix64's finaliser).
+// A hash of `x`: the finaliser of splitmix64.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -17,10 +17,10 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-// How much of the second colour, in 0..1, is at `q`, measured in pattern cells (|q| < 2^30).
+// The share of the second colour at `q`, 0..1. One unit of `q` is one pattern cell; |q| < 2^30.
 double pattern_weight(Pattern pattern, const glm::dvec3& q);
 
-// Smooth noise in 0..1: two octaves of value noise, the coarsest with one knot per unit of `q`.
+// Smooth noise in 0..1: two octaves of value noise. The coarser one has one knot per unit of `q`.
 double value_noise(const glm::dvec3& q);
 
 } // namespace tessera::corpus

@@ -12,8 +12,8 @@ double span_of(int axis) {
     return axis == axis_u ? 2.0 * pi : pi;
 }
 
-// Additive recurrence with the powers of 1/g, g^5 = g + 1: the four-dimensional golden ratio, whose
-// every prefix is evenly spread.
+// An additive recurrence with the powers of 1/g, where g^5 = g + 1 is the golden ratio of four
+// dimensions. The first n points are evenly spread for every n.
 std::vector<Jitter> spread_points(unsigned count) {
     constexpr double g = 1.1673039782614187;
     std::vector<Jitter> points(count);

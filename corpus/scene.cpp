@@ -8,19 +8,13 @@
 namespace tessera::corpus {
 namespace {
 
-// Moves pattern cells off the faces of boxes and off the origin, where rounding would decide on
-// which side of a cell boundary a whole face lies.
+// Moves the borders of pattern cells off the faces of boxes and off the origin. Otherwise rounding
+// would decide on which side of a border a whole face lies.
 constexpr glm::dvec3 pattern_origin{0.137, 0.291, 0.433};
 
 Object place(Shape shape, const glm::dvec3& centre, const glm::dvec3& half, double bound,
              const Material& material) {
-    Object object;
-    object.shape = shape;
-    object.centre = centre;
-    object.half = half;
-    object.bound = bound;
-    object.material = material;
-    return object;
+    return {.shape = shape, .centre = centre, .half = half, .bound = bound, .material = material};
 }
 
 // Rodrigues' formula.

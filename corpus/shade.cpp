@@ -6,14 +6,14 @@ namespace tessera::corpus {
 namespace {
 
 constexpr int max_bounces = 4;
-constexpr double surface_offset = 1e-9; // lifts secondary rays off the surface they start on
+constexpr double surface_offset = 1e-9; // secondary rays start this far above the surface
 
-// What shading needs to know of the point that was hit.
+// The point that a ray met, for shading.
 struct ShadedPoint {
     const Object& object;
     glm::dvec3 position; // a little above the surface
     glm::dvec3 normal;   // on the side the ray came from
-    glm::dvec3 view;     // unit, back along the ray
+    glm::dvec3 view;     // unit vector back along the ray
     glm::dvec3 colour;
 };
 
@@ -29,7 +29,7 @@ ObjectMask all_of(const Scene& scene) {
     return scene.objects.empty() ? 0 : every_object >> (max_objects - scene.objects.size());
 }
 
-// Whether the bounding sphere is too far off the half-line, so that the exact test can be spared.
+// Whether the ray misses the object's bounding sphere, so that no exact test is needed.
 bool passes_by(const Object& object, const Ray& ray) {
     const glm::dvec3 centre = object.centre - ray.origin;
     const double along = std::max(0.0, glm::dot(centre, ray.direction));
@@ -49,7 +49,7 @@ bool is_lamp(const Object& object) {
     return object.material.emission != glm::dvec3{0.0};
 }
 
-// Whether something that casts a shadow stands within `reach` along the ray. Lamps cast none.
+// Whether the ray meets an object that casts a shadow within `reach`. Lamps cast no shadow.
 bool is_blocked(const Scene& scene, const Ray& ray, double reach) {
     for (const Object& object : scene.objects)
         if (object.casts_shadow && !is_lamp(object) && !passes_by(object, ray) &&
@@ -58,7 +58,7 @@ bool is_blocked(const Scene& scene, const Ray& ray, double reach) {
     return false;
 }
 
-// Light from the unit direction `towards`: Lambert's cosine plus a Phong highlight.
+// The light from the unit direction `towards`: Lambert's cosine plus a Phong highlight.
 glm::dvec3 lit_from(const ShadedPoint& point, const glm::dvec3& towards) {
     const double cosine = glm::dot(point.normal, towards);
     if (cosine <= 0.0)
@@ -84,7 +84,7 @@ glm::dvec3 sunlight(const Scene& scene, const ShadedPoint& point) {
     return light;
 }
 
-// A glowing sphere far away acts as a point that gives off emission * (radius / distance)^2.
+// A glowing sphere lights like a distant point with emission * (radius / distance)^2.
 glm::dvec3 lamplight(const Scene& scene, const ShadedPoint& point) {
     glm::dvec3 light{0.0};
     for (const Object& lamp : scene.objects) {
@@ -108,7 +108,7 @@ ShadedPoint shaded_point(const Ray& ray, const Hit& hit) {
     const glm::dvec3 local = to_local(object, position - object.centre);
     glm::dvec3 normal = local_normal(object, local);
     if (object.rotated)
-        normal = normal * object.to_local; // the transpose turns back to the world
+        normal = normal * object.to_local; // multiplies by the transpose, back to the world
     if (glm::dot(normal, ray.direction) > 0.0)
         normal = -normal;
     return {object, position + surface_offset * normal, normal, -ray.direction,

@@ -1,4 +1,4 @@
-// One texel of a baked texture in its bytes.
+// The bytes of one baked texel.
 #pragma once
 
 #include "format/samples.h"
@@ -11,9 +11,9 @@
 
 namespace tessera::corpus {
 
-using TexelBytes = std::array<std::byte, 6>; // of which half are used for unorm8
+using TexelBytes = std::array<std::byte, 6>; // unorm8 uses the first three
 
-// half16 is little-endian whatever the machine.
+// half16 is little-endian on every machine.
 inline TexelBytes to_bytes(const glm::dvec3& colour, SampleType type) {
     TexelBytes bytes{};
     for (std::size_t c = 0; c < 3; ++c) {

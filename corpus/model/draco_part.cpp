@@ -16,7 +16,7 @@ Status take(const draco::Mesh& mesh, const DracoUse& use, const char* name,
         it->second < 0 ? nullptr
                        : mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(it->second));
     if (attribute == nullptr || attribute->num_components() > n)
-        return {ErrorCode::invalid_file, std::string("the Draco stream has no fit attribute ") +
+        return {ErrorCode::invalid_file, std::string("the Draco stream has no usable attribute ") +
                                              name + ", id " + std::to_string(it->second)};
     values.assign(mesh.num_points(), Vector(otherwise));
     for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {

@@ -32,16 +32,16 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
     if (bytes.size() < 20)
         return invalid_gltf("the .glb is cut short");
     if (number_at(bytes, 4) != 2)
-        return Status(ErrorCode::unsupported, "the .glb is not of version 2");
+        return Status(ErrorCode::unsupported, "the .glb has a version other than 2");
     std::size_t at = 12;
     for (int i = 0; at + 8 <= bytes.size(); ++i) {
         const std::size_t length = number_at(bytes, at);
         const std::uint32_t kind = number_at(bytes, at + 4);
         at += 8;
         if (length > bytes.size() - at)
-            return invalid_gltf("chunk " + std::to_string(i) + " of the .glb claims " +
-                                std::to_string(length) + " bytes, " +
-                                std::to_string(bytes.size() - at) + " are there");
+            return invalid_gltf("chunk " + std::to_string(i) + " of the .glb states " +
+                                std::to_string(length) + " bytes, but only " +
+                                std::to_string(bytes.size() - at) + " are left");
         const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
         const auto end = begin + static_cast<std::ptrdiff_t>(length);
         if (i == 0 && kind == 0x4E4F534A)
@@ -53,7 +53,7 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
     return chunks;
 }
 
-// The array's elements must be objects; none where it is missing.
+// The elements of the array, which must be objects. A missing array has none.
 Result<std::vector<Json*>> objects_of(Json& parent, const char* name) {
     std::vector<Json*> all;
     const auto it = parent.find(name);
@@ -70,7 +70,7 @@ Result<std::vector<Json*>> objects_of(Json& parent, const char* name) {
     return all;
 }
 
-// A count or an index; `absent` where there is none, -1 for an error.
+// A count or an index; `absent` if it is missing, -1 if it is not one.
 std::int64_t count_of(const Json& object, const char* name, std::int64_t absent) {
     const auto it = object.find(name);
     if (it == object.end())
@@ -94,7 +94,7 @@ Status check_views(Json& root) {
         const std::int64_t size =
             count_of(*buffers[static_cast<std::size_t>(buffer)], "byteLength", -1);
         if (offset < 0 || length < 0 || size < 0 || offset + length > size)
-            return invalid_gltf(name + " lies outside of its buffer");
+            return invalid_gltf(name + " lies outside its buffer");
     }
     TESSERA_TRY_ASSIGN(const auto images, objects_of(root, "images"));
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -110,7 +110,7 @@ Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
     DracoUse use;
     const Json extension = primitive["extensions"][draco_name];
     primitive["extensions"].erase(draco_name);
-    primitive.erase("indices"); // the stream has them, the accessor has no bytes
+    primitive.erase("indices"); // the accessor has no bytes; the indices are in the stream
     if (!extension.is_object())
         return invalid_gltf(name + ": " + draco_name + " is not an object");
     use.view = static_cast<int>(count_of(extension, "bufferView", -1));

@@ -1,4 +1,5 @@
-// A glTF file's JSON, made safe for tinygltf, which trusts some numbers in it.
+// Checks the JSON of a glTF file before tinygltf reads it, because tinygltf trusts some numbers in
+// it.
 #pragma once
 
 #include "format/status.h"
@@ -11,26 +12,26 @@
 
 namespace tessera::corpus {
 
-constexpr std::uint32_t most_vertices = 1u << 23; // of a primitive
+constexpr std::uint32_t most_vertices = 1u << 23; // per primitive
 
 inline Status invalid_gltf(const std::string& text) {
     return {ErrorCode::invalid_file, text};
 }
 
-// A primitive's Draco stream.
+// The Draco stream of a primitive.
 struct DracoUse {
     int view = -1;
-    std::map<std::string, int> attributes; // glTF's name to Draco's unique id
+    std::map<std::string, int> attributes; // from glTF's name to Draco's unique id
 };
 
 struct SafeGltf {
-    std::string json;                  // without what DracoUse has
-    std::vector<unsigned char> binary; // of a .glb: its buffer; may be empty
+    std::string json;                  // without the Draco extension
+    std::vector<unsigned char> binary; // the buffer of a .glb; may be empty
     std::map<std::pair<std::size_t, std::size_t>, DracoUse> draco; // by mesh and primitive
 };
 
-// Of a .gltf's or .glb's bytes. Errors: invalid_file (no JSON, nested too deeply, a view outside of
-// its buffer, numbers that are none), unsupported (an extension that the file requires).
+// Checks the bytes of a .gltf or .glb. Errors: invalid_file (no JSON, nested too deeply, a view
+// outside its buffer, wrong numbers); unsupported (a required extension).
 Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes);
 
 } // namespace tessera::corpus

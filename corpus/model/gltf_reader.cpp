@@ -1,4 +1,4 @@
-// glTF 2.0 by tinygltf.
+// glTF 2.0, read with tinygltf.
 #include "corpus/model/image_file.h"
 #include "corpus/model/readers.h"
 
@@ -13,8 +13,8 @@ namespace {
 
 using tinygltf::Accessor;
 
-constexpr int deepest = 64;                 // nodes below each other
-constexpr std::size_t most_nodes = 100'000; // drawn
+constexpr int deepest = 64;                 // levels of nodes
+constexpr std::size_t most_nodes = 100'000; // in the scene, with repetitions
 
 template <class Array> bool has(const Array& array, int index) {
     return index >= 0 && static_cast<std::size_t>(index) < array.size();
@@ -33,7 +33,7 @@ Result<std::span<const unsigned char>> view_bytes(const tinygltf::Model& file, i
         return invalid_gltf("bufferView " + std::to_string(index) + " has no buffer");
     const auto& data = at(file.buffers, view.buffer).data;
     if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-        return invalid_gltf("bufferView " + std::to_string(index) + " lies outside of its buffer");
+        return invalid_gltf("bufferView " + std::to_string(index) + " lies outside its buffer");
     return std::span(data).subspan(view.byteOffset, view.byteLength);
 }
 
@@ -63,7 +63,8 @@ double read_component(const unsigned char* from, int type, bool normalized) {
     }
 }
 
-// Calls put(element, component, number).
+// Calls put(element, component, number) for every number of the accessor, whose elements must have
+// `least` to `most` components. Returns the count of elements.
 template <class Put>
 Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int least, int most,
                                   const Put& put) {
@@ -243,7 +244,7 @@ public:
         : file_(file), safe_(safe), builder_(builder) {}
 
     Status add() {
-        if (file_.scenes.empty() && file_.nodes.empty()) { // a library of meshes
+        if (file_.scenes.empty() && file_.nodes.empty()) { // only a collection of meshes
             for (std::size_t i = 0; i < file_.meshes.size(); ++i)
                 TESSERA_TRY(add_mesh(i, glm::dmat4(1.0)));
             return {};
@@ -264,8 +265,8 @@ private:
         if (!has(file_.nodes, number))
             return invalid_gltf(who + " does not exist");
         if (depth >= deepest)
-            return invalid_gltf(who + " lies more than " + std::to_string(deepest) +
-                                " nodes deep, or below itself");
+            return invalid_gltf(who + " is more than " + std::to_string(deepest) +
+                                " levels deep, or below itself");
         if (++nodes_ > most_nodes)
             return invalid_gltf("more than " + std::to_string(most_nodes) + " nodes");
         const tinygltf::Node& node = at(file_.nodes, number);
@@ -298,14 +299,14 @@ private:
     std::size_t nodes_ = 0;
 };
 
-// tinygltf calls it for every picture that it finds.
+// tinygltf calls it for every picture. It keeps the encoded bytes.
 bool keep_bytes(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
                 const unsigned char* bytes, int size, void*) {
     image->image.assign(bytes, bytes + size);
     return true;
 }
 
-// A .glb of safe parts, as tinygltf wants it.
+// The checked parts as a .glb, which tinygltf reads.
 std::vector<unsigned char> joined(const SafeGltf& safe) {
     std::vector<unsigned char> out;
     const auto put = [&](std::size_t x) {
@@ -344,7 +345,7 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
         return {};
     std::string text = error.empty() ? warning : error;
     std::replace(text.begin(), text.end(), '\n', ' ');
-    return invalid_gltf("cannot be read: " + (text.empty() ? "tinygltf gives no reason" : text));
+    return invalid_gltf("cannot be read: " + (text.empty() ? "tinygltf states no reason" : text));
 }
 
 Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder) {

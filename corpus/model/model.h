@@ -1,4 +1,4 @@
-// A triangle model with its materials, as files have it.
+// A triangle model with its materials.
 #pragma once
 
 #include "format/status.h"
@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,7 +16,7 @@
 
 namespace tessera::corpus {
 
-// Linear light of a value in 0..1 as displays show it.
+// The linear light of an sRGB value in 0..1.
 inline double srgb_to_linear(double x) {
     return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
@@ -29,31 +30,31 @@ struct Image {
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 
 struct TextureUse {
-    int image = -1;  // none
-    unsigned uv = 0; // which of a vertex's coordinates
+    int image = -1;  // index into Model::images; -1: none
+    unsigned uv = 0; // index into ModelVertex::uv
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };
 
-// glTF's metallic-roughness. Its occlusion is not used: the tracer finds what is occluded.
+// The metallic-roughness material of glTF, without occlusion: the tracer computes that.
 struct ModelMaterial {
     glm::dvec4 base{1.0}; // linear
     double metal = 1.0, roughness = 1.0;
     glm::dvec3 emission{0.0};
     double normal_scale = 1.0;
-    double cutoff = 0.0; // alpha below it lets light pass; 0: all is opaque
+    double cutoff = 0.0; // light passes where alpha is below it; 0: opaque
     bool double_sided = false;
     TextureUse base_texture, metal_roughness_texture, normal_texture, emission_texture;
 };
 
 struct ModelVertex {
     glm::vec3 position{0.0f}, normal{0.0f};
-    glm::vec4 tangent{0.0f}; // w: the sign of the bitangent; 0 where there is no tangent
-    std::array<glm::vec2, 2> uv{};
-    glm::vec4 colour{1.0f}; // linear, times the base colour
+    glm::vec4 tangent{0.0f};       // w is the sign of the bitangent, 0 without a tangent
+    std::array<glm::vec2, 2> uv{}; // v grows downwards
+    glm::vec4 colour{1.0f};        // linear; a factor of the base colour
 };
 
 struct ModelTriangle {
-    std::array<std::uint32_t, 3> vertices; // counter-clockwise seen from outside
+    std::array<std::uint32_t, 3> vertices; // counter-clockwise, seen from outside
     std::uint32_t material = 0;
 };
 
@@ -62,16 +63,28 @@ struct Model {
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
     std::vector<Image> images;
-    std::vector<std::string> notes; // what the file names but lacks, and what stands in for it
+    std::vector<std::string> notes; // what is missing and how it was replaced, for people
 };
 
-// By its suffix: .gltf and .glb (glTF 2.0, also with KHR_draco_mesh_compression), .obj, .ply. Moved
-// and scaled so that it fills the sphere of the paper, radius 3.5 about the origin. Not modelled:
-// animation, skins, morph targets, blending (opaque here), extensions of materials but for
-// KHR_materials_emissive_strength. Errors, all of which name the file and the element: io; invalid_file;
-// unsupported (an extension that the file requires, sparse accessors, sizes beyond the limits).
+// The normal of a triangle. Its length is twice the area.
+inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle) {
+    const auto& [a, b, c] = triangle.vertices;
+    const glm::dvec3 p(model.vertices[a].position);
+    return glm::cross(glm::dvec3(model.vertices[b].position) - p,
+                      glm::dvec3(model.vertices[c].position) - p);
+}
+
+// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0, also with
+// KHR_draco_mesh_compression), .obj or .ply. The model is moved and scaled to fill the paper's
+// sphere, radius 3.5 around the origin. Ignored: animation, skins, morph targets, blending, and
+// extensions of materials except KHR_materials_emissive_strength.
+//
+// Errors name the file and the element: bad_argument (another suffix); io; invalid_file;
+// unsupported (a required extension, sparse accessors, a point cloud, sizes beyond the limits);
+// runtime (out of memory).
 Result<Model> load_model(const std::string& path);
 
+// Whether the path has one of these suffixes.
 bool is_model_path(const std::string& path);
 
 } // namespace tessera::corpus

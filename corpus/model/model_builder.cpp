@@ -16,7 +16,7 @@ constexpr double paper_radius = 3.5;
 
 template <class Vector> bool is_sound(const Vector& x) {
     for (glm::length_t i = 0; i < x.length(); ++i)
-        if (!(std::abs(x[i]) <= largest_coordinate)) // NaN is not
+        if (!(std::abs(x[i]) <= largest_coordinate)) // also false for NaN
             return false;
     return true;
 }
@@ -27,8 +27,8 @@ Status check_values(const ModelPart& part, const char* what, const std::vector<V
         return {};
     if (values.size() != part.positions.size())
         return {ErrorCode::invalid_file,
-                part.name + " has " + std::to_string(part.positions.size()) + " positions and " +
-                    std::to_string(values.size()) + " of " + what};
+                part.name + " has " + std::to_string(part.positions.size()) + " positions, but " +
+                    std::to_string(values.size()) + " values of " + what};
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!is_sound(values[i]))
             return {ErrorCode::invalid_file, part.name + ": " + what + " " + std::to_string(i) +
@@ -45,7 +45,7 @@ Status check(const ModelPart& part) {
         TESSERA_TRY(check_values(part, "uv", uv));
     if (part.indices.size() % 3 != 0)
         return {ErrorCode::invalid_file, part.name + " has " + std::to_string(part.indices.size()) +
-                                             " indices, not three a triangle"};
+                                             " indices, not three per triangle"};
     for (std::size_t i = 0; i < part.indices.size(); ++i)
         if (part.indices[i] >= part.positions.size())
             return {ErrorCode::invalid_file, part.name + ": triangle " + std::to_string(i / 3) +
@@ -59,6 +59,41 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
     return length > 1e-12 ? v / length : otherwise;
 }
 
+struct Placement {
+    glm::dmat4 to_world;
+    glm::dmat3 linear{to_world}, of_normals{glm::transpose(glm::inverse(linear))};
+    double determinant = glm::determinant(linear);
+};
+
+// `face`: the normal of a triangle at the vertex, for a part without normals.
+ModelVertex placed_vertex(const ModelPart& part, std::uint32_t i, const Placement& placement,
+                          const glm::dvec3& face) {
+    ModelVertex v;
+    v.position = glm::vec3(glm::dvec3(placement.to_world * glm::dvec4(part.positions[i], 1.0)));
+    v.normal = glm::vec3(part.normals.empty()
+                             ? face
+                             : unit_or(placement.of_normals * glm::dvec3(part.normals[i]), face));
+    if (!part.tangents.empty()) {
+        const glm::dvec3 t = placement.linear * glm::dvec3(part.tangents[i]);
+        if (glm::length(t) > 1e-12)
+            v.tangent = glm::vec4(glm::vec3(glm::normalize(t)), part.tangents[i].w < 0 ? -1 : 1);
+    }
+    for (std::size_t s = 0; s < 2; ++s)
+        if (!part.uv[s].empty())
+            v.uv[s] = part.uv[s][i];
+    if (!part.colours.empty())
+        v.colour = part.colours[i];
+    return v;
+}
+
+// The unit normal of a triangle; 0 if the triangle has almost no area.
+glm::dvec3 normal_or_zero(const std::array<glm::dvec3, 3>& p) {
+    const glm::dvec3 a = p[1] - p[0], b = p[2] - p[0], c = p[2] - p[1];
+    const glm::dvec3 cross = glm::cross(a, b);
+    const double longest = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
+    return glm::length(cross) > 1e-9 * longest ? glm::normalize(cross) : glm::dvec3(0.0);
+}
+
 } // namespace
 
 Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
@@ -66,60 +101,34 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
     if (model_.triangles.size() + part.indices.size() / 3 > most_triangles)
         return {ErrorCode::unsupported,
                 part.name + ": more than " + std::to_string(most_triangles) + " triangles in all"};
-    const glm::dmat3 linear(to_world);
-    const double determinant = glm::determinant(linear);
-    if (!(std::abs(determinant) > 1e-30) || !(std::abs(determinant) < 1e30))
-        return {ErrorCode::invalid_file, part.name + " has a transform that flattens or bursts it"};
-    const glm::dmat3 of_normals = glm::transpose(glm::inverse(linear));
-    const auto make = [&](std::uint32_t i, const glm::dvec3& face) {
-        ModelVertex v;
-        v.position = glm::vec3(glm::dvec3(to_world * glm::dvec4(part.positions[i], 1.0)));
-        v.normal = glm::vec3(
-            part.normals.empty() ? face : unit_or(of_normals * glm::dvec3(part.normals[i]), face));
-        if (!part.tangents.empty()) {
-            const glm::dvec3 t = linear * glm::dvec3(part.tangents[i]);
-            if (glm::length(t) > 1e-12)
-                v.tangent =
-                    glm::vec4(glm::vec3(glm::normalize(t)), part.tangents[i].w < 0 ? -1 : 1);
-        }
-        for (std::size_t s = 0; s < 2; ++s)
-            if (!part.uv[s].empty())
-                v.uv[s] = part.uv[s][i];
-        if (!part.colours.empty())
-            v.colour = part.colours[i];
-        return v;
-    };
+    const Placement placement{to_world};
+    if (!(std::abs(placement.determinant) > 1e-30) || !(std::abs(placement.determinant) < 1e30))
+        return {ErrorCode::invalid_file,
+                part.name + " has a transform whose determinant is 0 or too large"};
     constexpr std::uint32_t none = UINT32_MAX;
-    // Where normals are the triangles' own, no two share a vertex.
-    std::vector<std::uint32_t> made(part.normals.empty() ? 0 : part.positions.size(), none);
+    std::vector<std::uint32_t> numbers(part.positions.size(), none); // of vertices in the model
     for (std::size_t i = 0; i < part.indices.size(); i += 3) {
         std::array<std::uint32_t, 3> corners{part.indices[i], part.indices[i + 1],
                                              part.indices[i + 2]};
-        if (determinant < 0)
+        if (placement.determinant < 0)
             std::swap(corners[1], corners[2]);
         std::array<glm::dvec3, 3> p;
         for (std::size_t k = 0; k < 3; ++k)
             p[k] = to_world * glm::dvec4(part.positions[corners[k]], 1.0);
-        const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-        const double size =
-            std::max({glm::dot(p[1] - p[0], p[1] - p[0]), glm::dot(p[2] - p[0], p[2] - p[0]),
-                      glm::dot(p[2] - p[1], p[2] - p[1])});
-        if (!(glm::length(cross) > 1e-9 * size)) {
+        const glm::dvec3 normal = normal_or_zero(p);
+        if (normal == glm::dvec3(0.0)) {
             ++flat_;
             continue;
         }
-        ModelTriangle triangle;
-        triangle.material = part.material;
+        ModelTriangle triangle{.vertices = {}, .material = part.material};
         for (std::size_t k = 0; k < 3; ++k) {
-            const bool shared = !made.empty();
-            if (shared && made[corners[k]] != none) {
-                triangle.vertices[k] = made[corners[k]];
-                continue;
+            std::uint32_t& number = numbers[corners[k]];
+            // Triangles without normals in the file share no vertices.
+            if (number == none || part.normals.empty()) {
+                number = static_cast<std::uint32_t>(model_.vertices.size());
+                model_.vertices.push_back(placed_vertex(part, corners[k], placement, normal));
             }
-            triangle.vertices[k] = static_cast<std::uint32_t>(model_.vertices.size());
-            if (shared)
-                made[corners[k]] = triangle.vertices[k];
-            model_.vertices.push_back(make(corners[k], glm::normalize(cross)));
+            triangle.vertices[k] = number;
         }
         model_.triangles.push_back(triangle);
     }
@@ -144,7 +153,7 @@ Result<Model> ModelBuilder::finish() && {
     glm::dvec3 low(1e300), high(-1e300);
     for (const ModelVertex& v : model_.vertices) {
         if (!is_sound(v.position))
-            return Status(ErrorCode::invalid_file, "is too large once its nodes are in place");
+            return Status(ErrorCode::invalid_file, "is too large after its transforms");
         low = glm::min(low, glm::dvec3(v.position));
         high = glm::max(high, glm::dvec3(v.position));
     }

@@ -1,4 +1,4 @@
-// Puts a model together from parts of a file, each of which is checked.
+// Checks the parts of a file and joins them into a model.
 #pragma once
 
 #include "corpus/model/model.h"
@@ -7,26 +7,27 @@
 
 namespace tessera::corpus {
 
-// A part of a model as a file has it. What is empty is absent.
+// A part of a model as a file has it. Vectors of absent attributes are empty.
 struct ModelPart {
     std::string name; // for messages: "mesh 0, primitive 2"
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> tangents, colours;
     std::array<std::vector<glm::vec2>, 2> uv;
-    std::vector<std::uint32_t> indices; // three a triangle
+    std::vector<std::uint32_t> indices; // three per triangle
     std::uint32_t material = 0;
 };
 
 class ModelBuilder {
 public:
-    // Triangles without area are left out; normals that are missing are those of the triangles.
-    // Errors: invalid_file, naming the part and the element; unsupported (too many triangles).
+    // Omits triangles without area. Missing normals are those of the triangles. Errors:
+    // invalid_file, naming the part and the element; unsupported (too many triangles).
     Status add(const ModelPart& part, const glm::dmat4& to_world);
-    // Materials and images must be there. Errors: invalid_file, no triangle has an area.
+    // Precondition: model() has its materials and images. Error: invalid_file (no triangle with an
+    // area, too large).
     Result<Model> finish() &&;
 
-    // The number of the picture in this file, which is read once. Errors: io, invalid_file, unsupported,
-    // naming the picture.
+    // Reads the picture unless it has been read, and returns its index in Model::images. Errors:
+    // io, invalid_file, unsupported; all name the picture.
     Result<int> add_image(const std::string& path);
 
     Model& model() { return model_; }

@@ -1,5 +1,5 @@
-// Wavefront .obj and .mtl. Of .obj: v with colours, vt, vn, f, usemtl, mtllib, g and o. Of .mtl: newmtl, Kd,
-// Ke, Ns, Pr, Pm and map_Kd. Other statements are ignored.
+// Wavefront .obj and .mtl. The reader uses the statements v (also with colours), vt, vn, f, usemtl,
+// mtllib, g and o of .obj files, and newmtl, Kd, Ke, Ns, Pr, Pm and map_Kd of .mtl files.
 #include "corpus/model/image_file.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
@@ -23,7 +23,8 @@ std::string_view text_of(const std::vector<unsigned char>& bytes) {
     return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0); // a byte order mark
 }
 
-// The next line. One that ends with a backslash goes on in the line below; `joined` holds the whole.
+// The next line, joined with the lines below it as long as it ends with a backslash. `joined` holds
+// the text of joined lines.
 std::string_view next_statement(LineReader& lines, std::string& joined) {
     std::string_view line = lines.next();
     if (!line.ends_with('\\'))
@@ -34,14 +35,14 @@ std::string_view next_statement(LineReader& lines, std::string& joined) {
     return joined.append(line);
 }
 
-// Some exporters write decimal commas.
+// Some exporters write a decimal comma.
 bool parse_real(std::string_view word, double& number) {
     std::string text(word);
     std::replace(text.begin(), text.end(), ',', '.');
     return parse_word(text, number);
 }
 
-// Paths from Windows have backslashes.
+// Exporters on Windows write backslashes.
 std::string with_slashes(std::string_view path) {
     std::string text(path);
     std::replace(text.begin(), text.end(), '\\', '/');
@@ -53,7 +54,7 @@ bool exists(const std::string& path) {
     return std::filesystem::exists(path, error);
 }
 
-// The file name after the options of a texture statement.
+// The file name that follows the options of a statement such as map_Kd.
 std::string_view texture_name(std::string_view rest) {
     static const std::map<std::string_view, int> most_values = {
         {"-blendu", 1}, {"-blendv", 1},  {"-boost", 1},  {"-bm", 1},   {"-cc", 1},
@@ -65,7 +66,7 @@ std::string_view texture_name(std::string_view rest) {
         if (option == most_values.end())
             return trimmed(rest);
         take_word(after);
-        for (int i = 1; i < option->second; ++i) { // the last of several numbers may be missing
+        for (int i = 1; i < option->second; ++i) { // the last numbers may be missing
             std::string_view next = after;
             if (double number = 0; !parse_real(take_word(next), number))
                 break;
@@ -75,14 +76,14 @@ std::string_view texture_name(std::string_view rest) {
     }
 }
 
-// A material as the statements of a .mtl file describe it; colours as the display shows them.
+// The statements of one material in a .mtl file. Colours are display-referred.
 struct MtlMaterial {
     glm::dvec3 diffuse{0.6}, emission{0.0};
     double exponent = 0.0;
     std::optional<double> roughness, metal;
     std::string picture;
 
-    // Returns whether the values suit the keyword. Keywords are in lower case.
+    // Returns false if `rest` is not a value of the keyword, which is in lower case.
     bool read(const std::string& keyword, std::string_view rest, const std::string& folder) {
         if (keyword == "kd" || keyword == "ke")
             return read_colour(rest, keyword == "kd" ? diffuse : emission);
@@ -101,7 +102,7 @@ struct MtlMaterial {
     }
 
 private:
-    // One number is a grey.
+    // A single number is a grey.
     static bool read_colour(std::string_view rest, glm::dvec3& colour) {
         const std::vector<std::string_view> words = words_of(rest);
         for (std::size_t c = 0; c < 3; ++c)
@@ -112,7 +113,7 @@ private:
     }
 };
 
-// The materials of all .mtl files that an .obj file names.
+// The materials of all .mtl files of one .obj file.
 class MtlReader {
 public:
     Status read(const std::string& path) {
@@ -120,7 +121,7 @@ public:
         const std::string folder = folder_of(path);
         LineReader lines(text_of(bytes));
         std::string joined;
-        std::size_t current = materials_.size(); // none before the first newmtl
+        std::size_t current = materials_.size(); // no material yet
         while (!lines.at_end()) {
             std::string_view rest = next_statement(lines, joined);
             std::string keyword(take_word(rest));
@@ -140,13 +141,13 @@ public:
         return {};
     }
 
-    // The model's material of this name. Without one: its material 0.
+    // The index of the material in the model; 0 if no material has this name.
     std::uint32_t find(std::string_view name) const {
         const auto it = numbers_.find(name);
         return it == numbers_.end() ? 0 : static_cast<std::uint32_t>(it->second) + 1;
     }
 
-    // Adds material 0, which is grey, and those that were read.
+    // Adds a grey material, for faces without a known one, and the materials of the files.
     Status finish(ModelBuilder& builder) const {
         builder.model().materials.push_back(plain_material(MtlMaterial().diffuse));
         for (const MtlMaterial& from : materials_) {
@@ -247,7 +248,8 @@ private:
         return {};
     }
 
-    // Position, position/uv, position//normal or position/uv/normal, each from 1, or below 0 from the end.
+    // `word` is position, position/uv, position//normal or position/uv/normal. Numbers count from
+    // 1; negative numbers count backwards from the last value read.
     bool read_corner(std::string_view word, PolygonCorner& corner) const {
         const std::pair<std::uint32_t*, std::size_t> parts[] = {
             {&corner.position, model_.positions.size()},
@@ -268,7 +270,8 @@ private:
         return word.empty();
     }
 
-    // `names`: one name with spaces, or several names. Without any of them a .mtl beside the .obj is read.
+    // `names` is one name with spaces or several names. If no such file exists, the .mtl file with
+    // the name of the .obj file is read.
     Status read_library(std::string_view names) {
         if (!libraries_.emplace(names).second)
             return {};
@@ -295,11 +298,11 @@ private:
     const std::string& path_;
     ModelBuilder& builder_;
     MtlReader library_;
-    std::set<std::string> libraries_; // names and paths that were read
+    std::set<std::string> libraries_; // names and paths that have been read
     PolygonModel model_;
-    std::vector<std::string> names_;     // the material of each mesh
-    std::string material_;               // of the faces to come
-    bool part_ends_ = false;             // the next face begins a mesh
+    std::vector<std::string> names_;     // of the material of each mesh
+    std::string material_;               // of the next faces
+    bool part_ends_ = false;             // the next face begins a new mesh
     std::vector<PolygonCorner> corners_; // of one face
 };
 

@@ -1,6 +1,6 @@
-// Stanford .ply: ASCII and binary, with all types of numbers. Read are vertices with normals, colours and
-// texture coordinates, faces with texture coordinates of their own, triangle strips, the first material and
-// the comment TextureFile. Other elements and properties are skipped.
+// Stanford .ply, ASCII and binary. The reader uses vertices with normals, colours and texture
+// coordinates, faces with their own texture coordinates, triangle strips, the first material, and
+// the comment TextureFile. It skips other elements and properties.
 #include "corpus/model/image_file.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
@@ -15,9 +15,9 @@ struct NumberType {
     std::string_view name, other_name;
     std::size_t bytes;
     bool is_whole, has_sign;
-    double one; // what stands for 1 in a colour
+    double one; // the value that stands for 1 in a colour
 };
-// Colours in wide integers are usually those of bytes.
+// Files with 32-bit colours usually store values of 0..255.
 constexpr NumberType number_types[] = {
     {"char", "int8", 1, true, true, 127},      {"uchar", "uint8", 1, true, false, 255},
     {"short", "int16", 2, true, true, 32767},  {"ushort", "uint16", 2, true, false, 65535},
@@ -34,7 +34,8 @@ const NumberType* number_type(std::string_view name) {
 
 struct Property {
     std::string_view name;
-    const NumberType* count = nullptr; // of a list's length; null for a single number
+    const NumberType* count =
+        nullptr; // of a list's length; null: not a list
     const NumberType* value = nullptr;
 };
 
@@ -43,20 +44,20 @@ struct Element {
     std::uint64_t count = 0;
     std::vector<Property> properties;
 
-    // The number of the first property that has one of these names; -1 if none has.
+    // The index of the first property with one of these names; -1 without one.
     int find(std::initializer_list<std::string_view> names) const {
         for (std::size_t i = 0; i < properties.size(); ++i)
             if (std::ranges::find(names, properties[i].name) != names.end())
                 return static_cast<int>(i);
         return -1;
     }
-    // What stands for 1 in this property, a channel of a colour.
+    // The value that stands for 1 in this property, a colour channel.
     double one(int property) const {
         return properties[static_cast<std::size_t>(property)].value->one;
     }
 };
 
-// The numbers of one vertex, face or other element, by property.
+// The values of one vertex, face or other element.
 class Row {
 public:
     void clear() {
@@ -71,7 +72,7 @@ public:
         const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
         return std::span(values_).subspan(begin, ends_[i] - begin);
     }
-    // A property that is absent, or an empty list, is 0.
+    // The first value of a property; 0 if the property is absent or an empty list.
     double operator[](int property) const {
         return property < 0 || list(property).empty() ? 0.0 : list(property)[0];
     }
@@ -85,13 +86,13 @@ Status invalid_ply(const std::string& what) {
     return {ErrorCode::invalid_file, what};
 }
 
-// The header, then row by row what it announces.
+// Parses the header, then the elements one by one.
 class PlyFile {
 public:
     explicit PlyFile(std::string_view file) : lines_(file), size_(file.size()) {}
 
     const std::vector<Element>& elements() const { return elements_; }
-    std::string_view texture() const { return texture_; } // of the comment TextureFile; or empty
+    std::string_view texture() const { return texture_; } // the comment TextureFile; may be empty
 
     Status read_header() {
         if (lines_.next() != "ply")
@@ -134,7 +135,7 @@ private:
         return is_text_ || is_big_ || words[1] == "binary_little_endian";
     }
 
-    // No file holds more elements than bytes. Names begin with letters.
+    // A file cannot hold more elements than bytes. Names do not begin with a digit.
     bool read_element(const std::vector<std::string_view>& words) {
         Element element;
         if (words.size() != 3 || (words[1][0] >= '0' && words[1][0] <= '9') ||
@@ -157,7 +158,7 @@ private:
                (!is_list || (property.count != nullptr && property.count->is_whole));
     }
 
-    // One element is one line.
+    // Each element is one line.
     Status read_text(const Element& element, Row& row) {
         std::string_view line;
         do {
@@ -221,8 +222,8 @@ private:
         return true;
     }
 
-    LineReader lines_;      // the header, and all of an ASCII file
-    std::string_view rest_; // of a binary file
+    LineReader lines_;      // the header, and the data of an ASCII file
+    std::string_view rest_; // the data of a binary file
     std::size_t size_;
     std::vector<Element> elements_;
     std::string_view texture_;
@@ -300,7 +301,7 @@ private:
         });
     }
 
-    // Channels that are absent are 1.
+    // Absent channels are 1.
     static glm::dvec3 colour_of(const Element& e, const Row& row, const std::array<int, 3>& rgb) {
         glm::dvec3 colour{1.0};
         for (std::size_t c = 0; c < 3; ++c)
@@ -309,20 +310,20 @@ private:
         return colour;
     }
 
-    // All faces have the first material.
+    // All faces get the first material.
     Status read_material(const Element& e) {
         const std::array colour{e.find({"diffuse_red"}), e.find({"diffuse_green"}),
                                 e.find({"diffuse_blue"})};
         const int power = e.find({"specular_power"});
         bool is_first = true;
         return for_each_row(e, [&](const Row& row) {
-            if (is_first) // 15: files measure the highlight in other units
+            if (is_first) // the factor of other readers
                 material_ = plain_material(colour_of(e, row, colour), 15.0 * row[power]);
             is_first = false;
         });
     }
 
-    // `uv`: two numbers per corner, or any other count where the file has none.
+    // `uv` has two numbers per corner; other counts are ignored.
     void add_face(std::span<const double> indices, std::span<const double> uv) {
         corners_.clear();
         for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -335,7 +336,8 @@ private:
         mesh_.add(corners_);
     }
 
-    // Every corner from the third one on makes a triangle with the two before it; -1 begins a new strip.
+    // From the third index on, each one forms a triangle with the two before it. -1 begins a new
+    // strip.
     void add_strip(std::span<const double> indices) {
         std::size_t begin = 0;
         for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -348,7 +350,7 @@ private:
         }
     }
 
-    // Corners have the uv and normals of their vertices, unless faces have uv of their own.
+    // Corners get the uv and normals of their vertices, unless the face has its own uv.
     void finish_corners() {
         const auto first = static_cast<std::uint32_t>(model_.uv.size());
         model_.uv.insert(model_.uv.end(), corner_uv_.begin(), corner_uv_.end());

@@ -13,12 +13,13 @@ namespace tessera::corpus {
 namespace {
 
 constexpr double crease_cosine = 0.70710678118654752;
-// Where more polygons meet, each keeps its own normal: averaging takes time with their number squared.
+// Where more corners meet, polygons keep their own normals, because the time for averaging grows
+// with the square of the number.
 constexpr std::size_t most_averaged = 256;
-// Steps that triangulation may take for a whole model: some seconds.
+// The most steps of triangulation in one model; they take some seconds.
 constexpr std::uint64_t most_steps = std::uint64_t{1} << 31;
 
-// Newell's formula: the polygon's normal, as long as twice its area.
+// The polygon's normal (Newell's formula). Its length is twice the area.
 glm::dvec3 doubled_area(const PolygonModel& model, std::span<const PolygonCorner> polygon) {
     glm::dvec3 sum{0.0};
     const glm::dvec3 origin(model.positions[polygon[0].position]);
@@ -28,8 +29,8 @@ glm::dvec3 doubled_area(const PolygonModel& model, std::span<const PolygonCorner
     return sum;
 }
 
-// Cuts one triangle after another off a polygon in the plane whose corners run counter-clockwise. In each
-// triangle lies no other corner, as far as the polygon does not cross itself.
+// Cuts a counter-clockwise polygon in the plane into triangles, one ear after another. An ear is a
+// convex corner whose triangle contains no other corner.
 class EarCutter {
 public:
     EarCutter(std::vector<glm::dvec2> corners, std::uint64_t& steps)
@@ -44,15 +45,15 @@ public:
                 reflex_.push_back(i);
     }
 
-    // Calls cut(a, b, c) for every triangle. False if it takes more than `most_steps`.
+    // Calls cut(a, b, c) for every triangle. Returns false after too many steps.
     template <class Cut> bool run(const Cut& cut) {
         if (steps_ + p_.size() * reflex_.size() > most_steps)
             return false;
         std::size_t left = p_.size(), missed = 0;
-        std::uint32_t i = 1; // convex polygons become fans around corner 0
+        std::uint32_t i = 1; // a convex polygon becomes a fan around corner 0
         while (left > 2) {
             const std::uint32_t a = before_[i], c = after_[i];
-            // A polygon without ears crosses itself: any corner will do.
+            // A polygon that crosses itself may have no ear: then cut any corner.
             if (missed < left && !is_ear(a, i, c)) {
                 ++missed;
                 i = c;
@@ -89,7 +90,7 @@ private:
     }
 
     std::vector<glm::dvec2> p_;
-    std::vector<std::uint32_t> before_, after_, reflex_; // corners by their numbers
+    std::vector<std::uint32_t> before_, after_, reflex_; // indices of corners
     std::uint64_t& steps_;
 };
 
@@ -131,9 +132,9 @@ private:
         return {};
     }
 
-    // Of every corner: the file's normal or the mean of polygons.
+    // Sets the normal of every corner: that of the file or the mean of polygons.
     void find_normals() {
-        std::vector<glm::dvec3> areas; // of each corner's polygon
+        std::vector<glm::dvec3> areas; // of the polygon of each corner
         std::size_t first = 0;
         for (const std::uint32_t size : mesh_.sizes) {
             const glm::dvec3 area =
@@ -143,7 +144,7 @@ private:
         }
         std::vector<std::uint32_t> order(mesh_.corners.size());
         std::iota(order.begin(), order.end(), 0u);
-        // Bits, as numbers that are none have no order. Adding 0 makes -0 a 0.
+        // Compares bits, because NaN has no order. Adding 0 turns -0 into 0.
         const auto place = [&](std::uint32_t corner) {
             return std::bit_cast<std::array<std::uint32_t, 3>>(
                 model_.positions[mesh_.corners[corner].position] + 0.0f);
@@ -176,7 +177,7 @@ private:
         return length > 0.0 ? glm::vec3(sum / length) : glm::vec3(0.0f);
     }
 
-    // False if it takes too long. Polygons without area add nothing.
+    // Returns false after too many steps. Ignores polygons without area.
     bool triangulate(std::size_t first, std::size_t size) {
         const auto corners = polygon(first, size);
         const auto cut = [&](auto a, auto b, auto c) {
@@ -187,7 +188,7 @@ private:
             cut(0u, 1u, 2u);
             return true;
         }
-        // Seen along the axis that the normal leans to least.
+        // Projected along the axis that is closest to the normal.
         const glm::dvec3 n = doubled_area(model_, corners);
         if (n == glm::dvec3(0.0))
             return true;
@@ -200,7 +201,7 @@ private:
         return EarCutter(std::move(flat), steps_).run(cut);
     }
 
-    // Corners at one position with equal uv and normals share a vertex.
+    // Corners with the same position, uv and normal share a vertex.
     std::uint32_t vertex_of(std::size_t corner) {
         const PolygonCorner& c = mesh_.corners[corner];
         const glm::vec2 uv = c.uv < model_.uv.size() ? model_.uv[c.uv] : glm::vec2(0.0f);
@@ -276,8 +277,8 @@ ModelMaterial plain_material(const glm::dvec3& displayed, double exponent) {
     m.base = glm::dvec4(linear_colour(displayed), 1.0);
     m.metal = 0.0;
     m.roughness = 0.5;
-    if (exponent >
-        0.0) // Phong's lobe is about as wide as that of GGX with alpha^2 = 2 / (exponent + 2)
+    // Phong's lobe is about as wide as that of GGX with alpha^2 = 2 / (exponent + 2).
+    if (exponent > 0.0)
         m.roughness = std::clamp(std::sqrt(std::sqrt(2.0 / (exponent + 2.0))), 0.05, 1.0);
     return m;
 }

@@ -1,5 +1,5 @@
-// Polygons whose corners have indices of their own into positions, texture coordinates and normals,
-// as .obj and .ply files have them.
+// Polygons as in .obj and .ply files: a corner has separate indices of its position, its texture
+// coordinates and its normal.
 #pragma once
 
 #include "corpus/model/model_builder.h"
@@ -29,18 +29,18 @@ struct PolygonModel {
     std::vector<PolygonMesh> meshes;
 };
 
-// Adds the triangles of every mesh as one part. Corners whose uv or normal is absent or out of range get
-// (0, 0) and the mean normal, weighted by area, of those polygons of the mesh at the same position that
-// lean at most 45 degrees to their own. Polygons of one or two corners are points and lines and add
-// nothing. Errors: unsupported (no polygon at all; polygons too complex to triangulate); those of
-// ModelBuilder::add().
+// Triangulates the polygons and adds each mesh as one part. A uv that is absent or out of range is
+// (0, 0). A normal that is absent or out of range is the mean, weighted by area, of the polygons of
+// the mesh that meet at the position at an angle of at most 45 degrees to the corner's polygon.
+// Polygons of one or two corners are ignored. Errors: unsupported (no polygon at all; polygons with
+// too many corners); those of ModelBuilder::add().
 Status add_polygons(const PolygonModel& model, ModelBuilder& builder);
 
-// A colour as displays show it, sRGB in 0..1, as linear light.
+// Linear light of an sRGB colour in 0..1.
 glm::dvec3 linear_colour(const glm::dvec3& displayed);
 
-// A material of these files, which know no metal. `exponent` is that of a Phong highlight; 0 stands for
-// none, and for roughness 0.5.
+// A non-metal of this sRGB colour. `exponent` is that of a Phong highlight; without one, which is
+// 0, the roughness is 0.5.
 ModelMaterial plain_material(const glm::dvec3& displayed, double exponent = 0.0);
 
 } // namespace tessera::corpus

@@ -1,4 +1,4 @@
-// The readers behind load_model(), and what they share. Errors name the element; load_model() adds the file.
+// The readers behind load_model(). Their errors name the element; load_model() adds the file.
 #pragma once
 
 #include "corpus/model/gltf_json.h"
@@ -8,18 +8,18 @@
 
 namespace tessera::corpus {
 
-constexpr std::size_t most_model_bytes = std::size_t{1} << 31; // of each file
+constexpr std::size_t most_model_bytes = std::size_t{1} << 31; // per file
 
 Status read_gltf(const std::string& path, ModelBuilder& builder); // .gltf, .glb
 Status read_obj(const std::string& path, ModelBuilder& builder);
 Status read_ply(const std::string& path, ModelBuilder& builder);
 
-// The positions, attributes and triangles of a glTF primitive that is a Draco stream. Errors:
-// invalid_file; unsupported (too large).
+// Decodes a glTF primitive that is a Draco stream into `part`. Errors: invalid_file; unsupported
+// (too large).
 Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& use,
                          ModelPart& part);
 
-// The folder that holds the file; "." for a bare name.
+// The folder of the file; "." if the path has none.
 std::string folder_of(const std::string& path);
 
 } // namespace tessera::corpus

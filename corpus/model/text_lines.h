@@ -1,4 +1,4 @@
-// Text files line by line: .obj, .mtl and ASCII .ply.
+// Lines, words and numbers of text files: .obj, .mtl and ASCII .ply.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@ class LineReader {
 public:
     explicit LineReader(std::string_view text) : rest_(text) {}
 
-    // The next line without its end. Empty at the end of the text.
+    // The next line without its line end. Empty at the end of the text.
     std::string_view next() {
         const std::size_t size = std::min(rest_.find_first_of("\r\n"), rest_.size());
         const std::string_view line = rest_.substr(0, size);
         rest_.remove_prefix(size);
-        // Where lines end with carriage returns, a line feed after the header of a binary .ply is
-        // data.
+        // If lines end with a single carriage return, a line feed after the header of a binary .ply
+        // is data.
         const bool both = rest_.starts_with("\r\n") && !ends_with_carriage_return_;
         ends_with_carriage_return_ |= rest_.starts_with('\r') && !both;
         rest_.remove_prefix(both ? 2 : rest_.empty() ? 0 : 1);
@@ -29,7 +29,7 @@ public:
     }
     bool at_end() const { return rest_.empty(); }
     std::string_view rest() const { return rest_; }
-    // Of the line that next() returned last, from 1.
+    // The number of the line that next() returned last, from 1.
     std::size_t number() const { return number_; }
 
 private:
@@ -60,14 +60,14 @@ inline std::vector<std::string_view> words_of(std::string_view line) {
     return words;
 }
 
-// Whether the whole word is a number of this type. It may begin with a plus sign.
+// Parses the whole word as a number, which may begin with a plus sign. False if it is not one.
 template <class Number> bool parse_word(std::string_view word, Number& number) {
     word.remove_prefix(word.starts_with('+') ? 1 : 0);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     return error == std::errc() && end == word.data() + word.size();
 }
 
-// For messages: words of damaged files can be very long.
+// Shortens the word, because words in damaged files can be very long.
 inline std::string in_quotes(std::string_view word) {
     return "'" + std::string(word.substr(0, 40)) + "'";
 }

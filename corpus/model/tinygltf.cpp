@@ -1,3 +1,3 @@
-// The library tinygltf is a header; this is its implementation.
+// The implementation of tinygltf, which is a header-only library.
 #define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>

@@ -9,10 +9,10 @@
 namespace tessera::corpus {
 namespace {
 
-// Cosine of what a triangle may lean to its chart's normal. Seen along that, it is shortened by as
-// much. Pieces of a few triangles then join a neighbour that they lean to more.
+// The least cosine between the normals of a triangle and of its chart; the projection shrinks the
+// triangle by this factor. Small charts join a neighbour at a larger angle.
 constexpr double least_cosine = 0.58, least_cosine_joining = 0.35;
-constexpr double small_share = 0.004; // of the whole area: a chart that had better join another
+constexpr double small_share = 0.004; // of the whole area: smaller charts join another one
 
 struct Facets {
     std::vector<glm::dvec3> normals; // of unit length
@@ -25,10 +25,7 @@ Facets facets_of(const Model& model) {
     const auto corners = welded_corners(model);
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::uint32_t, std::size_t>> edges;
     for (std::uint32_t i = 0; i < corners.size(); ++i) {
-        std::array<glm::dvec3, 3> p;
-        for (std::size_t k = 0; k < 3; ++k)
-            p[k] = glm::dvec3(model.vertices[model.triangles[i].vertices[k]].position);
-        const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+        const glm::dvec3 cross = area_vector(model, model.triangles[i]);
         const double length = glm::length(cross);
         f.normals.push_back(length > 0.0 ? cross / length : glm::dvec3(0, 1, 0));
         f.areas.push_back(0.5 * length);
@@ -50,7 +47,7 @@ Facets facets_of(const Model& model) {
 
 constexpr std::uint32_t nowhere = UINT32_MAX;
 
-// Charts by growth: from the largest free triangle, always on to the neighbour that leans least.
+// Grows charts from the largest free triangle, always to the neighbour with the nearest normal.
 class Growth {
 public:
     explicit Growth(const Facets& facets) : f_(facets), chart_of_(facets.areas.size(), nowhere) {
@@ -83,7 +80,7 @@ private:
                 continue;
             const glm::dvec3 sum = sums_[chart] + f_.areas[next] * f_.normals[next];
             const glm::dvec3 axis = areas_[chart] > 0.0 ? glm::normalize(sum) : f_.normals[next];
-            // The axis moves: not so far that the seed leans too much.
+            // The axis moves with each triangle. The seed must stay close to it, too.
             if (glm::dot(axis, f_.normals[next]) < least_cosine ||
                 glm::dot(axis, f_.normals[seed]) < least_cosine)
                 continue;
@@ -128,7 +125,7 @@ private:
 
     const Facets& f_;
     std::vector<std::uint32_t> order_, chart_of_;
-    std::vector<glm::dvec3> sums_; // a chart: normals times areas
+    std::vector<glm::dvec3> sums_; // of each chart: the sum of normals times areas
     std::vector<double> areas_;
 };
 
@@ -142,8 +139,8 @@ FlatTriangle seen_along(const Model& model, std::uint32_t triangle, const glm::d
     return t;
 }
 
-// Connected pieces of what is not flat yet become charts, without the triangles that would cover
-// others; those are left for another time.
+// Projects the piece along its mean normal into a chart, without the triangles that would overlap
+// others. Those form the next chart, and so on.
 void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> piece,
               std::vector<FlatChart>& charts) {
     while (!piece.empty()) {
@@ -170,7 +167,7 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
                 left.push_back(i);
             }
         }
-        if (chart.triangles.empty()) { // all lean away from their mean: the first one alone
+        if (chart.triangles.empty()) { // no triangle faces the mean normal
             const glm::dvec3 n = f.normals[piece[0]];
             const glm::dvec3 u = glm::normalize(
                 glm::cross(std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));

@@ -9,9 +9,9 @@
 namespace tessera::corpus {
 namespace {
 
-// More islands than that are a soup: each costs a tile.
+// Each island costs a tile.
 constexpr std::size_t most_islands = 400;
-// A texel may be this much longer one way than the mean, on all but a tenth of the surface.
+// On all but a tenth of the surface, a texel may be this many times as long as the mean.
 constexpr double most_stretch = 3.0;
 constexpr double stretched_share = 0.1;
 
@@ -21,7 +21,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
     return i;
 }
 
-// v grows downwards in pictures; the atlas' v is free. Upwards, so that most are counter-clockwise.
+// The triangle in the model's uv. v is negated, because then most triangles are counter-clockwise.
 FlatTriangle own_places(const Model& model, std::uint32_t triangle) {
     FlatTriangle t;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -31,7 +31,7 @@ FlatTriangle own_places(const Model& model, std::uint32_t triangle) {
     return t;
 }
 
-// How position changes with the places, twice the triangle's area each as its weight.
+// How positions change with the places in the plane. The weight is twice the triangle's area.
 struct Stretch {
     double along_x = 0, along_y = 0, area = 0; // squares of lengths
 };
@@ -53,7 +53,7 @@ std::vector<FlatChart> islands_of(const Model& model) {
     std::vector<std::uint32_t> parents(count);
     std::iota(parents.begin(), parents.end(), 0u);
     using End = std::tuple<std::uint32_t, float, float>;
-    std::map<std::pair<End, End>, std::uint32_t> edges; // by the way that they are walked
+    std::map<std::pair<End, End>, std::uint32_t> edges; // by their ends, in order
     std::vector<FlatTriangle> flat;
     for (std::uint32_t i = 0; i < count; ++i) {
         flat.push_back(own_places(model, i));
@@ -64,7 +64,7 @@ std::vector<FlatChart> islands_of(const Model& model) {
         }
         for (std::size_t k = 0; k < 3; ++k) {
             const auto other = edges.find({ends[(k + 1) % 3], ends[k]});
-            // Islands have one side up.
+            // All triangles of an island have the same orientation.
             if (other != edges.end() &&
                 doubled_area(flat[i]) * doubled_area(flat[other->second]) > 0.0)
                 parents[root_of(parents, i)] = root_of(parents, other->second);
@@ -83,9 +83,9 @@ std::vector<FlatChart> islands_of(const Model& model) {
     return islands;
 }
 
-// Makes places world units; whether they lie flat.
+// Scales the places to world units. Returns false if triangles overlap or have no area.
 bool unroll(const Model& model, FlatChart& island, double& stretched) {
-    if (doubled_area(island.places[0]) < 0.0) // seen from below
+    if (doubled_area(island.places[0]) < 0.0) // clockwise: mirror the island
         for (FlatTriangle& t : island.places)
             for (glm::dvec2& p : t)
                 p.x = -p.x;

@@ -1,4 +1,4 @@
-// From light to samples.
+// Converts light to samples.
 #pragma once
 
 #include "corpus/texel_bytes.h"
@@ -7,8 +7,8 @@
 
 namespace tessera::corpus {
 
-// unorm8: sRGB of light times exposure, 1 and above as white (description: transfer srgb). half16:
-// light times exposure (transfer linear).
+// unorm8: sRGB of light times exposure, clamped to 1 (transfer srgb). half16: light times exposure
+// (transfer linear).
 struct Display {
     double exposure = 1.0;
     SampleType type = SampleType::unorm8;

@@ -1,37 +1,43 @@
-// A model's surface cut into pieces that lie flat.
+// The surface of a model, cut into flat pieces that are packed into an atlas.
 #pragma once
 
 #include "corpus/model/model.h"
+#include "corpus/surface/atlas.h"
 
 #include <glm/vec2.hpp>
 
 namespace tessera::corpus {
 
-// Triangles of a model with a place in the plane for each corner, in world units, turned so that
-// they stand in the rectangle from (0, 0) to `sides`. None covers another; all are counter-clockwise.
+// The corners of a triangle in the plane, in world units.
+using FlatTriangle = std::array<glm::dvec2, 3>;
+
+// Triangles of a model in the plane, counter-clockwise and without overlaps, in the rectangle from
+// (0, 0) to `sides`.
 struct FlatChart {
-    std::vector<std::uint32_t> triangles;
-    std::vector<std::array<glm::dvec2, 3>> places;
+    std::vector<std::uint32_t> triangles; // indices into Model::triangles
+    std::vector<FlatTriangle> places;     // of each triangle
     glm::dvec2 sides{0.0};
 };
 
-// A triangle that is thinner than all else has its places anyhow.
-using FlatTriangle = std::array<glm::dvec2, 3>;
-
-// The corners of each triangle as numbers: the same number for the same position.
+// Numbers for the corners of each triangle. Corners at the same position have the same number.
 std::vector<std::array<std::uint32_t, 3>> welded_corners(const Model& model);
 
-// The islands of the model's own texture coordinates; nothing where these do not lie flat: where
-// triangles cover each other, where they are much stretched, or where islands are very many.
+// The islands of the model's own texture coordinates. Empty if triangles overlap or are stretched
+// too much, or if there are too many islands.
 std::vector<FlatChart> cut_by_uv(const Model& model);
 
-// Pieces that grow until they bend too much, each seen along its mean normal.
+// Connected pieces whose normals differ little, projected along their mean normals.
 std::vector<FlatChart> cut_by_normal(const Model& model);
 
-// By the model's own coordinates where they do.
+// cut_by_uv(), or cut_by_normal() where that is empty.
 std::vector<FlatChart> cut_flat(const Model& model);
 
-// The rectangle with the least area, of a few turns; moves and turns all places into it.
+// Rotates the chart to the smallest rectangle of a few tries and moves it to (0, 0).
 void turn_into_rectangle(FlatChart& chart);
+
+// Packs the charts at `density` texels per world unit. Large charts start at multiples of the tile;
+// small ones share a tile. Error: unsupported (too large for an atlas).
+Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
+                          const Texels2& tile);
 
 } // namespace tessera::corpus

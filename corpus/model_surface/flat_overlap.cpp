@@ -8,7 +8,7 @@
 namespace tessera::corpus {
 namespace {
 
-// Whether a line along an edge of `a` has `b` on its other side.
+// Whether `b` lies on the outer side of an edge of `a`, except for `trace` world units.
 bool edge_parts(const FlatTriangle& a, const FlatTriangle& b, double trace) {
     for (std::size_t i = 0; i < 3; ++i) {
         const glm::dvec2 way = a[(i + 1) % 3] - a[i];
@@ -30,12 +30,13 @@ double extent_of(const FlatTriangle& t) {
     return std::max({glm::length(t[1] - t[0]), glm::length(t[2] - t[1]), glm::length(t[0] - t[2])});
 }
 
-} // namespace
-
+// Whether the triangles overlap by more than rounding.
 bool cover_each_other(const FlatTriangle& a, const FlatTriangle& b) {
     const double trace = 1e-5 * std::min(extent_of(a), extent_of(b));
     return !edge_parts(a, b, trace) && !edge_parts(b, a, trace);
 }
+
+} // namespace
 
 template <class Visit>
 void FlatSheet::cells_of(const FlatTriangle& triangle, const Visit& visit) const {

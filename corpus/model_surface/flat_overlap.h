@@ -1,4 +1,4 @@
-// Whether triangles in the plane cover each other.
+// Overlaps of triangles in the plane.
 #pragma once
 
 #include "corpus/model_surface/flat_chart.h"
@@ -12,14 +12,12 @@ inline double doubled_area(const FlatTriangle& t) {
     return p.x * q.y - p.y * q.x;
 }
 
-// By more than a trace: those that share an edge do not.
-bool cover_each_other(const FlatTriangle& a, const FlatTriangle& b);
-
-// Triangles in the plane, sorted into cells.
+// Triangles in the plane without overlaps, sorted into cells.
 class FlatSheet {
 public:
     explicit FlatSheet(double cell) : cell_(cell) {}
-    // Adds the triangle if it covers none that is there; whether it did.
+    // Adds the triangle unless it overlaps one of the sheet; returns whether it was added.
+    // Triangles that share an edge do not overlap.
     bool add(const FlatTriangle& triangle);
 
 private:

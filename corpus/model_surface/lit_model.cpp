@@ -7,11 +7,11 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr std::uint64_t diffuse_paths = 0x64696666; // sequences of diffuse light are others
-constexpr std::uint64_t shared_paths = 0x73686172;
+// Added to the seed, so that each kind of light has its own random paths.
+constexpr std::uint64_t diffuse_paths = 0x64696666, shared_paths = 0x73686172;
 constexpr unsigned hidden_rays = 24;
 
-// The nearest place of the triangle.
+// The nearest place within the triangle.
 glm::dvec2 inside(const glm::dvec2& barycentric) {
     glm::dvec3 w{1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
     w = glm::max(w, 0.0);
@@ -19,8 +19,15 @@ glm::dvec2 inside(const glm::dvec2& barycentric) {
     return {w.y / sum, w.z / sum};
 }
 
+// How far a place is outside the triangle; at most 0 within it.
 double outside(const glm::dvec2& b) {
     return -std::min({b.x, b.y, 1.0 - b.x - b.y});
+}
+
+// The direction towards the observer. A direction into the surface becomes its mirror image above.
+glm::dvec3 view_from(const SurfaceFrame& frame, AngularMap map, double s, double t) {
+    const glm::dvec3 view = octahedral_direction(map, frame, s, t);
+    return view - 2.0 * std::min(glm::dot(view, frame.ez), 0.0) * frame.ez;
 }
 
 } // namespace
@@ -62,12 +69,7 @@ void LitModel::bake_rows(std::uint32_t begin, std::uint32_t step) {
             }
 }
 
-std::uint64_t LitModel::sequence(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const {
-    return mix_bits(seed) + (options_.own_paths ? mix_bits(index(u, v) + 1) : 0);
-}
-
-// Of the triangles around, the one that covers the place, or nearly does: triangles may be as small
-// as texels.
+// The place on the nearest triangle around the texel, because triangles may be as small as texels.
 LitModel::Place LitModel::place(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const {
     TrianglePlace best = places_.place(u, v, offset);
     const std::size_t chart = places_.chart_of(best.triangle);
@@ -97,7 +99,7 @@ SurfaceFrame LitModel::frame(std::uint32_t u, std::uint32_t v) const {
 
 glm::dvec3 LitModel::diffuse(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const {
     glm::dvec3 sum(0.0);
-    const std::uint64_t paths = sequence(u, v, seed + diffuse_paths);
+    const std::uint64_t paths = mix_bits(seed + diffuse_paths);
     for (unsigned i = 0; i < options_.diffuse_samples; ++i) {
         PathRandom random(paths, i);
         sum += tracer_.diffuse(place(u, v, random.next2() - 0.5).point, random);
@@ -116,7 +118,7 @@ struct LitModel::Arriving {
 std::shared_ptr<const LitModel::Arriving> LitModel::arriving_with(std::uint32_t u, std::uint32_t v,
                                                                   std::uint64_t seed) const {
     auto found = std::make_shared<Arriving>();
-    const std::uint64_t paths = sequence(u, v, seed + shared_paths);
+    const std::uint64_t paths = mix_bits(seed + shared_paths);
     for (unsigned i = 0; i < options_.shared_samples; ++i) {
         PathRandom random(paths, i);
         const Place at = place(u, v, random.next2() - 0.5);
@@ -125,22 +127,12 @@ std::shared_ptr<const LitModel::Arriving> LitModel::arriving_with(std::uint32_t 
     return found;
 }
 
-namespace {
-
-// Towards the observer; into the surface becomes its mirror image above.
-glm::dvec3 view_from(const SurfaceFrame& frame, AngularMap map, double s, double t) {
-    const glm::dvec3 view = octahedral_direction(map, frame, s, t);
-    return view - 2.0 * std::min(glm::dot(view, frame.ez), 0.0) * frame.ez;
-}
-
-} // namespace
-
 glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
                                 double t, const glm::dvec3& diffuse, const Arriving& arriving,
                                 std::uint64_t seed) const {
     glm::dvec3 emitted(0.0), specular(0.0);
     double bent = 0.0;
-    const std::uint64_t paths = sequence(u, v, seed);
+    const std::uint64_t paths = mix_bits(seed);
     const double own = options_.samples, shared = static_cast<double>(arriving.all.size());
     for (unsigned i = 0; i < options_.samples; ++i) {
         PathRandom random(paths, i);
@@ -167,17 +159,12 @@ glm::dvec3 LitModel::light(std::uint32_t u, std::uint32_t v, AngularMap map, dou
     return light_with(u, v, map, s, t, glm::dvec3(diffuse_[index(u, v)]), arriving, options_.seed);
 }
 
-glm::dvec3 LitModel::light(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
-                           double t) const {
-    return light(u, v, map, s, t, *arriving(u, v));
-}
-
 glm::dvec3 LitModel::other_light(std::uint32_t u, std::uint32_t v, AngularMap map, double s,
                                  double t, std::uint64_t seed) const {
     return light_with(u, v, map, s, t, diffuse(u, v, seed), *arriving_with(u, v, seed), seed);
 }
 
-// Whether all around, from the texel's middle and its corners, there are backs.
+// Whether all rays from the middles of the texel and of its diagonal neighbours meet backs first.
 bool LitModel::is_hidden(std::uint32_t u, std::uint32_t v) const {
     for (const glm::dvec2 offset : {glm::dvec2(0, 0), glm::dvec2(-1, -1), glm::dvec2(1, -1),
                                     glm::dvec2(-1, 1), glm::dvec2(1, 1)}) {

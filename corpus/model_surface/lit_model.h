@@ -1,4 +1,4 @@
-// A model on its atlas in its light: what leaves each place.
+// The light that leaves each texel of a model's atlas.
 #pragma once
 
 #include "corpus/model_surface/model_atlas.h"
@@ -8,21 +8,19 @@
 namespace tessera::corpus {
 
 struct LitModelOptions {
-    unsigned samples = 16;          // paths a texel, for what depends on the direction
-    unsigned diffuse_samples = 256; // paths a place, for what does not
-    unsigned shared_samples =
-        128; // paths a place whose light all directions share, beside their own
+    unsigned samples = 16;          // paths per texel, for light that depends on the direction
+    unsigned diffuse_samples = 256; // paths per place, for diffuse light
+    unsigned shared_samples = 128;  // more paths per place, which all its directions share
     std::uint64_t seed = 1;
-    unsigned threads = 1; // for diffuse light; never changes it
-    // Whether each texel has paths of its own. Else all have the same: what is left of their noise
-    // varies slowly over the texture, and costs few bits.
-    bool own_paths = false;
+    unsigned threads = 1; // for diffuse light; does not change the result
 };
 
-// Immutable, hence thread-safe. Memory: 20 bytes a texel of U x V.
+// All texels have the same random paths. So the remaining noise varies slowly over the texture and
+// costs few bits. Immutable and thread-safe. Memory: 20 bytes per texel of U x V.
 class LitModel {
 public:
-    // Bakes diffuse light at once. Errors: those of TexelPlaces and RayModel.
+    // Bakes the diffuse light. Errors: bad_argument (samples); those of TexelPlaces::make() and
+    // RayModel::make().
     static Result<std::shared_ptr<const LitModel>> make(ModelAtlas atlas, ModelLight light,
                                                         const LitModelOptions& options);
 
@@ -31,17 +29,17 @@ public:
     bool matters(std::uint32_t u, std::uint32_t v) const {
         return places_.matters(u, v) && !hidden_[index(u, v)];
     }
-    // Of the texel's centre. Precondition: places().matters(u, v).
+    // The frame at the texel's centre. Precondition: places().matters(u, v).
     SurfaceFrame frame(std::uint32_t u, std::uint32_t v) const;
-    // Linear light that leaves the texel along (s, t) of the map, mean over the texel. Where that
-    // points into the surface, what leaves along the mirror image above it.
-    glm::dvec3 light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t) const;
-    // Light that arrives at a texel's places: what all its directions share.
+    // The light that arrives at places of a texel, for all its directions.
     struct Arriving;
     std::shared_ptr<const Arriving> arriving(std::uint32_t u, std::uint32_t v) const;
+    // The linear light that leaves the texel along (s, t) of the map: the mean over the texel. A
+    // direction into the surface stands for its mirror image above the surface. `arriving` is
+    // arriving(u, v).
     glm::dvec3 light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
                      const Arriving& arriving) const;
-    // The same from other paths, diffuse light included: what differs is noise.
+    // The same from other random paths, also for diffuse light. The difference is noise.
     glm::dvec3 other_light(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
                            std::uint64_t seed) const;
 
@@ -57,7 +55,6 @@ private:
     std::size_t index(std::uint32_t u, std::uint32_t v) const {
         return std::size_t{v} * places_.size()[0] + u;
     }
-    std::uint64_t sequence(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const;
     Place place(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const;
     glm::dvec3 diffuse(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const;
     glm::dvec3 light_with(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
@@ -73,8 +70,8 @@ private:
     TexelPlaces places_;
     Tracer tracer_;
     LitModelOptions options_;
-    std::vector<glm::vec3> diffuse_;   // a texel; emission, too
-    std::vector<std::uint8_t> hidden_; // a texel: inside of something
+    std::vector<glm::vec3> diffuse_;   // of each texel
+    std::vector<std::uint8_t> hidden_; // of each texel: inside a body
 };
 
 } // namespace tessera::corpus

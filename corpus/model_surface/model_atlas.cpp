@@ -1,14 +1,12 @@
 #include "corpus/model_surface/model_atlas.h"
 
-#include "corpus/model_surface/small_charts.h"
-#include "corpus/model_surface/triangle_match.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 namespace tessera::corpus {
 namespace {
@@ -17,16 +15,12 @@ constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 33;
 
 double area_of(const Model& model) {
     double area = 0;
-    for (const ModelTriangle& t : model.triangles) {
-        const glm::dvec3 p(model.vertices[t.vertices[0]].position);
-        area +=
-            0.5 * glm::length(glm::cross(glm::dvec3(model.vertices[t.vertices[1]].position) - p,
-                                         glm::dvec3(model.vertices[t.vertices[2]].position) - p));
-    }
+    for (const ModelTriangle& t : model.triangles)
+        area += 0.5 * glm::length(area_vector(model, t));
     return area;
 }
 
-// A mesh, and for each of its triangles the model's.
+// The mesh of the atlas and, for each of its triangles, that of the model.
 struct Laid {
     SurfaceMesh mesh;
     std::vector<std::uint32_t> from;
@@ -70,10 +64,78 @@ Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vect
     return laid;
 }
 
-// A sixteenth of a texel.
+// Enough bits for steps of a sixteenth of a texel.
 unsigned uv_bits_for(const Texels2& size) {
     return std::clamp(static_cast<unsigned>(std::bit_width(std::max(size[0], size[1]))) + 4u, 10u,
                       20u);
+}
+
+struct MatchedTriangle {
+    std::uint32_t triangle = 0; // before
+    std::uint32_t turn = 0;     // corner k was corner (k + turn) % 3
+};
+
+// In texels: the root of the sum of the squares for all corners.
+constexpr double most_moved = 0.5;
+
+using Corners = FlatTriangle; // in texels
+
+Corners corners_of(const SurfaceMesh& mesh, std::size_t triangle, const Texels2& size) {
+    Corners c;
+    for (std::size_t k = 0; k < 3; ++k)
+        c[k] = glm::dvec2(mesh.uv[mesh.triangles[triangle][k]]) * glm::dvec2(size[0], size[1]);
+    return c;
+}
+
+std::uint64_t cell_at(double x, double y) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(y)) << 32 ^
+           (static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0xFFFFFFFFu);
+}
+
+// Finds which triangle of the mesh before it was coded each triangle of the decoded mesh is, by the
+// places in the atlas, which quantisation moves by a fraction of a texel. Error: runtime.
+Result<std::vector<MatchedTriangle>>
+match_triangles(const SurfaceMesh& before, const SurfaceMesh& after, const Texels2& size) {
+    std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells; // middles, by texel
+    std::vector<Corners> all;
+    for (std::uint32_t i = 0; i < before.triangles.size(); ++i) {
+        all.push_back(corners_of(before, i, size));
+        const glm::dvec2 middle = (all[i][0] + all[i][1] + all[i][2]) / 3.0;
+        cells[cell_at(std::floor(middle.x), std::floor(middle.y))].push_back(i);
+    }
+    std::vector<MatchedTriangle> matches;
+    for (std::uint32_t i = 0; i < after.triangles.size(); ++i) {
+        const Corners own = corners_of(after, i, size);
+        const glm::dvec2 middle = (own[0] + own[1] + own[2]) / 3.0;
+        double least = most_moved * most_moved;
+        MatchedTriangle best;
+        bool found = false;
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x) {
+                const auto it =
+                    cells.find(cell_at(std::floor(middle.x) + x, std::floor(middle.y) + y));
+                if (it == cells.end())
+                    continue;
+                for (const std::uint32_t candidate : it->second)
+                    for (std::uint32_t turn = 0; turn < 3; ++turn) {
+                        double moved = 0;
+                        for (std::size_t k = 0; k < 3; ++k) {
+                            const glm::dvec2 way = own[k] - all[candidate][(k + turn) % 3];
+                            moved += glm::dot(way, way);
+                        }
+                        if (moved < least) {
+                            least = moved;
+                            best = {candidate, turn};
+                            found = true;
+                        }
+                    }
+            }
+        if (!found)
+            return Status(ErrorCode::runtime, "triangle " + std::to_string(i) +
+                                                  " of the decoded mesh matches none of the model");
+        matches.push_back(best);
+    }
+    return matches;
 }
 
 Model put_on(const Model& model, const Laid& laid, const SurfaceMesh& mesh,
@@ -112,9 +174,11 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;
     const Laid laid = lay(model, flat, atlas.charts, atlas.size);
-    const MeshQuantisation bits{options.position_bits, uv_bits_for(atlas.size), 0};
+    const MeshQuantisation bits{.position_bits = options.position_bits,
+                                .uv_bits = uv_bits_for(atlas.size),
+                                .normal_bits = 0};
     TESSERA_TRY_ASSIGN(atlas.stream, encode_mesh(laid.mesh, bits));
-    // From here on the mesh is the one that viewers see.
+    // Viewers see the decoded mesh, so all that follows uses it.
     TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));
     TESSERA_TRY_ASSIGN(const auto matches, match_triangles(laid.mesh, atlas.mesh, atlas.size));
     atlas.model = put_on(model, laid, atlas.mesh, matches);

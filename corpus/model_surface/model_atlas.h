@@ -1,4 +1,4 @@
-// A model's surface as a mesh with an atlas, and the model again on the mesh as it decodes.
+// The surface of a model as a mesh with an atlas, and the model on the decoded mesh.
 #pragma once
 
 #include "corpus/model_surface/flat_chart.h"
@@ -8,24 +8,25 @@
 namespace tessera::corpus {
 
 struct ModelAtlasOptions {
-    double density = 0; // texels a world unit; 0: so that the whole surface has `texels`
+    double density = 0; // texels per world unit; 0: such that the whole surface has `texels`
     double texels = 60'000;
     Texels2 tile{32, 32};
     unsigned position_bits = 12;
 };
 
 struct ModelAtlas {
-    std::vector<std::byte> stream; // section prxy
-    SurfaceMesh mesh;              // as the stream decodes
+    std::vector<std::byte> stream; // the section prxy
+    SurfaceMesh mesh;              // decoded from the stream
     std::vector<Chart> charts;
     Texels2 size{0, 0};
     double density = 0;
-    // The model, each triangle where the mesh has it, with the file's normals, colours and materials.
+    // The model with the triangles and positions of the mesh, and the normals, colours and
+    // materials of the file.
     Model model;
 };
 
-// `model` as with_both_sides() gives it.
-// Errors: bad_argument (density), unsupported (too large for an atlas), those of encode_mesh().
+// `model` comes from with_both_sides(). Errors: bad_argument (density, tile); unsupported (too
+// large for an atlas); those of encode_mesh().
 Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions& options);
 
 } // namespace tessera::corpus

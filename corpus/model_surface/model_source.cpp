@@ -1,5 +1,8 @@
 #include "corpus/model_surface/model_source.h"
 
+#include "corpus/surface/angular_choice.h"
+#include "corpus/surface/atlas_mask.h"
+
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -7,9 +10,7 @@
 namespace tessera::corpus {
 namespace {
 
-// How far below the surface a direction of the mirrored map may point and still count: places whose
-// tap the texel is lean away from it.
-constexpr double margin = 0.15;
+constexpr double mask_margin = 0.15; // MaskFront::margin
 
 class ModelTexels final : public TexelSource {
 public:
@@ -53,67 +54,51 @@ private:
     Display display_;
 };
 
-// Beyond an edge the map goes on as it folds (format/surface_mesh.h).
-glm::dvec2 folded_back(glm::dvec2 st) {
-    for (glm::length_t a = 0; a < 2; ++a)
-        if (st[a] < 0.0 || st[a] > 1.0) {
-            st[a] = st[a] < 0.0 ? -st[a] : 2.0 - st[a];
-            st[1 - a] = 1.0 - st[1 - a];
-        }
-    return st;
-}
-
-class ModelMask final : public TexelSource {
+class TrialTexels final : public TrialSurface {
 public:
-    ModelMask(std::shared_ptr<const LitModel> model, AngularMap map, const Texels2& directions)
-        : model_(std::move(model)) {
-        const Texels2& atlas = model_->places().size();
-        desc_ = {{atlas[0], atlas[1], 1, 1}, SampleType::unorm8, 1};
-        if (map != AngularMap::octahedral_mirrored)
-            return;
-        desc_.size[axis_s] = directions[0];
-        desc_.size[axis_t] = directions[1];
-        const SurfaceFrame frame{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-        for (std::uint32_t t = 0; t < directions[1]; ++t)
-            for (std::uint32_t s = 0; s < directions[0]; ++s)
-                for (int i = 0; i < 9; ++i) {
-                    const glm::dvec2 st = folded_back({(s + 0.5 + i % 3 - 1) / directions[0],
-                                                       (t + 0.5 + i / 3 - 1) / directions[1]});
-                    const glm::dvec3 d = octahedral_direction(map, frame, st.x, st.y);
-                    rays_.push_back({-d.x, -d.y, d.z}); // mirrored at z
-                }
+    TrialTexels(const LitModel& model, const Display& display) : model_(model), display_(display) {
+        const Texels2& size = model.places().size();
+        for (std::uint32_t v = 0; v < size[1]; ++v)
+            for (std::uint32_t u = 0; u < size[0]; ++u)
+                if (model.matters(u, v))
+                    texels_.push_back({u, v});
     }
-
-    const TextureDesc& desc() const override { return desc_; }
-
-    Status read(const Box4& box, std::span<std::byte> out) override {
-        TESSERA_TRY(check_box(desc_, box, out.size()));
-        std::byte* next = out.data();
-        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
-            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {
-                const bool matters = model_->matters(u, v);
-                const glm::dvec3 normal =
-                    matters && !rays_.empty() ? model_->frame(u, v).ez : glm::dvec3(0.0);
-                for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
-                    for (std::uint32_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s)
-                        *next++ = static_cast<std::byte>(matters && is_seen(s, t, normal));
-            }
-        return {};
+    std::size_t texels() const override { return texels_.size(); }
+    // The nearest texel, or the texel itself if that one belongs to another chart.
+    Place at(std::size_t texel, const glm::dvec2& offset) const override {
+        const auto [u, v] = moved(texels_[texel], offset);
+        const SurfaceFrame frame = model_.frame(u, v);
+        return {frame, [this, u = u, v = v, frame,
+                        arriving = model_.arriving(u, v)](const glm::dvec3& towards) {
+                    constexpr AngularMap map = AngularMap::octahedral_hemisphere; // any map will do
+                    const glm::dvec3 d =
+                        towards - 2.0 * std::min(glm::dot(towards, frame.ez), 0.0) * frame.ez;
+                    const glm::dvec2 st = octahedral_place(map, frame, d);
+                    return display_.value(model_.light(u, v, map, st.x, st.y, *arriving));
+                }};
     }
+    // Few, because each takes hundreds of paths.
+    unsigned trials() const override { return 256; }
 
 private:
-    bool is_seen(std::uint32_t s, std::uint32_t t, const glm::dvec3& normal) const {
-        if (rays_.empty())
-            return true;
-        const auto first = rays_.begin() + static_cast<std::ptrdiff_t>(
-                                               9 * (std::size_t{t} * desc_.size[axis_s] + s));
-        return std::any_of(first, first + 9,
-                           [&](const glm::dvec3& ray) { return glm::dot(ray, normal) > -margin; });
+    Texels2 moved(const Texels2& texel, const glm::dvec2& offset) const {
+        Texels2 there = texel;
+        for (std::size_t a = 0; a < 2; ++a) {
+            const double x = texel[a] + std::round(offset[static_cast<glm::length_t>(a)]);
+            if (x < 0.0 || x >= model_.places().size()[a])
+                return texel;
+            there[a] = static_cast<std::uint32_t>(x);
+        }
+        const auto chart = [&](const Texels2& at) {
+            return model_.places().chart_of(
+                model_.places().place(at[0], at[1], {0.0, 0.0}).triangle);
+        };
+        return model_.matters(there[0], there[1]) && chart(there) == chart(texel) ? there : texel;
     }
 
-    std::shared_ptr<const LitModel> model_;
-    TextureDesc desc_;
-    std::vector<glm::dvec3> rays_; // nine a cell: its centre and around it; t slowest
+    const LitModel& model_;
+    const Display& display_;
+    std::vector<Texels2> texels_;
 };
 
 } // namespace
@@ -130,7 +115,19 @@ Result<std::unique_ptr<TexelSource>> make_model_source(std::shared_ptr<const Lit
 
 std::unique_ptr<TexelSource> make_model_mask(std::shared_ptr<const LitModel> model, AngularMap map,
                                              const Texels2& directions) {
-    return std::make_unique<ModelMask>(std::move(model), map, directions);
+    return make_atlas_mask(
+        {.size = model->places().size(),
+         .is_visible = [model](std::uint32_t u, std::uint32_t v) { return model->matters(u, v); },
+         .front =
+             [model](std::uint32_t u, std::uint32_t v) {
+                 return MaskFront{model->frame(u, v).ez, mask_margin};
+             }},
+        map, directions);
+}
+
+AngularMap choose_angular_map(const LitModel& model, const Display& display,
+                              const Texels2& directions) {
+    return choose_angular_map(TrialTexels(model, display), directions);
 }
 
 double NoiseEstimate::samples_for(double wanted) const {
@@ -151,21 +148,19 @@ NoiseEstimate estimate_noise(const LitModel& model, AngularMap map, const Texels
         const auto s = static_cast<std::uint32_t>((more & 0xFFFFFFFFu) * directions[0] >> 32);
         const auto t = static_cast<std::uint32_t>((more >> 32) * directions[1] >> 32);
         const double x = (s + 0.5) / directions[0], y = (t + 0.5) / directions[1];
-        // Cells that nobody sees do not count.
+        // Skip cells that no observer sees.
         const SurfaceFrame frame = model.frame(u, v);
         if (glm::dot(octahedral_direction(map, frame, x, y), frame.ez) < 0.0)
             continue;
         const glm::dvec3 way = display.value(model.other_light(u, v, map, x, y, 2 * i + 11)) -
                                display.value(model.other_light(u, v, map, x, y, 2 * i + 12));
-        squares +=
-            glm::dot(way, way) / 6.0; // three channels; the difference has twice the variance
+        // Three channels, and the variance of a difference is twice that of a value.
+        squares += glm::dot(way, way) / 6.0;
         ++done;
     }
-    NoiseEstimate estimate;
-    estimate.samples = samples;
-    estimate.decibels = done == 0 || squares == 0.0 ? std::numeric_limits<double>::infinity()
-                                                    : -10.0 * std::log10(squares / done);
-    return estimate;
+    return {.decibels = done == 0 || squares == 0.0 ? std::numeric_limits<double>::infinity()
+                                                    : -10.0 * std::log10(squares / done),
+            .samples = samples};
 }
 
 } // namespace tessera::corpus

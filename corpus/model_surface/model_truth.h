@@ -1,4 +1,4 @@
-// What an observer sees of a model, path traced: the judge of its texture.
+// Path-traced views of a model, which its texture is compared with.
 #pragma once
 
 #include "corpus/model_surface/display.h"
@@ -6,14 +6,14 @@
 
 namespace tessera::corpus {
 
-// Of the model as the file has it, not of the mesh that stands for it. Thread-safe.
+// Traces the model of the file, not the mesh of its texture. Thread-safe.
 class ModelTruth {
 public:
     ModelTruth(Tracer tracer, const Display& display, unsigned samples)
         : tracer_(std::move(tracer)), display_(display), samples_(samples) {}
 
-    // The display's value along the ray; nothing where it misses. `ray` is any number, other for each
-    // ray: it names the paths.
+    // The display's value along the ray; nothing if the ray misses. `ray` selects the random paths
+    // and should differ between rays.
     std::optional<glm::dvec3> see(const glm::dvec3& origin, const glm::dvec3& direction,
                                   std::uint64_t ray) const;
 
@@ -23,7 +23,8 @@ private:
     unsigned samples_;
 };
 
-// `samples` paths a ray. Errors: those of RayModel.
+// `samples` paths per ray. Errors: bad_argument (no samples); those of with_both_sides() and
+// RayModel::make().
 Result<std::shared_ptr<const ModelTruth>>
 make_model_truth(Model model, ModelLight light, const Display& display, unsigned samples);
 

@@ -1,4 +1,4 @@
-#include "corpus/model_surface/small_charts.h"
+#include "corpus/model_surface/flat_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,13 @@
 namespace tessera::corpus {
 namespace {
 
-// Texels that a chart takes, with its gutters.
+// The texels of a chart along one axis, with its gutters.
 double texels_along(const FlatChart& chart, glm::length_t axis, double density) {
     return std::ceil(std::max(chart.sides[axis] * density, 1.0)) + 2.0 * gutter;
 }
 
-// Tiles that small charts share: shelves, each as high as its first chart.
+// Tiles that small charts share. Charts stand side by side on shelves, which are as high as their
+// first chart.
 class SharedTiles {
 public:
     explicit SharedTiles(const Texels2& tile) : tile_(tile) {}
@@ -22,7 +23,7 @@ public:
         Texels2 begin{0, 0};
     };
 
-    // By falling height.
+    // Charts must be added by decreasing height.
     Place add(const Texels2& sides) {
         for (std::size_t i = 0; i < shelves_.size(); ++i)
             if (Shelf& shelf = shelves_[i];
@@ -48,7 +49,7 @@ private:
         std::uint32_t top, height, used;
     };
     Texels2 tile_;
-    std::vector<std::uint32_t> heights_; // a tile: taken by its shelves
+    std::vector<std::uint32_t> heights_; // of the shelves of each tile
     std::vector<Shelf> shelves_;
 };
 
@@ -56,7 +57,7 @@ private:
 
 Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
                           const Texels2& tile) {
-    std::vector<Patch> patches; // of large charts, then shared tiles
+    std::vector<Patch> patches; // large charts, then shared tiles
     std::vector<std::size_t> patch_of(charts.size());
     std::vector<std::size_t> small;
     std::vector<Texels2> sides(charts.size());
@@ -80,7 +81,7 @@ Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
         places[i] = shared.add(sides[i]);
     const std::size_t large = patches.size();
     for (std::size_t i = 0; i < shared.count(); ++i) {
-        patches.emplace_back(); // fills its tile
+        patches.emplace_back(); // as large as a tile
         patches.back().sides =
             glm::dvec2(tile[0] - 2.0 * gutter - 0.5, tile[1] - 2.0 * gutter - 0.5) / density;
     }

@@ -1,4 +1,4 @@
-// Which angular map shows a surface best, by trial.
+// Chooses the angular map that shows a surface best, by trial.
 #pragma once
 
 #include "corpus/surface/lit_surface.h"
@@ -8,7 +8,7 @@
 
 namespace tessera::corpus {
 
-// What a trial looks at: texels of an atlas that shine, and the light that leaves them.
+// A surface for trials: the texels whose light depends on the direction, and their light.
 class TrialSurface {
 public:
     struct Place {
@@ -17,24 +17,12 @@ public:
     };
     virtual ~TrialSurface() = default;
     virtual std::size_t texels() const = 0;
-    // Of one of them, `offset` texels from its centre, on its chart.
+    // The place `offset` texels from the centre of a texel, on the same chart.
     virtual Place at(std::size_t texel, const glm::dvec2& offset) const = 0;
     virtual unsigned trials() const = 0;
 };
 
-// What an angular map does to a texture, as squared errors of colours, at random places of what shines.
-struct AngularTrial {
-    double blur =
-        0; // of light interpolated between cells, in random directions as far observers have them
-    double change =
-        0; // of the light in one cell between places a few texels apart: what has to be coded
-};
-
-// All 0 where nothing shines. Deterministic.
-AngularTrial try_angular_map(const TrialSurface& surface, AngularMap map,
-                             const Texels2& directions);
-
-// The better of the two octahedral maps; hemisphere where that is all the same.
+// The better of the two octahedral maps, or the hemisphere map if both are equal. Deterministic.
 AngularMap choose_angular_map(const TrialSurface& surface, const Texels2& directions);
 AngularMap choose_angular_map(const LitSurface& surface, const Texels2& directions);
 

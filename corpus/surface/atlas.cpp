@@ -1,28 +1,88 @@
 #include "corpus/surface/atlas.h"
 
-#include "corpus/surface/rect_packing.h"
 #include "format/texture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <stb/stb_rect_pack.h>
 
 namespace tessera::corpus {
 namespace {
 
-// A patch that is a little too large for a whole number of tiles is shrunk to fit, by at most this
-// part of a tile: a row of tiles for a few texels costs more than the texels are worth.
+// A patch that is slightly too large for a whole number of tiles shrinks by at most this share of a
+// tile, because another row of tiles would cost more than its few texels are worth.
 constexpr double most_shrink = 0.25;
 
-// The observer who looks straight at the patch stands at `distance` from the origin on the side that
-// the patch faces: what lies behind the origin is farther, and needs fewer texels.
+// The density of a patch relative to one at the origin, for an observer that looks straight at it
+// from `distance`. Patches behind the origin are farther away and need fewer texels.
 double nearness(const Patch& patch, double distance) {
     return distance / std::max(0.1 * distance, distance - glm::dot(patch.centre, patch.normal));
 }
 
-// Tiles along a side of `texels`, gutters included.
+// The number of tiles along a side of `texels`, which include the gutters.
 std::uint32_t tiles_for(double texels, std::uint32_t tile) {
     return std::max(1u, static_cast<std::uint32_t>(std::ceil(texels / tile - most_shrink)));
+}
+
+struct RectPacking {
+    std::vector<Texels2> places; // lower corners, in the order of the input
+    Texels2 size{0, 0};
+};
+
+constexpr int most_side = 1 << 15;
+
+// Packs into a strip of this width with the skyline heuristic. Returns the height, or 0 on failure.
+std::uint32_t pack_into(std::vector<stbrp_rect>& rectangles, std::uint32_t width) {
+    std::vector<stbrp_node> nodes(width); // one per column, so that places are exact
+    stbrp_context context;
+    stbrp_init_target(&context, static_cast<int>(width), most_side, nodes.data(),
+                      static_cast<int>(width));
+    if (stbrp_pack_rects(&context, rectangles.data(), static_cast<int>(rectangles.size())) == 0)
+        return 0;
+    std::uint32_t height = 0;
+    for (const stbrp_rect& r : rectangles)
+        height = std::max(height, static_cast<std::uint32_t>(r.y + r.h));
+    return height;
+}
+
+// Packs rectangles with sides above 0 into the smallest rectangle that the search finds. The result
+// is the same on every machine. Error: unsupported (no packing below 2^15 per side).
+Result<RectPacking> pack_rectangles(std::span<const Texels2> sides) {
+    std::vector<stbrp_rect> rectangles;
+    std::uint32_t widest = 1;
+    double area = 0;
+    for (const auto& [w, h] : sides) {
+        if (w > most_side || h > most_side)
+            return Status(ErrorCode::unsupported, "a rectangle is too large for the atlas");
+        rectangles.push_back({.id = static_cast<int>(rectangles.size()),
+                              .w = static_cast<int>(w),
+                              .h = static_cast<int>(h),
+                              .x = 0,
+                              .y = 0,
+                              .was_packed = 0});
+        widest = std::max(widest, w);
+        area += static_cast<double>(w) * h;
+    }
+    RectPacking best;
+    std::uint64_t least = UINT64_MAX;
+    const auto square = static_cast<std::uint32_t>(std::ceil(std::sqrt(area)));
+    const std::uint32_t last = std::min<std::uint32_t>(std::max(widest, 2 * square), most_side);
+    for (std::uint32_t width = widest; width <= last; ++width) {
+        const std::uint32_t height = pack_into(rectangles, width);
+        const std::uint64_t size = std::uint64_t{width} * height;
+        if (height == 0 || size >= least)
+            continue;
+        least = size;
+        best.size = {width, height};
+        best.places.resize(sides.size());
+        for (const stbrp_rect& r : rectangles)
+            best.places[static_cast<std::size_t>(r.id)] = {static_cast<std::uint32_t>(r.x),
+                                                           static_cast<std::uint32_t>(r.y)};
+    }
+    if (best.places.size() != sides.size())
+        return Status(ErrorCode::unsupported, "the charts do not fit an atlas");
+    return best;
 }
 
 } // namespace
@@ -31,7 +91,7 @@ Result<Atlas> make_atlas(std::span<const Patch> patches, const AtlasOptions& opt
     Atlas atlas;
     std::vector<Texels2> tiles;
     for (const Patch& patch : patches) {
-        Chart chart{patch.object, patch.part, {}, {}};
+        Chart chart{.object = patch.object, .part = patch.part};
         Texels2 count{};
         const double density = options.density * patch.density * nearness(patch, options.distance);
         for (std::size_t a = 0; a < 2; ++a) {

@@ -1,4 +1,4 @@
-// A decoded mesh of a scene's surfaces, with the light that leaves each texel of its atlas.
+// The decoded mesh of a scene's surfaces, with the light that leaves each texel of its atlas.
 #pragma once
 
 #include "corpus/scene.h"
@@ -9,24 +9,26 @@
 
 namespace tessera::corpus {
 
-// Immutable, hence thread-safe.
+// Immutable and thread-safe.
 class LitSurface {
 public:
-    // A place with the light that leaves it. Directions are those of the mesh's frame there, the light is
-    // that of the true surface at the nearest point of the part that the mesh stands for: polygons and
-    // quantisation neither hide light nor bend mirrors.
+    // A place and the light that leaves it. The frame is that of the mesh. The light is that of the
+    // true surface, at the nearest point of the part that the mesh approximates, so that polygons
+    // and quantisation neither hide light nor bend mirrors.
     struct Place {
         LitPlace light;
         SurfaceFrame frame;
     };
 
-    // `mesh` as decode_mesh() gives it, `charts` those that it was made with. Errors: those of TexelPlaces.
+    // `mesh` comes from decode_mesh(), `charts` from make_scene_surface(). Errors: those of
+    // TexelPlaces::make().
     static Result<std::shared_ptr<const LitSurface>>
     make(Scene scene, SurfaceMesh mesh, std::vector<Chart> charts, const Texels2& size);
 
     const Scene& scene() const { return scene_; }
     const TexelPlaces& places() const { return places_; }
-    // Of the texel that matters, `offset` texels from its centre.
+    // The place `offset` texels from the centre of a texel. Precondition: places().matters(u, v),
+    // here and for chart_at().
     Place at(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const;
     const Chart& chart_at(std::uint32_t u, std::uint32_t v) const;
     const Object& object_of(const Chart& chart) const { return scene_.objects[chart.object]; }

@@ -8,11 +8,11 @@
 namespace tessera::corpus {
 namespace {
 
-// Across `u` and up `v`, vectors from the rectangle's middle to its borders; u x v points outwards.
+// `u` and `v` point from the middle of the rectangle to its borders; u x v points outwards.
 Patch rectangle(const glm::dvec3& middle, const glm::dvec3& u, const glm::dvec3& v) {
     Patch patch;
     const glm::dvec3 normal = glm::normalize(glm::cross(u, v));
-    patch.part = {false, normal, glm::dot(middle, normal)};
+    patch.part = {.round = false, .normal = normal, .height = glm::dot(middle, normal)};
     patch.sides = {2.0 * glm::length(u), 2.0 * glm::length(v)};
     add_grid(patch, 1, 1, [&](const glm::dvec2& place) {
         return PartPoint{middle + (2.0 * place.x - 1.0) * u + (2.0 * place.y - 1.0) * v, normal};
@@ -63,17 +63,16 @@ PartPoint settle(const Object& object, const Part& part, const glm::dvec3& local
 Status add_patches(const Object& object, std::size_t number, double tolerance,
                    std::vector<Patch>& patches) {
     if (!std::isfinite(object.bound))
-        return {ErrorCode::unsupported, "a plane without end has no mesh"};
+        return {ErrorCode::unsupported, "an infinite plane has no mesh"};
     for (Patch& patch : patches_of(object, tolerance)) {
         for (PatchVertex& vertex : patch.vertices) {
-            // Times the transpose, which turns back to the world.
+            // Multiplies by the transpose, back to the world.
             vertex.position = object.centre + vertex.position * object.to_local;
             vertex.normal = vertex.normal * object.to_local;
             patch.centre += vertex.position / static_cast<double>(patch.vertices.size());
             patch.normal += vertex.normal;
         }
-        const double length =
-            glm::length(patch.normal); // nearly 0 for a tube, which looks all round
+        const double length = glm::length(patch.normal); // almost 0 for a tube
         patch.normal = length > 0.1 * static_cast<double>(patch.vertices.size())
                            ? patch.normal / length
                            : glm::dvec3{0.0};

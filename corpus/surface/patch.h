@@ -1,4 +1,4 @@
-// The surface of a scene's objects, cut into patches that each lie flat in a rectangle of the atlas.
+// The surface of a scene's objects, cut into patches that map to rectangles of the atlas.
 #pragma once
 
 #include "corpus/scene.h"
@@ -11,11 +11,11 @@
 
 namespace tessera::corpus {
 
-// Which part of an object's surface: the round one of a sphere or cylinder, or a flat one.
+// A part of an object's surface: the round part of a sphere or cylinder, or a flat part.
 struct Part {
     bool round = false;
     glm::dvec3 normal{0.0}; // of a flat part, in the object's frame
-    double height = 0.0;    // of a flat part above the object's centre, along its normal
+    double height = 0.0;    // of a flat part above the object's centre, along the normal
 };
 
 // A point on a part of an object, in the object's frame.
@@ -24,8 +24,8 @@ struct PartPoint {
     glm::dvec3 normal;
 };
 
-// The nearest point of the part, which goes on beyond its border: a cap is a whole plane, a side a
-// whole tube. So triangles that only approach the surface, and gutters, show what belongs there.
+// The nearest point of the part, which continues beyond its border: a cap is an infinite plane, a
+// side an infinite tube. So triangles near the surface and gutters show the right part.
 PartPoint settle(const Object& object, const Part& part, const glm::dvec3& local);
 
 struct PatchVertex {
@@ -36,15 +36,15 @@ struct PatchVertex {
 struct Patch {
     std::size_t object = 0; // of the scene
     Part part;
-    glm::dvec2 sides{0.0};               // of the rectangle, world units
-    glm::dvec3 centre{0.0}, normal{0.0}; // roughly where it is and which way it looks; 0: all round
+    glm::dvec2 sides{0.0};               // of the rectangle, in world units
+    glm::dvec3 centre{0.0}, normal{0.0}; // means of the vertices; the normal of a tube is 0
     double density = 1.0;                // of texels, relative to other patches
     std::vector<PatchVertex> vertices;
-    std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise from outside
+    std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise, seen from outside
 };
 
-// The object's whole surface. Round parts are polygons that straddle the true surface and stay within
-// `tolerance` (world units) of it; planes have their front only. Errors: unsupported, an endless plane.
+// Adds the patches of the whole object; of planes only the front. The polygons of round parts
+// straddle the true surface within `tolerance` world units. Error: unsupported (an infinite plane).
 Status add_patches(const Object& object, std::size_t number, double tolerance,
                    std::vector<Patch>& patches);
 

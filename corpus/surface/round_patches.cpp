@@ -14,13 +14,13 @@ std::uint32_t count_of(double wished, std::uint32_t least) {
     return std::max(least, static_cast<std::uint32_t>(std::ceil(wished)));
 }
 
-// How far out the corners are of a polygon whose sides, each seen under twice `half_angle`, have their
-// middles as far inside the circle.
+// The distance of the corners of a polygon from the centre, such that its corners lie as far
+// outside the circle as the middles of its sides lie inside. A side spans twice `half_angle`.
 double straddling(double radius, double half_angle) {
     return 2.0 * radius / (1.0 + std::cos(half_angle));
 }
 
-// Zigzag over the ring: no triangle has all its corners close together, as those of a fan have.
+// A zigzag over the ring. Unlike in a fan, no triangle has all its corners close together.
 void fill_ring(Patch& patch) {
     auto low = 0u, high = static_cast<std::uint32_t>(patch.vertices.size()) - 1;
     for (bool from_low = true; high - low >= 2; from_low = !from_low) {
@@ -30,17 +30,17 @@ void fill_ring(Patch& patch) {
     }
 }
 
-// `up`: 1 or -1. Seen from outside, x grows along u.
+// `up` is 1 or -1. Seen from outside, x grows along u.
 Patch cap(double radius, double half_height, double up, std::uint32_t corners) {
     Patch patch;
-    patch.part = {false, {0.0, up, 0.0}, half_height};
+    patch.part = {.round = false, .normal = {0.0, up, 0.0}, .height = half_height};
     patch.sides = {2.0 * radius, 2.0 * radius};
     for (std::uint32_t i = 0; i < corners; ++i) {
         const double angle = 2.0 * pi * i / corners * up;
         const double x = std::sin(angle), z = std::cos(angle);
-        patch.vertices.push_back({{radius * x, up * half_height, radius * z},
-                                  patch.part.normal,
-                                  {0.5 + 0.5 * x, 0.5 - 0.5 * up * z}});
+        patch.vertices.push_back({.position = {radius * x, up * half_height, radius * z},
+                                  .normal = patch.part.normal,
+                                  .place = {0.5 + 0.5 * x, 0.5 - 0.5 * up * z}});
     }
     fill_ring(patch);
     return patch;
@@ -49,7 +49,8 @@ Patch cap(double radius, double half_height, double up, std::uint32_t corners) {
 } // namespace
 
 std::vector<Patch> sphere_patches(double radius, double tolerance) {
-    // What lies deepest is the middle of a cell's diagonal, of which the sphere shows sqrt 2 of a side.
+    // The deepest point is the middle of a cell's diagonal, which spans sqrt 2 times the angle of a
+    // side.
     const std::uint32_t cells =
         count_of(pi / (4.0 * std::numbers::sqrt2) * std::sqrt(radius / tolerance), 2);
     const double corner = straddling(radius, pi / (2.0 * std::numbers::sqrt2 * cells));
@@ -73,7 +74,8 @@ std::vector<Patch> sphere_patches(double radius, double tolerance) {
 }
 
 std::vector<Patch> cylinder_patches(double radius, double half_height, double tolerance) {
-    // A ball's outline is made of many edges, whose errors cancel. A tube's is one edge, wrong all along.
+    // The outline of a ball consists of many edges, whose errors cancel out. That of a tube is one
+    // edge.
     constexpr double finer = 8;
     const std::uint32_t corners = count_of(pi / 2.0 * std::sqrt(finer * radius / tolerance), 6);
     const double corner = straddling(radius, pi / corners);
@@ -81,7 +83,7 @@ std::vector<Patch> cylinder_patches(double radius, double half_height, double to
     side.part.round = true;
     side.sides = {2.0 * pi * radius, 2.0 * half_height};
     add_grid(side, corners, 1, [&](const glm::dvec2& place) {
-        // Exactly round again: the caps have the same corners.
+        // The last column equals the first one exactly, and the caps have the same corners.
         const double turn = std::round(place.x * corners);
         const double angle = turn < corners ? 2.0 * pi * turn / corners : 0.0;
         const glm::dvec3 normal{std::sin(angle), 0.0, std::cos(angle)};

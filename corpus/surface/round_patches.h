@@ -1,15 +1,15 @@
-// Polygons for what is round, in the object's frame.
+// Polygons for round surfaces, in the object's frame.
 //
-// A polygon whose corners lie on a circle is all inside it. Corners a little outside let its sides
-// straddle the circle, which halves the error, or the triangles.
+// A polygon with its corners on a circle lies inside the circle. Corners slightly outside make its
+// sides straddle the circle, which halves the error or the number of triangles.
 #pragma once
 
 #include "corpus/surface/patch.h"
 
 namespace tessera::corpus {
 
-// Corners of a grid over the rectangle, and two triangles a cell, cut along the shorter diagonal:
-// point(place) for places 0..1. u x v points outwards.
+// Adds a grid of vertices point(place), with places in 0..1, and two triangles per cell, which is
+// cut along the shorter diagonal. u x v points outwards.
 template <class Point>
 void add_grid(Patch& patch, std::uint32_t columns, std::uint32_t rows, const Point& point) {
     const auto first = static_cast<std::uint32_t>(patch.vertices.size());
@@ -27,17 +27,17 @@ void add_grid(Patch& patch, std::uint32_t columns, std::uint32_t rows, const Poi
         for (std::uint32_t i = 0; i < columns; ++i) {
             const std::uint32_t a = first + j * (columns + 1) + i, b = a + 1;
             const std::uint32_t c = a + columns + 1, d = c + 1;
-            // The margin keeps rounding from choosing where both are as long.
+            // The margin keeps the choice independent of rounding where both are equal.
             const bool falling = span(b, c) < span(a, d) * (1.0 - 1e-6);
             patch.triangles.push_back({a, b, falling ? c : d});
             patch.triangles.push_back({falling ? b : a, d, c});
         }
 }
 
-// Six, as of a cube blown up: equal steps of angle along both sides.
+// Six patches, as of an inflated cube, with equal steps of angle along both sides.
 std::vector<Patch> sphere_patches(double radius, double tolerance);
 
-// A side, rolled out, and two caps.
+// The unrolled side and two caps.
 std::vector<Patch> cylinder_patches(double radius, double half_height, double tolerance);
 
 } // namespace tessera::corpus

@@ -53,7 +53,7 @@ Result<SceneSurface> make_scene_surface(const Scene& scene, const SurfaceOptions
     if (patches.empty())
         return Status(ErrorCode::unsupported, "the scene has no surface");
     TESSERA_TRY_ASSIGN(Atlas atlas, make_atlas(patches, options.atlas));
-    SceneSurface surface{{}, std::move(atlas.charts), atlas.size};
+    SceneSurface surface{.mesh = {}, .charts = std::move(atlas.charts), .size = atlas.size};
     for (std::size_t i = 0; i < patches.size(); ++i)
         append(patches[i], surface.charts[i], surface.size, surface.mesh);
     return surface;

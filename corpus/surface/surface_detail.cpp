@@ -7,11 +7,12 @@
 namespace tessera::corpus {
 namespace {
 
-// What a tile may have, codec/encoder.h.
+// The limits of a tile in codec/encoder.h.
 constexpr std::uint32_t most_directions = 32, most_places = 64, most_tile_texels = 65536;
 
-// A tile is coded alone. What looks the same from everywhere is coded once where a tile has all
-// directions; where everything shines, more places and fewer directions are 8 % cheaper.
+// Tiles are coded independently. A tile with all directions codes a place that looks the same from
+// all of them once. If every object shines, tiles of more places and fewer directions are 8 %
+// smaller.
 Extent4 tile_for(bool all_shine, const Texels2& directions) {
     Extent4 tile{};
     const std::uint32_t most = all_shine ? 8 : most_directions;

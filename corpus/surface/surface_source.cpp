@@ -9,13 +9,13 @@
 namespace tessera::corpus {
 namespace {
 
-// Hammersley's points, in texels from the centre: evenly spread along both axes and over the texel. The
-// same in all texels, for what differs from texel to texel is noise that costs bits.
+// Hammersley points, in texels from the centre: evenly spread along both axes and over the texel.
+// All texels use the same points, because differences between texels are noise, which costs bits.
 std::vector<glm::dvec2> spread_offsets(unsigned count) {
     const unsigned levels = std::bit_ceil(count);
     std::vector<glm::dvec2> points;
     for (unsigned i = 0; i < count; ++i) {
-        double mirrored = 0.5 / levels; // of the bits of i
+        double mirrored = 0.5 / levels; // the bits of i in reverse order
         double bit = 0.5;
         for (unsigned rest = i; rest != 0; rest >>= 1, bit *= 0.5)
             mirrored += (rest & 1u) != 0 ? bit : 0.0;

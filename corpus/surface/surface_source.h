@@ -1,4 +1,4 @@
-// The texels of a scene's surfaces, baked where they are read, and which of them anyone can see.
+// The texels of a scene's surfaces, baked when they are read, and their mask.
 #pragma once
 
 #include "corpus/surface/lit_surface.h"
@@ -8,21 +8,21 @@
 
 namespace tessera::corpus {
 
-// RGB of the scene's sample type, `directions` texels along s and t. A texel is the mean over
-// `samples` (1..65536) places spread over it, each in the texel's one direction (s, t): filtered where
-// taps are apart on the surface, sharp where they are apart in direction. What does not shine is baked
-// once for all directions. Cells that stand for directions into the surface have the light mirrored
-// back over it, so that taps at grazing angles find what belongs beside them. Texels that do not matter
-// are the background.
+// RGB of the scene's sample type with `directions` texels along s and t. A texel is the mean over
+// `samples` (1..65536) places that spread over it, all in the texel's direction (s, t): it is
+// filtered over the surface, but sharp in direction. Places that do not shine are baked once for
+// all directions. Cells for directions into the surface have the light of the direction mirrored
+// above the surface, so that taps at grazing angles fit together. Texels that do not matter are the
+// background.
 //
-// The bytes depend on the arguments only; thread-safe; any box. Errors: bad_argument (size or samples).
+// The bytes depend on the arguments only. Thread-safe; any box. Error: bad_argument (size or
+// samples).
 Result<std::unique_ptr<TexelSource>> make_surface_source(std::shared_ptr<const LitSurface> surface,
                                                          AngularMap map, const Texels2& directions,
                                                          unsigned samples);
 
-// 1 for texels that some observer sees or has for a tap, 0 outside of charts, inside of other objects and,
-// with the mirrored map, in cells that only directions into the surface use. One channel, thread-safe, any box;
-// sides along s and t are 1 where the direction does not matter.
+// The mask of the texels that are taps of visible places, as make_atlas_mask(). Texels deep inside
+// other objects are masked.
 std::unique_ptr<TexelSource> make_surface_mask(std::shared_ptr<const LitSurface> surface,
                                                AngularMap map, const Texels2& directions);
 

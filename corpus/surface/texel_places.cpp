@@ -12,7 +12,7 @@ glm::dvec2 in_texels(const glm::vec2& uv, const Texels2& size) {
 
 } // namespace
 
-// How far the texel place is outside of the triangle: the most negative weight, turned round.
+// How far a point of the atlas is outside the triangle: the smallest weight, negated.
 double TexelPlaces::outside(std::uint32_t triangle, const glm::dvec2& texel) const {
     const glm::dvec2 b = barycentric(triangle, texel);
     return -std::min({b.x, b.y, 1.0 - b.x - b.y});
@@ -47,9 +47,11 @@ Result<TexelPlaces> TexelPlaces::make(const SurfaceMesh& mesh, std::span<const C
         places.chart_of_.push_back(static_cast<std::size_t>(chart - charts.begin()));
         const glm::dvec2 p = b - a, q = c - a;
         const double area = p.x * q.y - p.y * q.x;
-        const double inverse = area != 0.0 ? 1.0 / area : 0.0; // one without area covers nothing
-        places.slopes_.push_back(
-            {a, glm::dvec2{q.y, -p.y} * inverse, glm::dvec2{-q.x, p.x} * inverse});
+        const double inverse =
+            area != 0.0 ? 1.0 / area : 0.0; // without area: no texel
+        places.slopes_.push_back({.corner = a,
+                                  .along_u = glm::dvec2{q.y, -p.y} * inverse,
+                                  .along_v = glm::dvec2{-q.x, p.x} * inverse});
     }
     places.cover(mesh);
     for (const Chart& chart : charts)
@@ -57,8 +59,8 @@ Result<TexelPlaces> TexelPlaces::make(const SurfaceMesh& mesh, std::span<const C
     return places;
 }
 
-// The texels that have a place of some triangle: first those whose centres lie in one, then what is left.
-// Of two triangles it is the earlier one's.
+// Assigns the texels that triangles cover: first those whose centres lie in a triangle, then the
+// others. The first triangle wins.
 void TexelPlaces::cover(const SurfaceMesh& mesh) {
     for (const bool centres : {true, false})
         for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -72,8 +74,8 @@ void TexelPlaces::cover(const SurfaceMesh& mesh) {
         }
 }
 
-// A ring of texels around what the chart's triangles have, as taps lie less than a texel from the place
-// that they are for: each goes to that of its neighbours' triangles which it is least outside of.
+// Assigns a ring of texels around those of the chart's triangles, because taps lie less than a
+// texel from their place. Each texel gets the nearest of its neighbours' triangles.
 void TexelPlaces::grow(const Chart& chart) {
     struct Grown {
         std::size_t texel;

@@ -4,41 +4,42 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr unsigned ways = 64;
+constexpr unsigned trials = 64;
 
 ModelTriangle turned(const ModelTriangle& triangle) {
     return {{triangle.vertices[0], triangle.vertices[2], triangle.vertices[1]}, triangle.material};
 }
 
-// Whether a ray from the triangle's back, somewhere on it, leads out of the model.
+// Whether test(place, random) is true at one of several random places of the triangle.
+template <class Test>
+bool at_any_place(std::uint32_t triangle, std::uint64_t sequence, const Test& test) {
+    for (unsigned i = 0; i < trials; ++i) {
+        PathRandom random(sequence, i);
+        glm::dvec2 b = random.next2();
+        if (b.x + b.y > 1.0)
+            b = 1.0 - b;
+        if (test(ModelPlace{triangle, b}, random))
+            return true;
+    }
+    return false;
+}
+
+// Whether a ray from the back of the triangle leaves the model.
 bool is_open(const RayModel& rays, std::uint32_t triangle) {
-    for (unsigned i = 0; i < ways; ++i) {
-        PathRandom random(0, i);
-        glm::dvec2 b = random.next2();
-        if (b.x + b.y > 1.0)
-            b = 1.0 - b;
-        const LitPoint p = rays.point({triangle, b});
+    return at_any_place(triangle, 0, [&](const ModelPlace& place, PathRandom& random) {
+        const LitPoint p = rays.point(place);
         const glm::dvec3 d = sample_cosine(-p.face, random.next2());
-        if (!rays.is_walled(p.position - 1e-3 * p.face, d))
-            return true;
-    }
-    return false;
+        return !rays.is_walled(p.position - 1e-3 * p.face, d);
+    });
 }
 
-// Whether the alpha mask leaves something of it, at random places.
-bool is_there(const RayModel& rays, std::uint32_t triangle) {
-    for (unsigned i = 0; i < ways; ++i) {
-        PathRandom random(1, i);
-        glm::dvec2 b = random.next2();
-        if (b.x + b.y > 1.0)
-            b = 1.0 - b;
-        if (!rays.is_cut_out({triangle, b}))
-            return true;
-    }
-    return false;
+// Whether the alpha mask leaves a part of the triangle.
+bool is_visible(const RayModel& rays, std::uint32_t triangle) {
+    return at_any_place(
+        triangle, 1, [&](const ModelPlace& place, PathRandom&) { return !rays.is_cut_out(place); });
 }
 
-bool needs_a_look(const Model& model) {
+bool has_backs_or_masks(const Model& model) {
     for (const ModelMaterial& m : model.materials)
         if (m.double_sided || m.cutoff > 0.0)
             return true;
@@ -48,13 +49,13 @@ bool needs_a_look(const Model& model) {
 } // namespace
 
 Result<Model> with_both_sides(Model model) {
-    if (!needs_a_look(model))
+    if (!has_backs_or_masks(model))
         return model;
     TESSERA_TRY_ASSIGN(const auto rays, RayModel::make(model));
     const std::vector<ModelTriangle> before = std::move(model.triangles);
     model.triangles.clear();
     for (std::uint32_t i = 0; i < before.size(); ++i) {
-        if (!is_there(*rays, i))
+        if (!is_visible(*rays, i))
             continue;
         model.triangles.push_back(before[i]);
         if (!model.materials[before[i].material].double_sided || !is_open(*rays, i))
@@ -70,7 +71,7 @@ Result<Model> with_both_sides(Model model) {
         model.triangles.push_back(back);
     }
     if (model.triangles.empty())
-        return Status(ErrorCode::invalid_file, "the alpha masks of the model leave nothing of it");
+        return Status(ErrorCode::invalid_file, "its alpha masks remove all triangles");
     return model;
 }
 

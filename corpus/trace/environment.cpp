@@ -13,7 +13,7 @@ namespace {
 using std::numbers::pi;
 constexpr std::int64_t most_environment_side = 1 << 14;
 constexpr std::size_t most_environment_bytes = std::size_t{1} << 30;
-// Of the mean light: directions that look black are still looked at now and then.
+// This share of the mean light is added to every weight, so that dark directions are sampled, too.
 constexpr double floor_share = 0.02;
 
 glm::dvec2 place_of(const glm::dvec3& d) {
@@ -78,7 +78,8 @@ Environment::Environment(LightImage image) : image_(std::move(image)) {
         double row = 0;
         const double area = std::sin(pi * (static_cast<double>(y) + 0.5) / static_cast<double>(h));
         for (std::size_t x = 0; x < w; ++x) {
-            // Light is interpolated between texels: a cell has some of its neighbours'.
+            // Light is interpolated between texels, so a cell also contains light of its
+            // neighbours.
             double near = 0;
             for (std::size_t j = y == 0 ? 0 : y - 1; j <= std::min(y + 1, h - 1); ++j)
                 for (const std::size_t i : {x == 0 ? w - 1 : x - 1, x, x + 1 == w ? 0 : x + 1})
@@ -119,10 +120,6 @@ Environment Environment::studio() {
     return Environment(std::move(image));
 }
 
-Environment Environment::uniform(double light) {
-    return Environment({1, 1, {glm::vec3(static_cast<float>(light))}});
-}
-
 glm::dvec3 Environment::light(const glm::dvec3& direction) const {
     const std::size_t w = image_.width, h = image_.height;
     const glm::dvec2 place = place_of(direction);
@@ -153,7 +150,7 @@ LightSample Environment::sample(const glm::dvec2& random) const {
     const auto x =
         std::min(static_cast<std::size_t>(std::upper_bound(begin, end, cell) - begin), w - 1);
     const double cell_begin = x == 0 ? 0.0 : cells_[y * w + x - 1];
-    // What is left of the numbers says where in the cell; even in solid angle.
+    // The rest of the random numbers chooses the place within the cell, evenly in solid angle.
     const double fx = std::clamp((cell - cell_begin) / (cells_[y * w + x] - cell_begin), 0.0, 1.0);
     const double fy = std::clamp((row - row_begin) / (rows_[y] - row_begin), 0.0, 1.0);
     const double top = std::cos(pi * static_cast<double>(y) / static_cast<double>(h));

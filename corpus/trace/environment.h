@@ -1,4 +1,4 @@
-// Light from far away, all around: a picture of longitude and latitude.
+// Distant light from all directions: a picture of longitude and latitude.
 #pragma once
 
 #include "corpus/model/image_file.h"
@@ -13,20 +13,19 @@ struct LightSample {
     double density = 0; // per steradian
 };
 
-// y is up; the picture's middle is seen along +x, a quarter to its right along +z. Immutable, hence
-// thread-safe.
+// y is up. The middle of the picture lies along +x, and the middle of its right half along +z.
+// Immutable and thread-safe.
 class Environment {
 public:
-    // Precondition: the picture has texels, all finite and not below 0.
+    // Precondition: the picture has texels, all of them finite and at least 0.
     explicit Environment(LightImage image);
     // .exr or .hdr. Errors: io, invalid_file (naming the file and the texel), unsupported.
     static Result<Environment> load(const std::string& path);
-    // A bright sky with a softbox above and left, and a grey ground: shown where nothing is given.
+    // The default light: a bright sky, a softbox and a grey ground.
     static Environment studio();
-    static Environment uniform(double light);
 
     glm::dvec3 light(const glm::dvec3& direction) const;
-    // More often where it is brighter; `random` in 0..1.
+    // A direction whose density grows with its light. `random` is in 0..1.
     LightSample sample(const glm::dvec2& random) const;
     double density(const glm::dvec3& direction) const;
 
@@ -34,7 +33,7 @@ private:
     double cell_density(std::size_t x, std::size_t y) const;
 
     LightImage image_;
-    std::vector<double> rows_;  // sums of weights up to and with each row
+    std::vector<double> rows_;  // for each row the sum of the weights of all rows up to it
     std::vector<double> cells_; // the same along each row
 };
 

@@ -1,10 +1,10 @@
-// How a place of a model throws light: glTF's metallic-roughness.
+// How a place of a model reflects light: the metallic-roughness material of glTF.
 //
-// The specular lobe is that of glTF's appendix B: GGX, Smith's height-correlated shadowing, Schlick's
-// Fresnel. The diffuse one is Ashikhmin and Shirley's (2000), which takes as much from what the
-// specular lobe has thrown as appendix B's does, about, but as a product of a factor of the place and one of
-// the direction: so diffuse light is baked once a place. Light that GGX's microfacets throw to and
-// fro is lost, as in appendix B.
+// The specular lobe is that of glTF's appendix B: GGX, Smith's height-correlated shadowing and
+// Schlick's Fresnel term. The diffuse lobe is that of Ashikhmin and Shirley (2000). It loses about
+// as much to the specular lobe as that of appendix B, but it is the product of a factor of the
+// light's direction and one of the view's direction, so diffuse light is baked once per place. As
+// in appendix B, light that bounces between microfacets is lost.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@
 
 namespace tessera::corpus {
 
-// Light leaves along `view`; both it and directions of light point away from the surface.
+// The directions of the view and of light point away from the surface.
 struct Lobes {
-    glm::dvec3 diffuse{0.0}; // colour, no metal
-    glm::dvec3 facing{0.04}; // Fresnel's reflectance straight on
-    double alpha = 1.0;      // GGX: roughness squared
+    glm::dvec3 diffuse{0.0}; // colour; 0 for metal
+    glm::dvec3 facing{0.04}; // Fresnel reflectance at normal incidence
+    double alpha = 1.0;      // of GGX: the square of the roughness
 };
 
 inline double fifth(double x) {
@@ -28,7 +28,8 @@ inline double fifth(double x) {
     return y * y * y * y * y;
 }
 
-// The diffuse lobe is diffuse_colour() times bend() of both cosines.
+// The diffuse lobe is diffuse_colour() times bend() of the cosine of the light and times bend() of
+// the cosine of the view.
 inline double bend(double cosine) {
     return 1.0 - fifth(1.0 - 0.5 * cosine);
 }
@@ -40,24 +41,24 @@ inline glm::dvec3 fresnel(const Lobes& lobes, double cosine) {
     return lobes.facing + (glm::dvec3(1.0) - lobes.facing) * fifth(1.0 - cosine);
 }
 
-// Microfacets along a half vector at this cosine to the normal, per steradian.
+// The density of microfacets, per steradian, at this cosine between half vector and normal.
 inline double ggx(double alpha, double cosine) {
     const double a = alpha * alpha;
     const double x = cosine * cosine * (a - 1.0) + 1.0;
     return a / (std::numbers::pi * x * x);
 }
 
-// Smith's lambda, doubled and raised: sqrt(a^2 + (1 - a^2) c^2) per cosine.
+// The root in Smith's shadowing term: sqrt(a^2 + (1 - a^2) c^2).
 inline double smith_root(double alpha, double cosine) {
     return std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine);
 }
 
-// G / (4 (n.l) (n.v)).
+// Smith's G / (4 (n.l) (n.v)).
 inline double smith_visibility(double alpha, double nl, double nv) {
     return 0.5 / (nl * smith_root(alpha, nv) + nv * smith_root(alpha, nl));
 }
 
-// Per steradian, of directions that sample_ggx() gives.
+// The density, per steradian, of the directions of sample_ggx().
 inline double ggx_density(double alpha, double nh, double nv) {
     // G1 D (v.h) / (n.v) / (4 (v.h))
     return ggx(alpha, nh) * 0.5 / (nv + smith_root(alpha, nv));
@@ -68,15 +69,15 @@ inline glm::dvec3 any_tangent(const glm::dvec3& n) {
     return glm::normalize(glm::cross(axis, n));
 }
 
-// A direction of light for `view`: the mirror image at a microfacet that `view` sees (Heitz 2018).
-// It may point into the surface.
+// A direction of light: `view` mirrored at a random microfacet that it sees (Heitz 2018). It may
+// point into the surface.
 inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::dvec3& view,
                              const glm::dvec2& random) {
     const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
     const glm::dvec3 stretched =
         glm::normalize(glm::dvec3(alpha * glm::dot(view, x), alpha * glm::dot(view, y),
                                   std::max(glm::dot(view, normal), 1e-6)));
-    // The hemisphere seen from there is a half disk beside half an ellipse, cut along t1.
+    // From there the hemisphere looks like a half disk and half an ellipse that meet along t1.
     const double flat = std::hypot(stretched.x, stretched.y);
     const glm::dvec3 t1 =
         flat > 1e-9 ? glm::dvec3(-stretched.y, stretched.x, 0.0) / flat : glm::dvec3(1.0, 0.0, 0.0);
@@ -93,7 +94,7 @@ inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::
     return 2.0 * glm::dot(view, facet) * facet - view;
 }
 
-// Lambert's cosine.
+// A direction above the surface whose density is proportional to the cosine.
 inline glm::dvec3 sample_cosine(const glm::dvec3& normal, const glm::dvec2& random) {
     const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
     const double radius = std::sqrt(random.x), angle = 2.0 * std::numbers::pi * random.y;

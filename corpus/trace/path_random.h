@@ -1,7 +1,9 @@
-// Numbers for one path of light, from hashes only: the same whatever thread asks, in whatever order.
+// Random numbers of one light path. They come from hashes, so they do not depend on threads or
+// order.
 //
-// Sobol's first two dimensions, scrambled after Owen by hashes and padded for further dimensions
-// (Burley 2020): the first n paths of a sequence cover every pair of dimensions evenly.
+// The first two dimensions of Sobol's sequence with Owen scrambling by hashes, repeated with other
+// scrambling for each further pair of dimensions (Burley 2020). The first n paths of a sequence
+// cover every pair evenly.
 #pragma once
 
 #include "corpus/pattern.h"
@@ -12,7 +14,7 @@ namespace tessera::corpus {
 
 class PathRandom {
 public:
-    // `sequence` names the texel, or whatever else all paths of a mean belong to.
+    // All paths that are averaged have the same `sequence`.
     PathRandom(std::uint64_t sequence, std::uint32_t path) : sequence_(sequence), path_(path) {}
 
     glm::dvec2 next2() {
@@ -38,7 +40,7 @@ private:
         x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
         return x << 16 | x >> 16;
     }
-    // Every bit is flipped or not by the bits above it (Laine and Karras).
+    // The higher bits decide whether a bit is flipped (Laine and Karras).
     static std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
         x = reversed(x) + seed;
         x ^= x * 0x6C50B47Cu;

@@ -1,12 +1,53 @@
 #include "corpus/trace/ray_model.h"
 
-#include "corpus/trace/model_texture.h"
-
 namespace tessera::corpus {
 namespace {
 
-// Smoother than that, highlights are thinner than any direction's cell.
+// The highlights of smoother materials are thinner than the cell of any direction.
 constexpr double least_roughness = 0.03;
+
+std::array<double, 256> make_linear() {
+    std::array<double, 256> table{};
+    for (std::size_t i = 0; i < 256; ++i)
+        table[i] = srgb_to_linear(static_cast<double>(i) / 255.0);
+    return table;
+}
+
+std::size_t wrapped(double index, std::uint32_t count, Wrap wrap) {
+    const double n = count;
+    if (wrap == Wrap::clamp)
+        return static_cast<std::size_t>(std::min(std::max(index, 0.0), n - 1.0));
+    const double period = wrap == Wrap::mirror ? 2.0 * n : n;
+    double i = index - std::floor(index / period) * period;
+    if (i >= n && wrap == Wrap::mirror)
+        i = 2.0 * n - 1.0 - i;
+    return std::min(static_cast<std::size_t>(i), std::size_t{count} - 1);
+}
+
+// The bilinear value of the texture. Colours become linear light; alpha stays as it is. 1 without a
+// texture.
+glm::dvec4 texture_value(const Model& model, const TextureUse& use,
+                         const std::array<glm::dvec2, 2>& uv, bool is_colour) {
+    if (use.image < 0)
+        return glm::dvec4(1.0);
+    static const std::array<double, 256> linear = make_linear();
+    const Image& image = model.images[static_cast<std::size_t>(use.image)];
+    const double x = uv[use.uv].x * image.width - 0.5, y = uv[use.uv].y * image.height - 0.5;
+    const double x0 = std::floor(x), y0 = std::floor(y);
+    glm::dvec4 sum(0.0);
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const double weight =
+                (i == 0 ? 1.0 - (x - x0) : x - x0) * (j == 0 ? 1.0 - (y - y0) : y - y0);
+            const auto& texel =
+                image.texels[wrapped(y0 + j, image.height, use.wrap_v) * image.width +
+                             wrapped(x0 + i, image.width, use.wrap_u)];
+            for (std::size_t c = 0; c < 4; ++c)
+                sum[static_cast<glm::length_t>(c)] +=
+                    weight * (is_colour && c < 3 ? linear[texel[c]] : texel[c] / 255.0);
+        }
+    return sum;
+}
 
 struct Interpolated {
     glm::dvec3 position, normal;
@@ -32,15 +73,13 @@ Interpolated interpolate(const Model& model, const ModelPlace& place) {
 }
 
 glm::dvec3 face_normal(const Model& model, std::uint32_t triangle) {
-    const auto& [a, b, c] = model.triangles[triangle].vertices;
-    const glm::dvec3 p(model.vertices[a].position);
-    const glm::dvec3 cross = glm::cross(glm::dvec3(model.vertices[b].position) - p,
-                                        glm::dvec3(model.vertices[c].position) - p);
+    const glm::dvec3 cross = area_vector(model, model.triangles[triangle]);
     const double length = glm::length(cross);
     return length > 0.0 ? cross / length : glm::dvec3(0, 1, 0);
 }
 
-// The normal map's normal, in the tangents' frame: the file's, or that of the texture's coordinates.
+// The normal of the normal map. Its frame comes from the tangents of the file, or from the texture
+// coordinates if the file has none.
 glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpolated& at,
                        const ModelPlace& place, const glm::dvec3& normal) {
     const glm::dvec4 texel = texture_value(model, m.normal_texture, at.uv, false);
@@ -57,7 +96,7 @@ glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpo
         const glm::dvec2 q = uv(b) - uv(a), r = uv(c) - uv(a);
         const double turn = q.x * r.y - q.y * r.x;
         t = ((p(b) - p(a)) * r.y - (p(c) - p(a)) * q.y) * (turn < 0.0 ? -1.0 : 1.0);
-        sign = turn > 0.0 ? -1.0 : 1.0; // v grows downwards in pictures, normal maps' y upwards
+        sign = turn > 0.0 ? -1.0 : 1.0; // v grows downwards, the y of normal maps upwards
     }
     t -= normal * glm::dot(t, normal);
     const double length = glm::length(t);

@@ -1,4 +1,4 @@
-// Rays against a model, and what it looks like where they meet it.
+// Rays that meet a model, and the material where they meet it.
 #pragma once
 
 #include "corpus/model/model.h"
@@ -10,7 +10,7 @@
 
 namespace tessera::corpus {
 
-// A place on a model's front.
+// A place on the front of a model's triangle.
 struct ModelPlace {
     std::uint32_t triangle = 0;
     glm::dvec2 barycentric{0.0}; // weights of the second and third corner
@@ -19,41 +19,42 @@ struct ModelPlace {
 struct LitPoint {
     glm::dvec3 position{0.0};
     glm::dvec3 face{0.0};   // the triangle's normal
-    glm::dvec3 normal{0.0}; // interpolated, bent by the normal map
+    glm::dvec3 normal{0.0}; // the interpolated normal, or that of the normal map
     glm::dvec3 emission{0.0};
     Lobes lobes;
 };
 
-// A model with triangles of double-sided materials twice, once for each side: nothing else has a back.
-// Backs from which no way leads out are left out: closed models are often called double-sided. So are
-// triangles that their alpha mask cuts out wholly. Errors: invalid_file, nothing is left; those of
-// RayModel.
+// Duplicates the triangles of double-sided materials for their backs. Backs that no observer
+// outside the model can see are omitted, because closed models are often marked double-sided; so
+// are triangles that an alpha mask removes completely. Errors: invalid_file (no triangle is left);
+// those of RayModel::make().
 Result<Model> with_both_sides(Model model);
 
-// Immutable, hence thread-safe.
+// Immutable and thread-safe.
 class RayModel {
 public:
-    // `model` as with_both_sides() gives it. Errors: runtime, what Embree says.
+    // `model` comes from with_both_sides(). Error: runtime, from Embree.
     static Result<std::shared_ptr<const RayModel>> make(Model model);
 
     const Model& model() const { return model_; }
-    // Rays pass backs and what the alpha masks cut out. `direction` is of unit length.
+    // Rays pass through backs and through places that alpha masks remove. `direction` has unit
+    // length.
     std::optional<ModelPlace> first_hit(const glm::dvec3& origin,
                                         const glm::dvec3& direction) const;
     bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const;
-    // Whether the first thing along the ray, backs included, is a back: the origin is inside something.
+    // Whether the ray meets a back first, which means that the origin is inside a body.
     bool meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const;
-    // Whether anything stands in the way, fronts, backs and what is cut out.
+    // Whether the ray meets any triangle: front, back or removed by an alpha mask.
     bool is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const;
     LitPoint point(const ModelPlace& place) const;
-    // Whether the mask lets light pass there.
+    // Whether the alpha mask removes the place.
     bool is_cut_out(const ModelPlace& place) const;
 
 private:
     explicit RayModel(Model model);
 
     Model model_;
-    std::optional<RayScene> fronts_, all_; // set once made
+    std::optional<RayScene> fronts_, all_; // set by make()
 };
 
 } // namespace tessera::corpus

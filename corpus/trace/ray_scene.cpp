@@ -7,7 +7,7 @@
 namespace tessera::corpus {
 namespace {
 
-// Embree's normal is that of counter-clockwise corners: a back's points along with the ray.
+// Embree's normal belongs to counter-clockwise corners, so that of a back points along the ray.
 bool is_back(const RTCRay& ray, const RTCHit& hit) {
     return hit.Ng_x * ray.dir_x + hit.Ng_y * ray.dir_y + hit.Ng_z * ray.dir_z >= 0;
 }
@@ -39,7 +39,7 @@ RTCRay make_ray(const glm::dvec3& origin, const glm::dvec3& direction) {
 
 } // namespace
 
-// Stays where it is: Embree looks at `passes`.
+// On the heap, because Embree keeps the address of `passes`.
 struct RayScene::State {
     Passes passes;
     RTCDevice device = nullptr;
@@ -62,7 +62,7 @@ Result<RayScene> RayScene::make(std::span<const glm::vec3> positions,
                                 bool fronts_only, Passes passes) {
     auto state = std::make_unique<State>();
     state->passes = std::move(passes);
-    state->device = rtcNewDevice("threads=1"); // whoever asks has threads of its own
+    state->device = rtcNewDevice("threads=1"); // callers have their own threads
     const auto failed = [&] {
         const int error = static_cast<int>(rtcGetDeviceError(state->device));
         return Status(ErrorCode::runtime, "Embree: error " + std::to_string(error));

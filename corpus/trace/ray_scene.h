@@ -1,4 +1,4 @@
-// Triangles that rays can be shot at: Embree's scene, for models and for the meshes of views.
+// Rays against triangles, by Embree. For models and for the meshes that views draw.
 #pragma once
 
 #include "format/status.h"
@@ -19,17 +19,17 @@ struct RayHit {
     std::uint32_t triangle = 0;
     glm::dvec2 barycentric{0.0}; // weights of the second and third corner
     double distance = 0;         // along the ray, in lengths of its direction
-    bool back = false;           // the corners run clockwise, seen along the ray
+    bool back = false;           // the corners are clockwise, seen along the ray
 };
 
-// Immutable, hence thread-safe. No ray slips between two triangles that share an edge.
+// Immutable and thread-safe. No ray passes between two triangles that share an edge.
 class RayScene {
 public:
-    // Whether the triangle lets rays pass at a front that they meet.
+    // Whether a ray passes through the front of the triangle at this place.
     using Passes = std::function<bool(std::uint32_t triangle, const glm::dvec2& barycentric)>;
 
-    // Copies positions and triangles; `fronts_only`: rays pass backs. `passes` is called by whichever
-    // thread shoots, with fronts only. Errors: runtime, what Embree says.
+    // Copies positions and triangles. With `fronts_only`, rays pass through backs, and the thread
+    // of a ray calls `passes` for the fronts that it meets. Error: runtime, from Embree.
     static Result<RayScene> make(std::span<const glm::vec3> positions,
                                  std::span<const std::array<std::uint32_t, 3>> triangles,
                                  bool fronts_only, Passes passes = {});

@@ -6,10 +6,10 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double off = 1e-4;         // world units that rays start above a surface
+constexpr double off = 1e-4;         // rays start this far above a surface, in world units
 constexpr int most_bounces = 8;      // after the first
-constexpr int sure_bounces = 2;      // before chance ends paths
-constexpr double least_alpha = 0.09; // of places met by way of others
+constexpr int sure_bounces = 2;      // later ones are subject to Russian roulette
+constexpr double least_alpha = 0.09; // of indirectly seen places
 
 double largest_channel(const glm::dvec3& x) {
     return std::max({x.x, x.y, x.z});
@@ -19,7 +19,8 @@ glm::dvec3 start_of(const LitPoint& p) {
     return p.position + off * p.face;
 }
 
-// Light times the lobe's cosine, and the density with which the lobe finds the direction.
+// The lobe times the cosine of the light, and the density with which the lobe samples the
+// direction.
 struct Thrown {
     glm::dvec3 share{0.0};
     double density = 0;
@@ -51,7 +52,7 @@ struct SpecularLobe {
     }
 };
 
-// Both, of which `specular_share` of the directions come from the second.
+// Both lobes. The specular lobe samples the share `specular_share` of the directions.
 struct BothLobes {
     DiffuseLobe diffuse;
     SpecularLobe specular;
@@ -87,8 +88,8 @@ LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     return point;
 }
 
-// By choosing a light: the sun, and a direction of the environment. What the lobe's own directions
-// find of the environment counts there (arriving()); together both are one estimate.
+// Light from the sun and from a sampled direction of the environment. The environment is also
+// sampled by the directions of the lobe, in arriving(); the balance heuristic weights both.
 template <class Lobe>
 glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const {
     glm::dvec3 sum(0.0);
@@ -126,7 +127,7 @@ glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
     return sum;
 }
 
-// Half of the directions are the environment's, half are even about the normal.
+// Half of the shared directions sample the environment, half the cosine around the normal.
 double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction) const {
     return 0.5 * light_.environment->density(direction) +
            0.5 * cosine_density(glm::dot(point.normal, direction));
@@ -148,7 +149,7 @@ Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) con
     return found;
 }
 
-// Veach's balance heuristic over both kinds of samples.
+// Veach's balance heuristic weights shared and own paths.
 glm::dvec3 Tracer::specular_of(const Incoming& incoming, const LitPoint& point,
                                const glm::dvec3& view, double shared, double own) const {
     const LitPoint faced = facing(point, view);
@@ -158,8 +159,8 @@ glm::dvec3 Tracer::specular_of(const Incoming& incoming, const LitPoint& point,
 
 glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
                                 double own, PathRandom& random) const {
-    const LitPoint faced =
-        facing(point, view); // `point` itself is what has been found for all views
+    // shared_density() needs `point` itself, which is the same for all views.
+    const LitPoint faced = facing(point, view);
     const SpecularLobe lobe{faced, view};
     glm::dvec3 sum(0.0);
     if (light_.sun) {
@@ -187,7 +188,8 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double dens
     for (int bounce = 0; bounce < most_bounces; ++bounce) {
         const auto hit = model_->first_hit(origin, direction);
         if (!hit) {
-            // What choosing a light would have found, too; nobody did where the density is infinite.
+            // The weight of the balance heuristic; direct() adds the rest. An infinite density
+            // means that no light was sampled.
             const double other =
                 std::isinf(density) ? 0.0 : light_.environment->density(direction) / density;
             return sum + share * light_.environment->light(direction) / (1.0 + other);

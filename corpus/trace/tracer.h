@@ -1,4 +1,4 @@
-// Light that arrives and leaves, by path tracing.
+// Path tracing of the light that arrives at a model and leaves it.
 #pragma once
 
 #include "corpus/trace/environment.h"
@@ -7,20 +7,21 @@
 
 namespace tessera::corpus {
 
-// Parallel light from infinitely far: shadows are sharp.
+// Parallel light, which casts sharp shadows.
 struct Sun {
-    glm::dvec3 direction{0, 1, 0}; // towards it, of unit length
-    glm::dvec3 irradiance{3.0};    // on a surface that faces it
+    glm::dvec3 direction{0, 1, 0}; // unit vector towards the sun
+    glm::dvec3 irradiance{3.0};    // on a surface that faces the sun
 };
 
 struct ModelLight {
-    std::shared_ptr<const Environment> environment; // always there
+    std::shared_ptr<const Environment> environment; // never null
     std::optional<Sun> sun;
 };
 
-// A model in its light. Each function is one path's estimate: unbiased but for places that are
-// met by way of other places, which are taken for no smoother than roughness 0.3, or few paths would
-// be very bright. Surfaces that emit light are found by chance only. Immutable, hence thread-safe.
+// A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
+// one exception: indirectly seen places have a roughness of at least 0.3, because otherwise a few
+// paths would be very bright. Paths meet emitting surfaces only by chance. Immutable and
+// thread-safe.
 class Tracer {
 public:
     Tracer(std::shared_ptr<const RayModel> model, ModelLight light)
@@ -28,13 +29,14 @@ public:
 
     const RayModel& model() const { return *model_; }
 
-    // Diffuse light that leaves the point, divided by bend() of the direction's cosine.
+    // Diffuse light that leaves the point, without the factor bend() of the view's cosine.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
-    // Specular light that leaves along the unit vector `view`, above the point's normal.
+    // Specular light that leaves along the unit vector `view`, which is on the normal's side.
     glm::dvec3 specular(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
-    // The same by parts, which share what was found for the point among all its directions: light from a
-    // direction that does not depend on `view`, and what a given number of such, and of paths of its own,
-    // make of the specular light along `view` together.
+    // Specular light from two kinds of samples: `shared` paths, which arrive from directions that
+    // do not depend on the view and serve all views of the point, and `own` paths of one view. The
+    // sum of specular_of() over all shared paths and of specular_own() over all own paths is the
+    // specular light along `view`.
     struct Incoming {
         glm::dvec3 direction{0.0}, light{0.0};
         double density = 0; // per steradian
@@ -47,15 +49,16 @@ public:
     // All light that leaves the point along `view`.
     glm::dvec3 leaving(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
 
-    // The point as it is seen from `view`: with its normal bent so that it faces there.
+    // The point with its normal bent towards `view` where it would face away.
     static LitPoint facing(LitPoint point, const glm::dvec3& view);
 
 private:
-    // All light along a ray: the environment's counts in full.
+    // All light along a ray, including all light of the environment.
     glm::dvec3 seen_along(const glm::dvec3& origin, const glm::dvec3& direction,
                           PathRandom& random) const;
     double shared_density(const LitPoint& point, const glm::dvec3& direction) const;
-    // Along a ray whose direction was found with this density.
+    // Light along a ray whose direction was sampled with this density, without the share of the
+    // environment that direct() counts.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, double density,
                         PathRandom& random) const;
     template <class Lobe>

@@ -1,6 +1,5 @@
 // Tests models that are textured on their own surfaces: charts, texels, masks.
 #include "corpus/model_surface/flat_overlap.h"
-#include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
 #include "corpus/model_surface/model_truth.h"
 #include "tests/support/corpus_support.h"
@@ -125,7 +124,9 @@ TEST(ModelSurface, TexelsAgreeWithTheTruth) {
     for (std::uint32_t v = 0; v < lit->places().size()[1]; v += 5)
         for (std::uint32_t u = 0; u < lit->places().size()[0]; u += 5)
             if (lit->matters(u, v)) {
-                sum += lit->light(u, v, AngularMap::octahedral_hemisphere, 0.5, 0.5).x;
+                sum += lit->light(u, v, AngularMap::octahedral_hemisphere, 0.5, 0.5,
+                                  *lit->arriving(u, v))
+                           .x;
                 ++count;
             }
     EXPECT_GT(count, 20);

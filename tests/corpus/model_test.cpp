@@ -128,7 +128,7 @@ TEST_F(Models, HostileNumbersOfGltfAreRefused) {
     refuse("b.gltf", with(R"("buffer":0)", R"("buffer":7)"), ErrorCode::invalid_file,
            "bufferView 0 has no buffer");
     refuse("c.gltf", with(R"("byteLength":36})", R"("byteLength":37})"), ErrorCode::invalid_file,
-           "bufferView 0 lies outside of its buffer");
+           "bufferView 0 lies outside its buffer");
     refuse("d.gltf", with(R"("uri":"data)", R"("uri":"nowhere.bin","x":"data)"),
            ErrorCode::invalid_file, "nowhere.bin");
     refuse("e.gltf", sound.substr(0, sound.size() / 2), ErrorCode::invalid_file, "is not JSON");
@@ -222,7 +222,8 @@ TEST_F(Models, BinaryPly) {
 }
 
 TEST_F(Models, ObjPolygons) {
-    // From behind, by indices from the end; a corner points inwards, so not every pair of triangles fits.
+    // From behind, by indices from the end; a corner points inwards, so not every pair of triangles
+    // fits.
     const auto dart = load("dart.obj", "v 0 0 0\nv 10 0.5 0\nv 0 1 0\nv 1 0.5 0\nf -1 -2 -3 -4\n");
     ASSERT_TRUE(dart.ok()) << dart.status().message();
     EXPECT_EQ(dart->triangles.size(), 2u);

@@ -140,8 +140,7 @@ TEST(Tracer, SunCastsSharpShadows) {
     model.materials[0].metal = 0.0;
     auto rays = RayModel::make(model);
     ASSERT_TRUE(rays.ok());
-    const ModelLight light{std::make_shared<const Environment>(Environment::uniform(0.0)),
-                           Sun{{0, 1, 0}, glm::dvec3(1.0)}};
+    const ModelLight light{uniform_environment(0.0f), Sun{{0, 1, 0}, glm::dvec3(1.0)}};
     const Tracer tracer(*rays, light);
     LitPoint lit = lone_point(0.5, 0.0), shaded = lit;
     lit.position = {0, 2.001, 0};

@@ -110,8 +110,13 @@ inline corpus::Model ball_model(int rings) {
     return model;
 }
 
+inline std::shared_ptr<const corpus::Environment> uniform_environment(float light) {
+    return std::make_shared<const corpus::Environment>(
+        corpus::LightImage{1, 1, {glm::vec3(light)}});
+}
+
 inline corpus::ModelLight white_light() {
-    return {std::make_shared<const corpus::Environment>(corpus::Environment::uniform(1.0)), {}};
+    return {uniform_environment(1.0f), {}};
 }
 
 } // namespace tessera::corpus::support

@@ -1,6 +1,5 @@
 #include "tools/verbs/bake_sources.h"
 
-#include "corpus/model_surface/model_angular_choice.h"
 #include "corpus/model_surface/model_source.h"
 #include "tools/scenes/baked_surface.h"
 #include "tools/scenes/lit_model_file.h"
