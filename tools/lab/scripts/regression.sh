@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # Measures everything in tests/regression/results.csv again (a few minutes) and says what changed.
-#   tools/lab/scripts/regression.sh PEERS.rgb      the rivals' texture, composed_128x64x32x32.rgb.zst unpacked
+#   tools/lab/scripts/regression.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
-[ $# -eq 1 ] || stop "usage: tools/lab/scripts/regression.sh composed_128x64x32x32.rgb"
-[ -r "$1" ] || stop "cannot read $1"
 build build regression
-build/bin/regression "$1" build/results.csv
+build/bin/regression build/results.csv
 # Sizes and errors must not get worse; speeds are for people.
 awk -F, 'NR == FNR { if (FNR > 1) { bytes[$1 $2 $3] = $4; psnr[$1 $2 $3] = $6 } next }
     FNR > 1 && ($1 $2 $3) in bytes {
