@@ -149,7 +149,7 @@ LevelEntry coarse_level(const Extent4& full, unsigned spatial_lod, unsigned angu
 struct Level : LevelEntry {
     std::uint64_t first_tile = 0; // tiles are numbered over all levels
     std::uint32_t first_group = 0, group_count = 0;
-    TileGrid grid;
+    TileGrid grid{};
 };
 
 } // namespace tessera
