@@ -1,5 +1,4 @@
 // glTF 2.0, read with tinygltf.
-#include "corpus/model/image_file.h"
 #include "corpus/model/readers.h"
 
 #include <algorithm>

@@ -37,6 +37,16 @@ Result<Model> load(const std::string& path) {
 
 } // namespace
 
+Result<std::vector<unsigned char>> read_whole_file(const std::string& path, std::size_t most) {
+    TESSERA_TRY_ASSIGN(const auto file, open_file(path));
+    if (file->size() > most)
+        return Status(ErrorCode::unsupported,
+                      path + ": more than " + std::to_string(most) + " bytes");
+    std::vector<unsigned char> bytes(file->size());
+    TESSERA_TRY(file->read(0, std::as_writable_bytes(std::span(bytes))));
+    return bytes;
+}
+
 bool is_model_path(const std::string& path) {
     return reader_of(path) != nullptr;
 }

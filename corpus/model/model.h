@@ -1,6 +1,7 @@
 // A triangle model with its materials.
 #pragma once
 
+#include "corpus/picture_file.h"
 #include "format/status.h"
 
 #include <array>
@@ -20,12 +21,6 @@ namespace tessera::corpus {
 inline double srgb_to_linear(double x) {
     return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
-
-// RGBA, rows from the top.
-struct Image {
-    std::uint32_t width = 0, height = 0;
-    std::vector<std::array<std::uint8_t, 4>> texels;
-};
 
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 

@@ -1,4 +1,3 @@
-#include "corpus/model/image_file.h"
 #include "corpus/model/readers.h"
 
 #include <algorithm>

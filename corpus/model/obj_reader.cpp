@@ -1,6 +1,5 @@
 // Wavefront .obj and .mtl. The reader uses the statements v (also with colours), vt, vn, f, usemtl,
 // mtllib, g and o of .obj files, and newmtl, Kd, Ke, Ns, Pr, Pm and map_Kd of .mtl files.
-#include "corpus/model/image_file.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
 #include "corpus/model/text_lines.h"

@@ -1,7 +1,6 @@
 // Stanford .ply, ASCII and binary. The reader uses vertices with normals, colours and texture
 // coordinates, faces with their own texture coordinates, triangle strips, the first material, and
 // the comment TextureFile. It skips other elements and properties.
-#include "corpus/model/image_file.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
 #include "corpus/model/text_lines.h"

@@ -22,4 +22,7 @@ Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& 
 // The folder of the file; "." if the path has none.
 std::string folder_of(const std::string& path);
 
+// A whole file of at most `most` bytes. Errors: io, naming it; unsupported (larger).
+Result<std::vector<unsigned char>> read_whole_file(const std::string& path, std::size_t most);
+
 } // namespace tessera::corpus

@@ -1,9 +1,7 @@
 #include "corpus/trace/environment.h"
 
-#include <ImfRgbaFile.h>
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -11,8 +9,6 @@ namespace tessera::corpus {
 namespace {
 
 using std::numbers::pi;
-constexpr std::int64_t most_environment_side = 1 << 14;
-constexpr std::size_t most_environment_bytes = std::size_t{1} << 30;
 // This share of the mean light is added to every weight, so that dark directions are sampled, too.
 constexpr double floor_share = 0.02;
 
@@ -35,29 +31,6 @@ Status check(LightImage& image) {
             x = std::max(x, 0.0f);
         }
     return {};
-}
-
-Result<LightImage> read_exr(const std::string& path) {
-    try {
-        Imf::RgbaInputFile file(path.c_str());
-        const auto window = file.dataWindow();
-        const std::int64_t w = std::int64_t{window.max.x} - window.min.x + 1;
-        const std::int64_t h = std::int64_t{window.max.y} - window.min.y + 1;
-        if (w <= 0 || h <= 0 || w > most_environment_side || h > most_environment_side)
-            return Status(ErrorCode::unsupported, "a picture of " + std::to_string(w) + "x" +
-                                                      std::to_string(h) + " is too large");
-        std::vector<Imf::Rgba> row(static_cast<std::size_t>(w));
-        LightImage image{static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h), {}};
-        for (int y = window.min.y; y <= window.max.y; ++y) {
-            file.setFrameBuffer(row.data() - window.min.x, 1, 0);
-            file.readPixels(y);
-            for (const Imf::Rgba& texel : row)
-                image.texels.emplace_back(float(texel.r), float(texel.g), float(texel.b));
-        }
-        return image;
-    } catch (const std::exception& e) {
-        return Status(ErrorCode::invalid_file, e.what());
-    }
 }
 
 } // namespace
@@ -93,12 +66,8 @@ Environment::Environment(LightImage image) : image_(std::move(image)) {
 }
 
 Result<Environment> Environment::load(const std::string& path) {
-    // Says why a file cannot be read.
-    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_environment_bytes));
-    const bool exr = bytes.size() >= 4 && bytes[0] == 0x76 && bytes[1] == 0x2F &&
-                     bytes[2] == 0x31 && bytes[3] == 0x01;
-    TESSERA_TRY_ASSIGN(LightImage image,
-                       (exr ? read_exr(path) : decode_hdr(bytes)).with_context(path));
+    TESSERA_TRY_ASSIGN(const auto file, open_file(path));
+    TESSERA_TRY_ASSIGN(LightImage image, read_light_image(*file));
     TESSERA_TRY(check(image).with_context(path));
     return Environment(std::move(image));
 }

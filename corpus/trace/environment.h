@@ -1,7 +1,7 @@
 // Distant light from all directions: a picture of longitude and latitude.
 #pragma once
 
-#include "corpus/model/image_file.h"
+#include "corpus/picture_file.h"
 
 #include <glm/vec2.hpp>
 

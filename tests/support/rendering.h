@@ -5,7 +5,7 @@
 #include "corpus/bake.h"
 #include "tests/support/efforts.h"
 #include "tests/support/test_folder.h"
-#include "tools/picture/png_file.h"
+#include "tools/picture/picture.h"
 #include "tools/verbs/command.h"
 #include "tools/view/texel_cache.h"
 #include "tools/view/view_renderer.h"

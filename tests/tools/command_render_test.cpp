@@ -1,6 +1,6 @@
 // Tests the verb render in this process.
 #include "tests/support/rendering.h"
-#include "tools/picture/png_file.h"
+#include "tools/picture/picture.h"
 #include "tools/support/json_text.h"
 #include "tools/verbs/command.h"
 #include "tools/view/texel_cache.h"
@@ -34,9 +34,9 @@ TEST_F(Render, DrawsMeasuresAndShows) {
         EXPECT_GT(view["compressed_uncompressed"]["psnr"].get<double>(), 35) << view;
         EXPECT_GT(view["compressed_truth"]["psnr"].get<double>(), 15) << view;
         EXPECT_LT(view["uncompressed_truth"]["ssim"].get<double>(), 1) << view;
-        EXPECT_EQ(read_png_shape(view["output"].get<std::string>())->width, 40u);
+        EXPECT_EQ(read_png(view["output"].get<std::string>())->width, 40u);
     }
-    EXPECT_GT(read_png_shape(at("s.png"))->height, 5u * 30);
+    EXPECT_GT(read_png(at("s.png"))->height, 5u * 30);
     EXPECT_TRUE(fs::exists(at("v-5-truth.png")) && fs::exists(at("v-1-uncompressed.png")));
     // The original comes from a file, without a scene, on an orbit.
     ASSERT_TRUE(run({file, "-o", at("o.png"), "--orbit", "2", "--pixels", "8x8", "--original", file,
@@ -82,11 +82,9 @@ TEST_F(Render, WritesExr) {
     in.setFrameBuffer(frame);
     in.readPixels(0, 19);
     const Picture shown = to_picture({32, 20, rgb}, SampleType::half16);
-    std::vector<std::byte> png(shown.rgb.size());
-    ASSERT_TRUE(read_png(at("l.png"), {32, 20, 3}, 20, [&](std::uint32_t y, auto row) {
-                    std::memcpy(png.data() + y * 96, row.data(), 96);
-                }).ok());
-    EXPECT_EQ(shown.rgb, png);
+    const auto png = read_png(at("l.png"));
+    ASSERT_TRUE(png.ok()) << png.status().message();
+    EXPECT_EQ(shown.rgb, png->rgb);
     EXPECT_GT(*std::max_element(rgb.begin(), rgb.end()), 1.0f) << "scene-linear";
 }
 

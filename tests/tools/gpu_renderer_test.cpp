@@ -5,7 +5,7 @@
 #include "tests/support/rendering.h"
 #include "tests/support/sample_probes.h"
 #include "tests/support/test_folder.h"
-#include "tools/picture/png_file.h"
+#include "tools/picture/picture.h"
 #include "tools/support/json_text.h"
 #include "tools/verbs/command.h"
 #include "tools/view/gpu_renderer.h"
@@ -258,17 +258,9 @@ protected:
                    static_cast<std::streamsize>(bytes_.size()));
     }
     static Picture picture_at(const std::string& path) {
-        const auto shape = read_png_shape(path);
-        EXPECT_TRUE(shape.ok()) << path;
-        Picture picture = blank_picture(shape->width, shape->height, 0);
-        EXPECT_EQ(shape->channels, 3);
-        EXPECT_TRUE(read_png(path, *shape, shape->height,
-                             [&](std::uint32_t y, std::span<const std::byte> row) {
-                                 std::memcpy(picture.rgb.data() + y * row.size(), row.data(),
-                                             row.size());
-                             })
-                        .ok());
-        return picture;
+        const auto picture = read_png(path);
+        EXPECT_TRUE(picture.ok()) << picture.status().message();
+        return *picture;
     }
     // Draws a view of a file or URL and returns its frames as JSON.
     Json frames_of(const std::string& file, const std::string& name,

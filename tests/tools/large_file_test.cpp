@@ -177,7 +177,9 @@ TEST_F(LargeFiles, RawTexelsBeyondFourGiB) {
         ASSERT_TRUE((*sink)->finish().ok());
     }
     EXPECT_GT(fs::file_size(at("x.gray16f")), four_gib);
-    auto source = open_raw(at("x.gray16f"), larger);
+    auto file = open_file(at("x.gray16f"));
+    ASSERT_TRUE(file.ok()) << file.status().message();
+    auto source = open_raw(std::move(*file), larger);
     ASSERT_TRUE(source.ok()) << source.status().message();
     const auto expect_box = [&](const Box4& box, const std::vector<std::byte>& expected) {
         std::vector<std::byte> got(larger.box_bytes(box));

@@ -1,6 +1,6 @@
 // Tests how text from files is printed on terminals, and how failures of libraries are reported.
+#include "corpus/exr_stream.h"
 #include "tools/support/parse.h"
-#include "tools/texture_io/exr_stream.h"
 
 #include <gtest/gtest.h>
 

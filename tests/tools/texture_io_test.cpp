@@ -2,7 +2,6 @@
 #include "format/levels.h"
 #include "format/work.h"
 #include "tests/support/test_folder.h"
-#include "tools/picture/png_file.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"

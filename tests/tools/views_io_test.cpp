@@ -1,7 +1,5 @@
 // Tests views in pictures of every kind, and pictures with false claims.
 #include "tests/support/test_folder.h"
-#include "tools/picture/jpeg_file.h"
-#include "tools/picture/png_file.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/picture_layout.h"
 #include "tools/texture_io/texture_io.h"
@@ -33,11 +31,11 @@ protected:
     // Writes a picture whose samples are 10 times its number, plus a small offset per pixel.
     void put(const std::string& name, unsigned number, std::uint32_t width = 4,
              std::uint8_t channels = 3) const {
-        const PictureShape shape{picture_kind_of_name(name), width, 3, channels, 8};
         std::vector<std::byte> samples(std::size_t{width} * 3 * channels);
         for (std::size_t i = 0; i < samples.size(); ++i)
             samples[i] = static_cast<std::byte>(10 * number + i / channels);
-        const auto file = encode_picture(shape, SampleType::unorm8, samples);
+        const auto file = encode_picture(picture_kind_of_name(name), {width, 3, channels},
+                                         SampleType::unorm8, samples);
         ASSERT_TRUE(file.ok()) << file.status().message();
         spit(at(name), {reinterpret_cast<const char*>(file->data()), file->size()});
     }
@@ -143,12 +141,11 @@ TEST_F(ViewsIo, ReadsEveryKindOfPng) {
 
 TEST_F(ViewsIo, ReadsQuiltsAndMosaics) {
     // Eight views in two columns, with a row and a column of pixels left over.
-    const PictureShape shape{PictureKind::png, 9, 13, 1, 8};
     std::vector<std::byte> samples(9 * 13, std::byte{255});
     for (std::uint32_t y = 1; y < 13; ++y) // views begin at the bottom left
         for (std::uint32_t x = 0; x < 8; ++x)
             samples[y * 9 + x] = static_cast<std::byte>((12 - y) / 3 * 2 + x / 4);
-    const auto file = encode_picture(shape, SampleType::unorm8, samples);
+    const auto file = encode_png({9, 13, 1}, samples);
     ASSERT_TRUE(file.ok());
     spit(at("a_qs2x4a0.75.png"), {reinterpret_cast<const char*>(file->data()), file->size()});
     auto found = texels({}, "a_qs2x4a0.75.png");
@@ -184,7 +181,7 @@ TEST(PictureLayout, KnowsTheRowsOfAQuiltThatABoxNeeds) {
             ViewLayout quilt;
             quilt.quilt = ViewGrid{3, 4};
             quilt.order = ViewOrder{along_columns, true, bottom_up, false};
-            const PictureLayout layout(size, quilt, 12, 14);
+            const PictureLayout layout(size, quilt, 14);
             for (std::uint32_t t = 0; t < size[3]; ++t)
                 for (std::uint32_t s = 0; s < size[2]; ++s) {
                     const Box4 box{{0, 0, s, t}, {4, 3, s + 1, t + 1}};
@@ -192,8 +189,9 @@ TEST(PictureLayout, KnowsTheRowsOfAQuiltThatABoxNeeds) {
                     EXPECT_EQ(last - first, 3u);
                     unsigned runs = 0;
                     for (std::uint32_t y = first; y < last; ++y)
-                        layout.visit_row(y, box, [&](const PictureRun& run) {
-                            runs += run.s == s && run.t == t;
+                        layout.visit_row(y, box, [&](const Box4& run, std::uint32_t) {
+                            runs += run.begin[axis_s] == s && run.begin[axis_t] == t &&
+                                    run.texels() == 4;
                         });
                     EXPECT_EQ(runs, 3u) << s << " " << t;
                 }

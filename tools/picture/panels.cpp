@@ -1,14 +1,37 @@
 #include "tools/picture/panels.h"
 
-#include "tools/picture/tiny_font.h"
-
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace tessera {
 namespace {
 
 constexpr std::uint32_t gap = 8, label_height = 16, font_scale = 2;
+
+// A glyph of 3 x 5 pixels: five octal digits, a row each from the top. Small letters look like
+// capitals; unknown characters are blank.
+const char* tiny_glyph(char c) {
+    static const char* const letters[] = {
+        "25755", "65656", "34443", "65556", "74647", "74644", "34553", "55755", "72227",
+        "11152", "55655", "44447", "57755", "65555", "25552", "65644", "25563", "65655",
+        "34216", "72222", "55557", "55552", "55775", "55255", "55222", "71247"};
+    static const char* const digits[] = {"75557", "26227", "71747", "71317", "55711",
+                                         "74717", "74757", "71122", "75757", "75717"};
+    static const std::pair<char, const char*> signs[] = {
+        {'.', "00002"}, {',', "00024"}, {':', "02020"}, {'-', "00700"},
+        {'_', "00007"}, {'=', "07070"}, {'/', "11244"}};
+    if (c >= 'a' && c <= 'z')
+        return letters[c - 'a'];
+    if (c >= 'A' && c <= 'Z')
+        return letters[c - 'A'];
+    if (c >= '0' && c <= '9')
+        return digits[c - '0'];
+    for (const auto& [sign, rows] : signs)
+        if (c == sign)
+            return rows;
+    return "00000";
+}
 
 void draw_text(Picture& p, std::uint32_t left, std::uint32_t top, const std::string& text) {
     for (char c : text) {

@@ -1,4 +1,4 @@
-// Pictures with labels, laid out in rows on one sheet.
+// Labelled pictures, laid out in rows on one sheet.
 #pragma once
 
 #include "tools/picture/picture.h"
@@ -8,16 +8,14 @@
 
 namespace tessera {
 
-// A picture with a line of text above it, cut to the picture's width.
+// A picture with a line of text above it, which is cut to the picture's width.
 struct Panel {
     std::string label;
     Picture picture;
 };
 using PanelRow = std::vector<Panel>;
 
-constexpr std::uint64_t max_sheet_pixels = 1u << 28;
-
-// Errors: unsupported, where the sheet would have more than that.
+// Errors: unsupported, where the sheet would have more than max_sheet_pixels.
 Result<Picture> lay_out(const std::vector<PanelRow>& rows);
 
 } // namespace tessera

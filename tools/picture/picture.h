@@ -23,12 +23,17 @@ struct Picture {
     }
 };
 
+inline constexpr std::uint64_t max_sheet_pixels = 1u << 28;
+
 Picture blank_picture(std::uint32_t width, std::uint32_t height, int grey);
 
 // |a - b| times `amplify`, per channel. Precondition: both have the same size.
 Picture difference_of(const Picture& a, const Picture& b, double amplify);
 
-// Appears as `path`, a PNG, when it is whole. Errors: io, runtime.
+// The colours of a PNG. Errors: io, invalid_file, unsupported (grey, more than max_sheet_pixels).
+Result<Picture> read_png(const std::string& path);
+
+// Writes a PNG, which appears as `path` when it is complete. Errors: io, runtime.
 Status write_png(const std::string& path, const Picture& picture);
 
 } // namespace tessera

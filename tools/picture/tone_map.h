@@ -1,4 +1,4 @@
-// How scene-linear values are shown.
+// How scene-linear values are displayed.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// As sRGB of x / (1 + x); NaN and below 0 as black.
+// The 8-bit sRGB code of x / (1 + x). NaN and values below 0 are black.
 inline std::byte tone_mapped(double linear) {
     const double x = std::max(0.0, linear);
     const double y = std::isfinite(x) ? x / (1 + x) : 1;

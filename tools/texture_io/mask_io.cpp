@@ -15,9 +15,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t largest_share = 2; // of slab_bytes: one half
+constexpr std::uint64_t largest_share = 2; // a half of slab_bytes
 
-// A mask in memory.
 class LoadedMask : public TexelSource {
 public:
     LoadedMask(const Extent4& size, std::vector<std::byte> values)
@@ -34,7 +33,7 @@ private:
     MemorySource source_;
 };
 
-// Takes any texture for a mask.
+// Keeps a byte per texel of any texture: whether its first channel is not 0.
 class MaskSink : public TexelSink {
 public:
     explicit MaskSink(const TextureDesc& desc) : desc_(desc), values_(texel_count(desc.size)) {}
@@ -59,10 +58,9 @@ Result<std::unique_ptr<TexelSource>> load(TexelSource& source, unsigned threads,
     const TextureDesc& desc = source.desc();
     const std::uint64_t bytes = texel_count(desc.size), most = slab_bytes / largest_share;
     if (bytes > most)
-        return Status(ErrorCode::over_budget,
-                      "the mask's " + std::to_string(bytes) +
-                          " bytes have to be held in memory, only " + std::to_string(most) +
-                          " are allowed (a raw file, .gray, is read in place)");
+        return Status(ErrorCode::over_budget, "the mask takes " + std::to_string(bytes) +
+                                                  " bytes of memory, only " + std::to_string(most) +
+                                                  " are allowed (a raw file, .gray, takes none)");
     slab_bytes -= bytes;
     MaskSink sink(desc);
     TESSERA_TRY(copy_texture(source, sink, threads, {}, "mask", slab_bytes));
@@ -78,7 +76,7 @@ Result<TextureHints> mask_hints(const MaskArguments& arguments, const Extent4& t
         TESSERA_TRY_ASSIGN(hints.size, parse_extent(arguments.size).with_context("--mask-size"));
     }
     if (arguments.path.ends_with(".raw") ||
-        arguments.path == standard_stream) { // other names say what they hold
+        arguments.path == standard_stream) { // other names imply type and channels
         hints.type = SampleType::unorm8;
         hints.channels = std::uint8_t{1};
     }
@@ -89,13 +87,13 @@ Result<TextureHints> mask_hints(const MaskArguments& arguments, const Extent4& t
 
 void add_mask_options(CLI::App& app, MaskArguments& a, const std::string& meaning) {
     auto* mask = app.add_option("--mask", a.path,
-                                "Texture that says which texels matter (0 in its first channel: "
-                                "don't care): .gray, read in place, or any other kind, loaded "
-                                "whole; " +
+                                "Texture that is 0 in its first channel where texels are masked: "
+                                ".gray, read in place, or any other kind, loaded whole; " +
                                     meaning);
-    app.add_option("--mask-size", a.size,
-                   "UxVxSxT of the mask (default: the texture's); sides may be 1: 512x256x1x1 is a "
-                   "mask of places, 1x1x32x32 one of directions")
+    app.add_option(
+           "--mask-size", a.size,
+           "UxVxSxT of the mask (default: the texture's). Sides of 1 are broadcast: 512x256x1x1 "
+           "masks surface positions, 1x1x32x32 directions")
         ->needs(mask);
 }
 

@@ -1,4 +1,4 @@
-// Where the texels of a texture lie in one picture.
+// Where the texels of a texture are in one picture.
 #pragma once
 
 #include "format/texture.h"
@@ -10,48 +10,43 @@
 
 namespace tessera {
 
-// A texel of a row of a picture, and those that follow it as pixels x + 1, x + 2 ...
-struct PictureRun {
-    std::uint32_t x = 0, count = 0; // pixels
-    std::uint32_t u = 0, v = 0, s = 0, t = 0;
-    bool along_s = false; // else along u
-};
-
-// Either a quilt, where layout.quilt is set, or a mosaic of width U * S, height V * T.
+// A quilt, if layout.quilt is set, or a mosaic of width U * S and height V * T.
 class PictureLayout {
 public:
-    PictureLayout(const Extent4& size, const ViewLayout& layout, std::uint32_t width,
-                  std::uint32_t height)
-        : size_(size), layout_(layout), width_(width), height_(height) {}
+    // `height`: of the picture in pixels.
+    PictureLayout(const Extent4& size, const ViewLayout& layout, std::uint32_t height)
+        : size_(size), layout_(layout), height_(height) {}
 
-    std::uint32_t width() const { return width_; }
-    std::uint32_t height() const { return height_; }
-
-    // The rows that hold texels of `box`, first and last + 1.
+    // The rows that contain texels of `box`: the first, and the last + 1.
     std::pair<std::uint32_t, std::uint32_t> rows_of(const Box4& box) const {
         if (!layout_.quilt)
             return {box.begin[axis_v] * size_[axis_t], box.end[axis_v] * size_[axis_t]};
         return rows_of_quilt(box);
     }
 
-    // The runs of row y that may hold texels of `box`, from left to right. Pixels of no texel are in none.
+    // Calls visit(texels, x) for each run of pixels in row y that belongs to `box`: the texels,
+    // along s or u, that begin at pixel x.
     template <class Visit>
     void visit_row(std::uint32_t y, const Box4& box, const Visit& visit) const {
-        if (layout_.quilt)
-            visit_quilt(y, visit);
-        else
-            for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
-                visit(PictureRun{u * size_[axis_s], size_[axis_s], u, y / size_[axis_t], 0,
-                                 y % size_[axis_t], true});
+        if (layout_.quilt) {
+            visit_quilt(y, box, visit);
+            return;
+        }
+        const std::uint32_t v = y / size_[axis_t], t = y % size_[axis_t];
+        for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u) {
+            const Box4 run{{u, v, 0, t}, {u + 1, v + 1, size_[axis_s], t + 1}};
+            if (const Box4 texels = intersect(run, box); texels.texels() > 0)
+                visit(texels, u * size_[axis_s] + texels.begin[axis_s]);
+        }
     }
 
 private:
-    // What is left over is at the end of the order: above where that goes up.
-    std::uint32_t left_over_above() const {
+    // Unused rows are at the end of the order, which is at the top where views go up.
+    std::uint32_t unused_above() const {
         return layout_.order.bottom_up ? height_ - layout_.quilt->t * size_[axis_v] : 0;
     }
 
-    // Those of the cells that hold cameras of the box.
+    // The rows of the cells whose cameras are in the box.
     std::pair<std::uint32_t, std::uint32_t> rows_of_quilt(const Box4& box) const {
         const ViewGrid& quilt = *layout_.quilt;
         std::uint32_t first = quilt.t, last = 0; // cells, last + 1
@@ -65,27 +60,28 @@ private:
                 first = std::min(first, row);
                 last = row + 1;
             }
-        const std::uint32_t above = left_over_above();
+        const std::uint32_t above = unused_above();
         return {above + std::min(first, last) * size_[axis_v], above + last * size_[axis_v]};
     }
 
-    template <class Visit> void visit_quilt(std::uint32_t y, const Visit& visit) const {
+    template <class Visit>
+    void visit_quilt(std::uint32_t y, const Box4& box, const Visit& visit) const {
         const ViewGrid& quilt = *layout_.quilt;
-        const std::uint32_t used = quilt.t * size_[axis_v], above = left_over_above();
+        const std::uint32_t used = quilt.t * size_[axis_v], above = unused_above();
         if (y < above || y - above >= used)
             return;
         const std::uint32_t row = (y - above) / size_[axis_v], v = (y - above) % size_[axis_v];
         for (std::uint32_t column = 0; column < quilt.s; ++column) {
-            const ViewPlace at =
-                camera_in_quilt(quilt, layout_.order, size_[axis_s], {column, row});
-            if (at.t < size_[axis_t])
-                visit(PictureRun{column * size_[axis_u], size_[axis_u], 0, v, at.s, at.t, false});
+            const auto [s, t] = camera_in_quilt(quilt, layout_.order, size_[axis_s], {column, row});
+            const Box4 run{{0, v, s, t}, {size_[axis_u], v + 1, s + 1, t + 1}};
+            if (const Box4 texels = intersect(run, box); texels.texels() > 0)
+                visit(texels, column * size_[axis_u] + texels.begin[axis_u]);
         }
     }
 
     Extent4 size_;
     ViewLayout layout_;
-    std::uint32_t width_, height_;
+    std::uint32_t height_;
 };
 
 } // namespace tessera

@@ -3,6 +3,7 @@
 #include "format/output_file.h"
 #include "tools/support/slab_buffer.h"
 #include "tools/support/standard_streams.h"
+#include "tools/texture_io/row_sink.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,10 +13,11 @@
 namespace tessera {
 namespace {
 
-// Wanted texels are picked out of a longer read while it is at most this many times longer: one
-// call to the system costs as much as copying some kB.
+// A system call costs as much as copying some kB. One read therefore takes all wanted rows of a
+// place, unless whole rows are more than this many times as long as their wanted parts.
 constexpr std::uint32_t max_read_excess = 32;
 
+// Texels are stored place by place; a place is the angular image of one (u, v).
 std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_t v,
                           std::uint32_t s, std::uint32_t t) {
     const Extent4& n = desc.size;
@@ -23,16 +25,17 @@ std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_
     return ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
 }
 
-// The views of the places that tiles read one after the other, all of them or, where those are many, whole rows
-// of views: a pread for every place of every tile would take up to a sixth of an encode. Thread-safe.
+// Keeps the places that were read last, as the encoder reads all tiles at the same places one after
+// the other; a system call per place and tile would take up to a sixth of its time. Keeps whole
+// places or, where these exceed 4 MiB, all of s in the rows of t that a box spans. Thread-safe.
 class RecentPlaces {
 public:
     RecentPlaces(ByteSource& file, const TextureDesc& desc) : file_(file), desc_(desc) {}
 
-    // False where a few texels had better be read alone: places that are asked for now and then. Who begins with the
-    // first views of places goes on with the others.
+    // False where the box should be read alone, as its places are not used repeatedly. A box at the
+    // beginning of s and t is likely to be the first of many at its places.
     Result<bool> read(const Box4& box, std::span<std::byte> out) {
-        const Box4 wanted = views_around(box);
+        const Box4 wanted = region_around(box);
         const auto copy = [&] {
             copy_box(box, kept_, texels_, box, out, desc_.texel_bytes());
             return true;
@@ -43,13 +46,13 @@ public:
                 return copy();
         }
         const std::lock_guard lock(mutex_);
-        if (kept_ == wanted) // since then
+        if (kept_ == wanted) // another thread has read it
             return copy();
         const Box4 places = with_all(axis_t, wanted);
-        asked_ = places == latest_ ? asked_ + 1 : 1;
+        uses_ = places == latest_ ? uses_ + 1 : 1;
         latest_ = places;
         const bool begins = wanted == places && box.begin[axis_s] == 0 && box.begin[axis_t] == 0;
-        if ((!begins && asked_ < worth_keeping) || desc_.box_bytes(wanted) > most_bytes)
+        if ((!begins && uses_ < worth_keeping) || desc_.box_bytes(wanted) > most_bytes)
             return false;
         kept_ = {};
         texels_.resize(desc_.box_bytes(wanted));
@@ -59,7 +62,7 @@ public:
     }
 
 private:
-    static constexpr int worth_keeping = 3; // times in a row
+    static constexpr int worth_keeping = 3; // uses in a row
     static constexpr std::uint64_t most_bytes = 4u << 20;
 
     Box4 with_all(Axis axis, Box4 box) const {
@@ -67,14 +70,14 @@ private:
         box.end[axis] = desc_.size[axis];
         return box;
     }
-    Box4 views_around(const Box4& box) const {
+    Box4 region_around(const Box4& box) const {
         const Box4 rows = with_all(axis_s, box), all = with_all(axis_t, rows);
         return desc_.box_bytes(all) <= most_bytes ? all : rows;
     }
 
     Status fill(const Box4& wanted) {
         const bool all = spans(wanted, desc_.size, axis_s, axis_t);
-        const std::uint32_t step = all ? wanted.extent()[axis_u] : 1;
+        const std::uint32_t step = all ? wanted.extent()[axis_u] : 1; // places per read
         const std::uint64_t run =
             desc_.texel_bytes() * wanted.extent()[axis_s] * wanted.extent()[axis_t] * step;
         std::span<std::byte> to(texels_);
@@ -92,8 +95,8 @@ private:
     std::shared_mutex mutex_;
     Box4 kept_{}; // of texels_; empty: nothing
     std::vector<std::byte> texels_;
-    Box4 latest_{}; // all views of the places that were asked for
-    int asked_ = 0;
+    Box4 latest_{}; // the places of the last box that was not kept
+    int uses_ = 0;  // of latest_ in a row
 };
 
 class RawSource : public TexelSource {
@@ -105,67 +108,43 @@ public:
 
     Status read(const Box4& box, std::span<std::byte> out) override {
         TESSERA_TRY(check_box(desc_, box, out.size()));
-        if (!spans(box, desc_.size, axis_s, axis_t)) {
+        const bool whole_places = spans(box, desc_.size, axis_s, axis_t);
+        if (!whole_places) {
             TESSERA_TRY_ASSIGN(const bool done, recent_.read(box, out));
             if (done)
                 return {};
         }
         const Extent4 e = box.extent();
-        const bool angular_whole = spans(box, desc_.size, axis_s, axis_t);
-        const std::uint32_t step = angular_whole ? e[axis_u] : places_per_read(e);
-        const std::size_t bytes = desc_.texel_bytes() * e[axis_s] * e[axis_t]; // of a place
-        std::byte* to = out.data();
+        const std::uint32_t step = whole_places ? e[axis_u] : 1; // places per read
+        const std::size_t bytes = desc_.texel_bytes() * e[axis_s] * e[axis_t] * step;
         std::vector<std::byte> scratch;
-        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v) {
+        for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; u += step) {
-                const std::uint32_t places = std::min(step, box.end[axis_u] - u);
-                if (angular_whole)
-                    TESSERA_TRY(file_->read(file_offset(desc_, u, v, 0, 0), {to, places * bytes}));
-                else
-                    TESSERA_TRY(read_angular_parts(box, u, v, places, to, scratch));
-                to += places * bytes;
+                TESSERA_TRY(whole_places
+                                ? file_->read(file_offset(desc_, u, v, 0, 0), out.first(bytes))
+                                : read_part(box, u, v, out.data(), scratch));
+                out = out.subspan(bytes);
             }
-        }
         return {};
     }
 
 private:
-    // Bytes of a place from the first wanted row to the end of the last.
-    std::size_t span_of_rows(const Extent4& e) const {
-        return (std::size_t{e[axis_t] - 1} * desc_.size[axis_s] + e[axis_s]) * desc_.texel_bytes();
-    }
-    std::size_t place_bytes() const {
-        return std::size_t{desc_.size[axis_s]} * desc_.size[axis_t] * desc_.texel_bytes();
-    }
-
-    // Places side by side whose parts one call reads: all where what lies between is less than what is
-    // wanted, as copying that costs more than a further call.
-    std::uint32_t places_per_read(const Extent4& e) const {
-        constexpr std::size_t most_bytes = 1u << 20;
-        const std::size_t place = place_bytes();
-        if (place > 2 * span_of_rows(e))
-            return 1;
-        return std::max(1u, std::min(e[axis_u], static_cast<std::uint32_t>(most_bytes / place)));
-    }
-
-    // The parts of the angular images of some places that lie in `box`.
-    Status read_angular_parts(const Box4& box, std::uint32_t u, std::uint32_t v,
-                              std::uint32_t places, std::byte* to,
-                              std::vector<std::byte>& scratch) {
+    // Reads the part of one place that lies in `box`.
+    Status read_part(const Box4& box, std::uint32_t u, std::uint32_t v, std::byte* to,
+                     std::vector<std::byte>& scratch) {
         const Extent4 e = box.extent();
         const std::uint32_t s = box.begin[axis_s], t = box.begin[axis_t];
         const std::size_t run = e[axis_s] * desc_.texel_bytes();
         const std::size_t row = desc_.size[axis_s] * desc_.texel_bytes();
-        if (places == 1 && row / run > max_read_excess) {
+        if (row / run > max_read_excess) {
             for (std::uint32_t i = 0; i < e[axis_t]; ++i)
                 TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t + i), {to + i * run, run}));
             return {};
         }
-        scratch.resize((places - 1) * place_bytes() + span_of_rows(e));
+        scratch.resize((e[axis_t] - 1) * row + run);
         TESSERA_TRY(file_->read(file_offset(desc_, u, v, s, t), scratch));
-        for (std::uint32_t place = 0; place < places; ++place)
-            for (std::uint32_t i = 0; i < e[axis_t]; ++i, to += run)
-                std::memcpy(to, scratch.data() + place * place_bytes() + i * row, run);
+        for (std::uint32_t i = 0; i < e[axis_t]; ++i)
+            std::memcpy(to + i * run, scratch.data() + i * row, run);
         return {};
     }
 
@@ -178,7 +157,7 @@ class RawSink : public TexelSink {
 public:
     RawSink(OutputFile file, const TextureDesc& desc) : file_(std::move(file)), desc_(desc) {}
 
-    // Some places beside each other are one run of the file for each v.
+    // Neighbouring places are one run of the file for each v.
     Locality locality() const override { return Locality::places; }
 
     Status begin_slab(const Box4& box) override {
@@ -232,36 +211,13 @@ private:
     bool gathering_ = false;
 };
 
-// Nothing can be written twice there, so whole rows come one after the other.
-class RawStreamSink : public TexelSink {
+class RawStreamSink : public RowSink {
 public:
-    explicit RawStreamSink(const TextureDesc& desc) : desc_(desc) {}
-    Locality locality() const override { return Locality::spatial_rows; }
-    Status begin_slab(const Box4& box) override {
-        if (!spans(box, desc_.size, axis_s, axis_t) || box.begin[axis_u] != 0 ||
-            box.end[axis_u] != desc_.size[axis_u] || box.begin[axis_v] != next_v_)
-            return {ErrorCode::runtime,
-                    "standard output: slab " + to_string(box) + " is not the next rows of v"};
-        return slab_.reset(desc_, box);
-    }
-    Status write(const Box4& box, std::span<const std::byte> texels) override {
-        return slab_.copy_in(box, texels);
-    }
-    Status end_slab() override {
-        next_v_ = slab_.box().end[axis_v];
-        return write_standard_output(slab_.bytes());
-    }
-    Status finish() override {
-        slab_.clear();
-        return next_v_ == desc_.size[axis_v]
-                   ? flush_standard_output()
-                   : Status(ErrorCode::runtime, "standard output: rows are missing");
-    }
+    explicit RawStreamSink(const TextureDesc& desc) : RowSink(desc, "standard output") {}
 
 private:
-    TextureDesc desc_;
-    SlabBuffer slab_;
-    std::uint32_t next_v_ = 0;
+    Status write_rows(SlabBuffer& slab) override { return write_standard_output(slab.bytes()); }
+    Status close() override { return flush_standard_output(); }
 };
 
 } // namespace
@@ -279,11 +235,6 @@ Result<std::unique_ptr<TexelSource>> open_raw(std::unique_ptr<ByteSource> file,
                           std::to_string(expected) + " bytes, but the file has " +
                           std::to_string(file->size()));
     return std::unique_ptr<TexelSource>(new RawSource(std::move(file), desc));
-}
-
-Result<std::unique_ptr<TexelSource>> open_raw(const std::string& path, const TextureDesc& desc) {
-    TESSERA_TRY_ASSIGN(auto file, open_file(path));
-    return open_raw(std::move(file), desc);
 }
 
 Result<std::unique_ptr<TexelSink>> raw_to_standard_output(const TextureDesc& desc) {

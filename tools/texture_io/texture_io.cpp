@@ -1,13 +1,14 @@
 #include "tools/texture_io/texture_io.h"
 
 #include "codec/decoder.h"
+#include "corpus/picture_file.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/camera_grid.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
-#include "tools/texture_io/exr_io.h"
+#include "tools/texture_io/exr_writer.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/picture_io.h"
 #include "tools/texture_io/raw_io.h"
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the ending of a raw file's name says.
+// The ending of a raw file's name, and the samples that it implies.
 struct RawEnding {
     const char* ending;
     std::optional<std::uint8_t> channels;
@@ -54,22 +55,23 @@ std::string without_trailing_slashes(std::string path) {
 Status unknown_kind(const std::string& path) {
     if (is_url(path))
         return {ErrorCode::bad_argument,
-                path + ": over a network only .tess files are read, and none is written"};
+                path + ": only .tess files are read over a network, and none is written"};
     return {ErrorCode::bad_argument,
-            path + ": this name says no kind of texture; known are .tess, .exr, .rgb .rgba .gray "
+            path + ": the name has no known ending; known are .tess, .exr, .rgb .rgba .gray "
                    ".ya (and with 16f appended), .raw, .png, .jpg, and folder/ for views"};
 }
 
-// An input that neither its first bytes nor its name tell.
+// The kind of an input that has neither a signature nor a known name.
 Status unknown_input(const std::string& path, const std::string& name) {
     if (path != standard_stream)
         return unknown_kind(path);
-    return {ErrorCode::bad_argument,
-            name +
-                ": is no .tess, EXR, PNG or JPEG; raw samples need --size, --type and --channels"};
+    return {
+        ErrorCode::bad_argument,
+        name +
+            ": not a .tess, EXR, PNG or JPEG file; raw samples need --size, --type and --channels"};
 }
 
-// By the bytes that a file of the kind begins with; raw samples have none.
+// From the signature; raw samples have none.
 TextureKind kind_of_content(ByteSource& file) {
     constexpr unsigned char tess[] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1a};
     std::array<unsigned char, 11> begin{};
@@ -78,16 +80,15 @@ TextureKind kind_of_content(ByteSource& file) {
         return TextureKind::unknown;
     if (length >= sizeof tess && std::ranges::equal(tess, std::span(begin).first(sizeof tess)))
         return TextureKind::tess;
-    switch (picture_kind_of(file)) {
-    case PictureKind::exr:
+    switch (corpus::picture_kind_of(file)) {
+    case corpus::PictureKind::exr:
         return TextureKind::exr;
-    case PictureKind::png:
-    case PictureKind::jpeg:
+    case corpus::PictureKind::png:
+    case corpus::PictureKind::jpeg:
         return TextureKind::picture;
-    case PictureKind::none:
-        break;
+    default:
+        return TextureKind::unknown;
     }
-    return TextureKind::unknown;
 }
 
 const char* words_for(TextureKind kind) {
@@ -108,7 +109,7 @@ const char* words_for(TextureKind kind) {
     return "no .tess file";
 }
 
-// A compressed file that owns what it is read through.
+// A compressed file with its bytes and decoder.
 class TessSource : public TexelSource {
 public:
     static Result<std::unique_ptr<TessSource>> open(std::unique_ptr<ByteSource> bytes,
@@ -149,36 +150,36 @@ Status open_tess(std::unique_ptr<ByteSource> bytes, const TextureHints& hints,
     return {};
 }
 
-// What was understood of pictures of views.
 void take_facts(const ViewsFacts& facts, OpenedTexture& opened) {
-    const Extent4& size = opened.source->desc().size;
     opened.description = facts.description;
+    if (facts.told.empty())
+        return;
+    const Extent4& size = opened.source->desc().size;
     opened.told = facts.told;
     opened.planar = !facts.described && std::uint64_t{size[axis_s]} * size[axis_t] > 1;
     const std::string layout = to_string(facts.layout);
-    const auto plain = [](char c) {
-        return c >= ' ' && c <= '~';
-    }; // keys hold UTF-8, names anything
-    if (!layout.empty() && std::ranges::all_of(layout, plain))
+    // Metadata is UTF-8, but file names may hold any bytes.
+    const auto is_ascii = [](char c) { return c >= ' ' && c <= '~'; };
+    if (!layout.empty() && std::ranges::all_of(layout, is_ascii))
         opened.metadata[views_key] = layout;
     if (!facts.layout.cameras.empty())
         opened.metadata[cameras_key] = facts.layout.cameras;
 }
 
-// `path`: of a name that says raw, or of any where the hints say all.
+// What a raw file holds, from its name and the hints.
 Result<TextureDesc> raw_desc(const std::string& path, const TextureHints& hints) {
     const RawEnding* known = raw_ending(path);
     const RawEnding ending = known != nullptr ? *known : RawEnding{};
     if (!hints.size)
         return Status(ErrorCode::bad_argument,
-                      path + ": a raw file does not know its size; say --size UxVxSxT");
+                      path + ": a raw file does not store its size; say --size UxVxSxT");
     TextureDesc desc;
     desc.size = *hints.size;
     const auto type = hints.type ? hints.type : ending.type;
     const auto channels = hints.channels ? hints.channels : ending.channels;
     if (!type || !channels)
         return Status(ErrorCode::bad_argument,
-                      path + ": the name says nothing of its samples; say --type and --channels");
+                      path + ": the name does not imply the samples; say --type and --channels");
     desc.type = *type;
     desc.channels = *channels;
     return desc;
@@ -189,9 +190,9 @@ Status check_raw_ending(const std::string& path, const TextureDesc& desc) {
     if (ending.channels.value_or(desc.channels) == desc.channels &&
         ending.type.value_or(desc.type) == desc.type)
         return {};
-    return {ErrorCode::bad_argument, path + ": the name does not fit a texture of " +
+    return {ErrorCode::bad_argument, path + ": the ending contradicts a texture of " +
                                          std::to_string(desc.channels) + " channels of " +
-                                         name_of(desc.type) + " (.raw fits all)"};
+                                         name_of(desc.type) + " (.raw fits any)"};
 }
 
 } // namespace
@@ -209,7 +210,7 @@ TextureKind kind_of(const std::string& path) {
         return TextureKind::tess;
     if (ending == ".exr")
         return TextureKind::exr;
-    if (picture_kind_of_name(path) != PictureKind::none)
+    if (picture_kind_of_name(path) != corpus::PictureKind::none)
         return ending == ".EXR" ? TextureKind::exr : TextureKind::picture;
     return raw_ending(path) ? TextureKind::raw : TextureKind::unknown;
 }
@@ -238,12 +239,9 @@ Result<std::unique_ptr<ByteSource>> open_tess_bytes(const std::string& path, con
 Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& hints) {
     OpenedTexture opened;
     opened.kind = kind_of(path);
-    Result<std::unique_ptr<TexelSource>> source = Status();
     ViewsFacts facts;
     if (opened.kind == TextureKind::views) {
-        source = open_views(without_trailing_slashes(path), hints, facts);
-        TESSERA_TRY(source);
-        opened.source = std::move(*source);
+        TESSERA_TRY_ASSIGN(opened.source, open_views(without_trailing_slashes(path), hints, facts));
         take_facts(facts, opened);
         return opened;
     }
@@ -256,10 +254,10 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     const std::string name = bytes.ok() ? (*bytes)->name() : path;
     if (opened.kind == TextureKind::unknown && hints.size && hints.type && hints.channels)
         opened.kind = TextureKind::raw;
-    Result<TextureDesc> raw = TextureDesc();
-    if (opened.kind == TextureKind::raw) // what is not said is wrong whether there is a file or not
-        raw = raw_desc(path == standard_stream ? name : path, hints);
-    TESSERA_TRY(raw);
+    TextureDesc raw;
+    if (opened.kind == TextureKind::raw) { // missing hints are reported before a missing file
+        TESSERA_TRY_ASSIGN(raw, raw_desc(path == standard_stream ? name : path, hints));
+    }
     if (!bytes.ok() && (opened.kind != TextureKind::unknown || path == standard_stream))
         return bytes.status();
     switch (opened.kind) {
@@ -267,26 +265,20 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
         TESSERA_TRY(open_tess(std::move(*bytes), hints, opened));
         return opened;
     case TextureKind::exr:
-        if (!hints.views.quilt && (hints.size || hints.views.mosaic || !quilt_in_name(path))) {
-            source = open_exr(std::move(*bytes), hints, opened.description);
-            break;
-        }
-        [[fallthrough]];
-    case TextureKind::picture:
-        source = open_picture(std::move(*bytes), hints, facts);
-        break;
-    case TextureKind::raw:
-        source = open_raw(std::move(*bytes), *raw);
-        break;
+    case TextureKind::picture: {
+        TESSERA_TRY_ASSIGN(opened.source, open_picture(std::move(*bytes), hints, facts));
+        take_facts(facts, opened);
+        return opened;
+    }
+    case TextureKind::raw: {
+        TESSERA_TRY_ASSIGN(opened.source, open_raw(std::move(*bytes), raw));
+        return opened;
+    }
     case TextureKind::views:
     case TextureKind::unknown:
-        return unknown_input(path, name);
+        break;
     }
-    TESSERA_TRY(source);
-    opened.source = std::move(*source);
-    if (!facts.told.empty())
-        take_facts(facts, opened);
-    return opened;
+    return unknown_input(path, name);
 }
 
 Result<std::pair<OpenedTexture, OpenedTexture>>

@@ -15,7 +15,7 @@ std::string to_string(const ViewLayout& layout) {
     if (const std::string order = to_string(layout.order); !order.empty())
         text += (text.empty() ? "order:" : " order:") + order;
     if (!layout.pattern.empty() && layout.pattern != usual_view_pattern)
-        text += (text.empty() ? "names:" : " names:") + layout.pattern; // last: it may hold blanks
+        text += (text.empty() ? "names:" : " names:") + layout.pattern; // last, as it may contain spaces
     return text;
 }
 
@@ -46,7 +46,7 @@ ViewLayout layout_for(const ViewHints& asked, const Metadata& metadata) {
     const auto kept = metadata.find(views_key);
     ViewLayout layout = kept == metadata.end() ? ViewLayout{} : parse_view_layout(kept->second);
     if (!asked.pattern.empty() || asked.quilt || asked.mosaic)
-        layout = {asked.pattern, asked.quilt, {}, {}};
+        layout = {.pattern = asked.pattern, .quilt = asked.quilt};
     if (asked.quilt && !asked.grid)
         layout.order.bottom_up = true;
     if (asked.order)

@@ -10,21 +10,21 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t most_groups_told = 3;
+constexpr std::size_t most_groups_named = 3; // in a message
 
 bool is_digit_of_name(char c) {
     return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// A name cut at its numbers: texts[0] numbers[0] texts[1] ... numbers[k - 1] texts[k]. A minus belongs to
-// its number unless it stands between letters or digits, as in "cam-01-02".
+// A name split at its numbers: texts[0] numbers[0] texts[1] ... numbers[k - 1] texts[k]. A minus
+// belongs to the number behind it unless a letter or digit precedes it, as in "cam-01-02".
 struct CutName {
     std::vector<std::string> texts{""}, numbers;
 };
 
 CutName cut_at_numbers(const std::string& name) {
     CutName cut;
-    const std::size_t end = name.rfind('.'); // digits of an ending are no number
+    const std::size_t end = name.rfind('.'); // an ending has no numbers
     std::size_t i = 0;
     while (i < end) {
         const bool sign = name[i] == '-' && i + 1 < end && is_digit_of_name(name[i + 1]) && i > 0 &&
@@ -49,7 +49,7 @@ CutName cut_at_numbers(const std::string& name) {
     return cut;
 }
 
-// The same for names of one kind: texts in small letters, # for numbers.
+// A key that names of one kind share: the texts in small letters, # for each number.
 std::string kind_of_name(const CutName& cut) {
     std::string key;
     for (const std::string& text : cut.texts)
@@ -58,9 +58,9 @@ std::string kind_of_name(const CutName& cut) {
     return key;
 }
 
-// What stands at one of the numbers of names of a kind.
+// What the numbers at one position of the names have in common.
 struct Field {
-    bool whole = true; // no decimal point, and not too many digits
+    bool whole = true; // no decimal point, and at most 9 digits
     bool varies = false;
     bool same_width = true;
     std::size_t width = 0;
@@ -78,7 +78,7 @@ Field field_of(const std::vector<CutName>& names, std::size_t index) {
     return field;
 }
 
-// What cannot stand in a pattern for itself.
+// Text of a name as text of a pattern, where braces have a meaning.
 std::string as_pattern(std::string text) {
     std::ranges::replace_if(
         text, [](char c) { return c == '{' || c == '}'; }, '*');
@@ -104,7 +104,7 @@ Result<std::string> pattern_of(const std::vector<CutName>& names, const ViewOrde
                               order.columns ? "t" : "s"};
     std::string text = as_pattern(first.texts[0]);
     for (std::size_t i = 0, place = 0; i < fields.size(); ++i) {
-        // A single picture is number what it is.
+        // The last number of a single picture is its running number.
         const bool only = places == 0 && names.size() == 1 && i + 1 == fields.size();
         if (fields[i].whole && (fields[i].varies || only)) {
             text += std::string("{") + (only ? "n" : letters[place++]);
@@ -124,7 +124,29 @@ std::string example(const std::vector<std::string>& names) {
            (names.size() > 1 ? " (" + std::to_string(names.size()) + " like it)" : "");
 }
 
-// Where the numbers begin: at 0 if they then fit `size`, else at the least.
+// Names of the same kind, by their key.
+using NameKinds = std::map<std::string, std::vector<std::string>>;
+
+// The only kind that has several names, or the only kind.
+Result<std::vector<std::string>> only_series(const NameKinds& kinds) {
+    std::vector<const std::vector<std::string>*> series;
+    for (const auto& [key, members] : kinds)
+        if (members.size() > 1 || kinds.size() == 1)
+            series.push_back(&members);
+    if (series.size() == 1)
+        return *series.front();
+    std::string examples;
+    std::size_t named = 0;
+    for (const auto& [key, members] : kinds)
+        if ((series.empty() || members.size() > 1) && named++ <= most_groups_named)
+            examples += (examples.empty() ? "" : ", ") + example(members);
+    return Status(ErrorCode::bad_argument,
+                  (series.empty() ? "the names have nothing in common: "
+                                  : "the names fit more than one pattern: ") +
+                      examples + "; say which are views by --views-pattern, such as 'x{n}.png'");
+}
+
+// Where numbers begin that are to fit `size`: at 0 if they fit then, else at the smallest.
 std::int64_t beginning(std::int64_t least, std::int64_t most, std::uint64_t size) {
     return least >= 0 && static_cast<std::uint64_t>(most) < size ? 0 : least;
 }
@@ -153,7 +175,7 @@ std::uint32_t square_side(std::uint64_t count) {
     return std::uint64_t{side} * side == count ? side : 0;
 }
 
-// Where the numbers of a grid's names begin.
+// A grid, and the numbers of the name at its first position.
 struct Counted {
     ViewGrid grid;
     ViewNumbers first;
@@ -201,7 +223,7 @@ Result<Counted> count_placed(const Numbered& views, const std::optional<ViewGrid
     return counted;
 }
 
-// The place that a name says. Nothing where it lies outside the grid.
+// The position of the view with these numbers; none outside the grid.
 std::optional<ViewPlace> place_of(const ViewNumbers& numbers, const Counted& counted,
                                   const ViewOrder& order) {
     const ViewGrid& grid = counted.grid;
@@ -229,14 +251,41 @@ std::string name_at(const ViewPattern& pattern, const ViewOrder& order, const Co
                     const ViewPlace& place) {
     const ViewStep at = step_of(counted.grid, order, place);
     if (pattern.is_running())
-        return pattern.name_of({{},
-                                {},
-                                *counted.first.n +
-                                    std::int64_t{at.line} * line_length(counted.grid, order) +
-                                    at.step});
-    return pattern.name_of({*counted.first.s + (order.columns ? at.line : at.step),
-                            *counted.first.t + (order.columns ? at.step : at.line),
-                            {}});
+        return pattern.name_of({.n = *counted.first.n +
+                                     std::int64_t{at.line} * line_length(counted.grid, order) +
+                                     at.step});
+    return pattern.name_of({.s = *counted.first.s + (order.columns ? at.line : at.step),
+                            .t = *counted.first.t + (order.columns ? at.step : at.line)});
+}
+
+// The names of all views, that of (s, t) at t * grid.s + s.
+Result<std::vector<std::string>> complete_grid(const Numbered& views, const Counted& counted,
+                                               const NamedViews& found) {
+    std::map<std::uint64_t, std::string> at;
+    for (const auto& [numbers, name] : views) {
+        const auto place = place_of(numbers, counted, found.order);
+        if (!place)
+            return Status(ErrorCode::invalid_file,
+                          name + ": outside the " + to_string(found.grid) + " views");
+        const auto [other, fresh] =
+            at.emplace(std::uint64_t{place->t} * found.grid.s + place->s, name);
+        if (!fresh)
+            return Status(ErrorCode::invalid_file,
+                          "two files for one view: " + other->second + " and " + name);
+    }
+    std::vector<std::string> names;
+    for (const auto& [index, name] : at) {
+        if (index != names.size())
+            break;
+        names.push_back(name);
+    }
+    if (names.size() == found.grid.count())
+        return names;
+    const ViewPlace missing{static_cast<std::uint32_t>(names.size() % found.grid.s),
+                            static_cast<std::uint32_t>(names.size() / found.grid.s)};
+    return Status(ErrorCode::invalid_file, name_at(found.pattern, found.order, counted, missing) +
+                                               ": this view is missing from " +
+                                               to_string(found.grid) + " views");
 }
 
 } // namespace
@@ -249,30 +298,12 @@ Result<ViewPattern> recognise_view_names(const std::vector<std::string>& names,
         if (std::ranges::any_of(names, [&](auto& n) { return pattern.match(n).has_value(); }))
             return pattern;
     }
-    std::map<std::string, std::vector<std::string>> kinds;
+    NameKinds kinds;
     for (const std::string& name : names)
         kinds[kind_of_name(cut_at_numbers(name))].push_back(name);
-    std::vector<const std::vector<std::string>*> grids;
-    for (const auto& [key, members] : kinds)
-        if (members.size() > 1)
-            grids.push_back(&members);
-    if (kinds.size() == 1 && grids.empty())
-        grids.push_back(&kinds.begin()->second);
-    if (grids.size() != 1) {
-        std::string told;
-        for (const auto& [key, members] : kinds)
-            if (grids.empty() || members.size() > 1) {
-                told += (told.empty() ? "" : ", ") + example(members);
-                if (std::ranges::count(told, ',') == most_groups_told)
-                    break;
-            }
-        return Status(ErrorCode::bad_argument,
-                      (grids.empty() ? "the names have nothing in common: "
-                                     : "the names fit more than one pattern: ") +
-                          told + "; say which are views by --views-pattern, such as 'x{n}.png'");
-    }
+    TESSERA_TRY_ASSIGN(const auto views, only_series(kinds));
     std::vector<CutName> cuts;
-    for (const std::string& name : *grids.front())
+    for (const std::string& name : views)
         cuts.push_back(cut_at_numbers(name));
     if (cuts.front().numbers.empty())
         return Status(ErrorCode::bad_argument,
@@ -283,7 +314,7 @@ Result<ViewPattern> recognise_view_names(const std::vector<std::string>& names,
 }
 
 Result<NamedViews> arrange_views(const std::vector<std::string>& names, const ViewHints& hints,
-                                 const std::optional<ViewGrid>& said) {
+                                 const std::optional<ViewGrid>& known_grid) {
     NamedViews found;
     found.order = hints.order.value_or(ViewOrder{});
     if (hints.pattern.empty()) {
@@ -299,42 +330,19 @@ Result<NamedViews> arrange_views(const std::vector<std::string>& names, const Vi
         return Status(ErrorCode::invalid_file, "holds no picture whose name fits '" +
                                                    found.pattern.text() + "'" +
                                                    (names.empty() ? "" : ", but " + names.front()));
-    std::optional<ViewGrid> known = hints.grid ? hints.grid : said;
-    const bool ours = found.pattern.text().starts_with("view_t{t");
+    std::optional<ViewGrid> known = hints.grid ? hints.grid : known_grid;
+    const bool is_ours = found.pattern.text().starts_with("view_t{t");
     TESSERA_TRY_ASSIGN(const Counted counted, found.pattern.is_running()
                                                   ? count_running(views, known)
-                                                  : count_placed(views, known, ours));
+                                                  : count_placed(views, known, is_ours));
     found.grid = counted.grid;
-    std::map<std::uint64_t, std::string> at; // by t * grid.s + s
-    for (const auto& [numbers, name] : views) {
-        const auto place = place_of(numbers, counted, found.order);
-        if (!place)
-            return Status(ErrorCode::invalid_file,
-                          name + ": outside the " + to_string(found.grid) + " views");
-        const auto [other, fresh] =
-            at.emplace(std::uint64_t{place->t} * found.grid.s + place->s, name);
-        if (!fresh)
-            return Status(ErrorCode::invalid_file,
-                          "two files for one view: " + other->second + " and " + name);
-    }
-    for (const auto& [index, name] : at) {
-        if (index != found.names.size())
-            break;
-        found.names.push_back(name);
-    }
-    if (found.names.size() < found.grid.count()) {
-        const auto s = static_cast<std::uint32_t>(found.names.size() % found.grid.s);
-        const auto t = static_cast<std::uint32_t>(found.names.size() / found.grid.s);
-        return Status(ErrorCode::invalid_file,
-                      name_at(found.pattern, found.order, counted, {s, t}) +
-                          ": this view is missing from " + to_string(found.grid) + " views");
-    }
+    TESSERA_TRY_ASSIGN(found.names, complete_grid(views, counted, found));
     return found;
 }
 
 std::string view_name(const ViewPattern& pattern, const ViewOrder& order, const ViewGrid& grid,
                       const ViewPlace& place) {
-    return name_at(pattern, order, {grid, {0, 0, 0}}, place);
+    return name_at(pattern, order, {.grid = grid, .first = {.s = 0, .t = 0, .n = 0}}, place);
 }
 
 } // namespace tessera

@@ -1,6 +1,7 @@
 #include "tools/texture_io/view_pattern.h"
 
 #include "tools/support/parse.h"
+#include "tools/texture_io/picture_format.h"
 
 #include <algorithm>
 #include <cctype>
@@ -30,18 +31,77 @@ std::string digits_of(std::int64_t number, std::size_t width) {
            digits;
 }
 
-} // namespace
+using Item = ViewPattern::Item;
 
-bool has_picture_ending(std::string_view name) {
-    const std::size_t dot = name.rfind('.');
-    if (dot == std::string_view::npos)
-        return false;
-    return std::ranges::any_of(
-        std::initializer_list<std::string_view>{".png", ".jpg", ".jpeg", ".exr"},
-        [&](auto ending) { return same_letters(name.substr(dot), ending); });
+std::optional<std::int64_t>& field(ViewNumbers& numbers, Item::Kind kind) {
+    return kind == Item::Kind::s ? numbers.s : kind == Item::Kind::t ? numbers.t : numbers.n;
 }
 
-// "t:2"
+// Matches a name by trying all lengths of stars and numbers. It remembers which items fail at which
+// positions, so that it tries none of them twice.
+class Matcher {
+public:
+    Matcher(const std::vector<Item>& items, std::size_t length)
+        : items_(items), failed_((length + 1) * (items.size() + 1)) {}
+
+    // Whether the items from `index` match all of `left`.
+    bool match(std::size_t index, std::string_view left) {
+        const std::size_t place = left.size() * (items_.size() + 1) + index;
+        if (failed_[place])
+            return false;
+        failed_[place] = !try_item(index, left);
+        return !failed_[place];
+    }
+
+    ViewNumbers numbers;
+
+private:
+    bool try_item(std::size_t index, std::string_view left) {
+        if (index == items_.size())
+            return left.empty();
+        const Item& item = items_[index];
+        if (item.kind == Item::Kind::literal)
+            return same_letters(left.substr(0, item.text.size()), item.text) &&
+                   match(index + 1, left.substr(item.text.size()));
+        if (item.kind != Item::Kind::any)
+            return try_number(index, left);
+        for (std::size_t length = 0; length <= left.size(); ++length)
+            if (match(index + 1, left.substr(length)))
+                return true;
+        return false;
+    }
+
+    bool try_number(std::size_t index, std::string_view left) {
+        const Item& item = items_[index];
+        const bool negative = left.starts_with('-');
+        const std::string_view digits = left.substr(negative ? 1 : 0);
+        const auto other = std::ranges::find_if_not(digits, is_digit);
+        const auto found = static_cast<std::size_t>(other - digits.begin());
+        const bool beside = is_number(index + 1) || (index > 0 && is_number(index - 1));
+        const std::size_t least = beside ? item.width : 1, most = beside ? item.width : most_digits;
+        for (std::size_t length = std::min(found, most); length >= least; --length) {
+            std::uint64_t value = 0;
+            parse_number(digits.substr(0, length), value);
+            field(numbers, item.kind) =
+                negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
+            if (match(index + 1, digits.substr(length)))
+                return true;
+        }
+        return false;
+    }
+
+    bool is_number(std::size_t item) const {
+        return item < items_.size() && items_[item].kind != Item::Kind::literal &&
+               items_[item].kind != Item::Kind::any;
+    }
+
+    const std::vector<Item>& items_;
+    std::vector<bool> failed_; // by item and length of the rest
+};
+
+} // namespace
+
+// Adds what {} encloses, such as "t:2".
 Status ViewPattern::add_number(std::string_view inside) {
     Item item;
     const std::string_view letter = inside.substr(0, 1);
@@ -54,7 +114,7 @@ Status ViewPattern::add_number(std::string_view inside) {
                 "'{" + std::string(inside) + "}' is not {s}, {t} or {n}, or with digits {n:3}"};
     for (const Item& other : items_)
         if (other.kind == item.kind)
-            return {ErrorCode::bad_argument, "{" + std::string(letter) + "} stands twice"};
+            return {ErrorCode::bad_argument, "{" + std::string(letter) + "} occurs twice"};
     item.width = width;
     items_.push_back(std::move(item));
     return {};
@@ -71,23 +131,23 @@ Result<ViewPattern> ViewPattern::parse(const std::string& text) {
         return bad("is too long");
     if (text.starts_with('.') ||
         std::ranges::any_of(text, [](char c) { return c == '/' || (c >= 0 && c < ' '); }))
-        return bad("is no name of a file in a folder");
+        return bad("is not the name of a file in a folder");
     if (std::ranges::count(text, '*') > static_cast<std::ptrdiff_t>(most_stars))
         return bad("has more than " + std::to_string(most_stars) + " stars");
     for (std::string_view left = text; !left.empty();) {
         if (left[0] == '*') {
-            pattern.items_.push_back({Item::Kind::any, {}, 1});
+            pattern.items_.push_back({.kind = Item::Kind::any});
             left.remove_prefix(1);
         } else if (left[0] == '{') {
             const std::size_t end = left.find('}');
             if (end == std::string_view::npos)
                 return bad("lacks a }");
             if (Status s = pattern.add_number(left.substr(1, end - 1)); !s.ok())
-                return bad("is none: " + s.message());
+                return bad("is invalid: " + s.message());
             left.remove_prefix(end + 1);
         } else {
             const std::size_t end = std::min(left.find_first_of("*{"), left.size());
-            pattern.items_.push_back({Item::Kind::literal, std::string(left.substr(0, end)), 1});
+            pattern.items_.push_back({.text = std::string(left.substr(0, end))});
             left.remove_prefix(end);
         }
     }
@@ -98,76 +158,23 @@ Result<ViewPattern> ViewPattern::parse(const std::string& text) {
     const bool placed = has(Item::Kind::s) || has(Item::Kind::t);
     if (pattern.running_ == placed)
         return bad("needs {t} and {s}, the row and the column, or {n}, one running number");
-    if (!has_picture_ending(text))
+    if (picture_kind_of_name(text) == corpus::PictureKind::none)
         return bad("ends in none of .png, .jpg, .jpeg and .exr");
     return pattern;
 }
 
-std::optional<std::int64_t>& ViewPattern::field(ViewNumbers& numbers, Item::Kind kind) {
-    return kind == Item::Kind::s ? numbers.s : kind == Item::Kind::t ? numbers.t : numbers.n;
-}
-
-bool ViewPattern::is_number(std::size_t item) const {
-    return item < items_.size() && items_[item].kind != Item::Kind::literal &&
-           items_[item].kind != Item::Kind::any;
-}
-
-// What follows is the same whichever way led there, so that no way is tried twice.
-bool ViewPattern::match_from(std::size_t index, std::string_view left, ViewNumbers& numbers,
-                             std::vector<bool>& failed) const {
-    const std::size_t place = left.size() * (items_.size() + 1) + index;
-    if (failed[place])
-        return false;
-    failed[place] = !try_from(index, left, numbers, failed);
-    return !failed[place];
-}
-
-bool ViewPattern::try_from(std::size_t index, std::string_view left, ViewNumbers& numbers,
-                           std::vector<bool>& failed) const {
-    if (index == items_.size())
-        return left.empty();
-    const Item& item = items_[index];
-    if (item.kind == Item::Kind::literal)
-        return left.size() >= item.text.size() &&
-               same_letters(left.substr(0, item.text.size()), item.text) &&
-               match_from(index + 1, left.substr(item.text.size()), numbers, failed);
-    if (item.kind == Item::Kind::any) {
-        for (std::size_t length = 0; length <= left.size(); ++length)
-            if (match_from(index + 1, left.substr(length), numbers, failed))
-                return true;
-        return false;
-    }
-    const bool negative = left.starts_with('-');
-    const std::string_view digits = left.substr(negative ? 1 : 0);
-    const auto other = std::ranges::find_if_not(digits, is_digit);
-    const auto found = static_cast<std::size_t>(other - digits.begin());
-    const bool beside = is_number(index + 1) || (index > 0 && is_number(index - 1));
-    const std::size_t least = beside ? item.width : 1, most = beside ? item.width : most_digits;
-    for (std::size_t length = std::min(found, most); length >= least; --length) {
-        std::uint64_t value = 0;
-        parse_number(digits.substr(0, length), value);
-        field(numbers, item.kind) =
-            negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
-        if (match_from(index + 1, digits.substr(length), numbers, failed))
-            return true;
-    }
-    return false;
-}
-
 std::optional<ViewNumbers> ViewPattern::match(std::string_view name) const {
-    ViewNumbers numbers;
-    std::vector<bool> failed((name.size() + 1) * (items_.size() + 1));
-    return match_from(0, name, numbers, failed) ? std::optional(numbers) : std::nullopt;
+    Matcher matcher(items_, name.size());
+    return matcher.match(0, name) ? std::optional(matcher.numbers) : std::nullopt;
 }
 
-std::string ViewPattern::name_of(const ViewNumbers& numbers) const {
+std::string ViewPattern::name_of(ViewNumbers numbers) const {
     std::string name;
-    ViewNumbers copy = numbers;
     for (const Item& item : items_)
         if (item.kind == Item::Kind::literal)
             name += item.text;
         else if (item.kind != Item::Kind::any)
-            name += digits_of(field(copy, item.kind).value_or(0), item.width);
+            name += digits_of(field(numbers, item.kind).value_or(0), item.width);
     return name;
 }
 

@@ -1,4 +1,4 @@
-// tessera.json beside the views of a folder: what `decode` knew when it wrote them.
+// tessera.json: what `decode` knew about a folder of views when it wrote them.
 #pragma once
 
 #include "format/metadata.h"
@@ -18,7 +18,8 @@ struct ViewsJson {
     ViewLayout layout;
 };
 
-// Nothing where there is no such file. Errors: io (also what is no regular file), invalid_file.
+// No value if the folder has no such file. Errors: io (also if it is not a regular file),
+// invalid_file.
 Result<std::optional<ViewsJson>> read_views_json(const std::string& folder);
 
 std::string to_text(const TextureDesc& desc, const Description& description,

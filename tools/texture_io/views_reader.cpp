@@ -1,3 +1,4 @@
+#include "corpus/picture_file.h"
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
@@ -13,15 +14,16 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
+using corpus::PictureShape;
 
-// Of pictures, by their endings; hidden files are other programs' own. Sorted, for the same messages
-// everywhere.
+// The names of pictures, by their endings, without hidden files. Sorted, so that messages are the
+// same everywhere.
 Result<std::vector<std::string>> list_pictures(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
     for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
         std::string name = i->path().filename().string();
-        if (!name.starts_with('.') && has_picture_ending(name))
+        if (!name.starts_with('.') && picture_kind_of_name(name) != corpus::PictureKind::none)
             names.push_back(std::move(name));
         TESSERA_TRY(check_interrupt());
     }
@@ -41,41 +43,25 @@ public:
 
     Status open(const TextureHints& hints, ViewsFacts& facts) {
         TESSERA_TRY_ASSIGN(const auto names, list_pictures(folder_));
-        TESSERA_TRY_ASSIGN(const auto written, read_views_json(folder_));
+        TESSERA_TRY_ASSIGN(const auto json, read_views_json(folder_));
         ViewHints views = hints.views;
         std::optional<Extent4> size = hints.size;
-        if (written) {
+        if (json) {
             facts.described = true;
-            facts.description = written->description;
+            facts.description = json->description;
+            facts.layout.cameras = json->layout.cameras;
             if (views.pattern.empty())
-                views.pattern = written->layout.pattern;
+                views.pattern = json->layout.pattern;
             if (!views.order)
-                views.order = written->layout.order;
+                views.order = json->layout.order;
             if (!size)
-                size = written->size;
+                size = json->size;
         }
-        std::optional<ViewGrid> grid;
-        if (size)
-            TESSERA_TRY(check_desc({*size, SampleType::unorm8, 1}).with_context(folder_));
-        if (size)
-            grid = ViewGrid{(*size)[axis_s], (*size)[axis_t]};
-        if (grid && views.grid && *grid != *views.grid)
-            return {ErrorCode::bad_argument, folder_ + ": is " + to_string(*size) +
-                                                 ", not of a grid of " + to_string(*views.grid) +
-                                                 " cameras"};
-        TESSERA_TRY_ASSIGN(views_, arrange_views(names, views, grid).with_context(folder_));
-        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0));
-        desc_.channels = first.channels;
-        desc_.type = hints.type.value_or(first.usual_type());
-        desc_.size =
-            size.value_or(Extent4{first.width, first.height, views_.grid.s, views_.grid.t});
-        TESSERA_TRY(check_desc(desc_).with_context(folder_));
-        shapes_.resize(views_.names.size());
-        TESSERA_TRY(parallel_for(views_.names.size(), threads_,
-                                 [this](std::uint64_t i) { return check_view(i); }));
-        facts.layout = {
-            views_.pattern.text(), {}, views_.order, written ? written->layout.cameras : ""};
-        facts.told = told(names.size());
+        TESSERA_TRY(arrange(names, views, size).with_context(folder_));
+        TESSERA_TRY(check_views(hints, size));
+        facts.layout.pattern = views_.pattern.text();
+        facts.layout.order = views_.order;
+        facts.told = summary(names.size());
         return {};
     }
 
@@ -99,9 +85,38 @@ public:
 private:
     std::string path_of(std::size_t view) const { return folder_ + "/" + views_.names[view]; }
 
+    // Decides which pictures are views, and where.
+    Status arrange(const std::vector<std::string>& names, const ViewHints& views,
+                   const std::optional<Extent4>& size) {
+        std::optional<ViewGrid> grid;
+        if (size) {
+            TESSERA_TRY(check_desc({.size = *size, .channels = 1}));
+            grid = ViewGrid{(*size)[axis_s], (*size)[axis_t]};
+        }
+        if (grid && views.grid && *grid != *views.grid)
+            return {ErrorCode::bad_argument, "is " + to_string(*size) + ", not of a grid of " +
+                                                 to_string(*views.grid) + " cameras"};
+        TESSERA_TRY_ASSIGN(views_, arrange_views(names, views, grid));
+        return {};
+    }
+
     Result<PictureShape> shape_of(std::size_t view) const {
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        return read_picture_shape(*file);
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file));
+        return reader->shape();
+    }
+
+    // Reads the headers of all views, which must agree with the first one and with `size`.
+    Status check_views(const TextureHints& hints, const std::optional<Extent4>& size) {
+        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0));
+        desc_.channels = first.channels;
+        desc_.type = hints.type.value_or(first.usual_type());
+        desc_.size =
+            size.value_or(Extent4{first.width, first.height, views_.grid.s, views_.grid.t});
+        TESSERA_TRY(check_desc(desc_).with_context(folder_));
+        shapes_.resize(views_.names.size());
+        return parallel_for(views_.names.size(), threads_,
+                            [this](std::uint64_t i) { return check_view(i); });
     }
 
     Status check_view(std::size_t view) {
@@ -120,7 +135,8 @@ private:
                     " instead of " + words(desc_.size[axis_u], desc_.size[axis_v], desc_.channels)};
     }
 
-    std::string told(std::size_t pictures) const {
+    // For people. `pictures`: how many the folder has.
+    std::string summary(std::size_t pictures) const {
         const std::string order = to_string(views_.order);
         const std::size_t others = pictures - views_.names.size();
         const bool rounded = desc_.type == SampleType::unorm8 &&
@@ -140,8 +156,11 @@ private:
         const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
         const std::size_t texel = desc_.texel_bytes();
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        return read_picture_rows(
-            *file, shapes_[view], desc_.type, box.begin[axis_v], box.end[axis_v],
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file));
+        if (reader->shape() != shapes_[view])
+            return {ErrorCode::invalid_file, path_of(view) + ": changed while it was read"};
+        return reader->read_rows(
+            desc_.type, box.begin[axis_v], box.end[axis_v],
             [&](std::uint32_t v, std::span<const std::byte> row) {
                 for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                     std::memcpy(slab_.texel(u, v, s, t), row.data() + u * texel, texel);

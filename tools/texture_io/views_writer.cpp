@@ -6,7 +6,6 @@
 #include "tools/texture_io/views_io.h"
 #include "tools/texture_io/views_json.h"
 
-#include <cstring>
 #include <filesystem>
 
 namespace tessera {
@@ -14,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Nothing is lost by replacing `folder`: it is not there, empty, or all of it was written by us.
+// Whether replacing `folder` loses nothing: it does not exist, is empty, or was written by us.
 Status check_replaceable(const std::string& folder) {
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
@@ -27,20 +26,21 @@ Status check_replaceable(const std::string& folder) {
     const std::string kept = json.ok() && *json ? (*json)->layout.pattern : "";
     TESSERA_TRY_ASSIGN(const auto pattern,
                        ViewPattern::parse(kept.empty() ? usual_view_pattern : kept));
-    std::string stranger;
+    std::string other;
     for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
         const std::string name = i->path().filename().string();
         if (name != views_json_name && !pattern.match(name))
-            stranger = name;
+            other = name;
     }
     if (error)
         return {ErrorCode::io, folder + ": " + error.message()};
-    if (!stranger.empty())
-        return {ErrorCode::io, folder + ": holds a file that is no view (" + stranger +
+    if (!other.empty())
+        return {ErrorCode::io, folder + ": holds a file that is no view (" + other +
                                    "); choose an empty or a new folder"};
     if (!ours && !fs::is_empty(folder, error))
-        return {ErrorCode::io, folder + ": holds views but no tessera.json, so they are not ours "
-                                        "to replace; choose an empty or a new folder"};
+        return {ErrorCode::io, folder +
+                                   ": holds views but no tessera.json, so this program did not "
+                                   "write them; choose an empty or a new folder"};
     return {};
 }
 
@@ -87,23 +87,22 @@ public:
         if (written_ != std::uint64_t{desc_.size[axis_s]} * desc_.size[axis_t])
             return {ErrorCode::runtime, folder_ + ": views are missing"};
         TESSERA_TRY(write_json());
-        TESSERA_TRY(check_replaceable(folder_)); // minutes may have passed
+        TESSERA_TRY(check_replaceable(folder_)); // it may have changed meanwhile
         return output_.commit();
     }
 
 private:
     Status write_view(std::uint32_t s, std::uint32_t t) {
-        const PictureShape shape{picture_kind_of_name(pattern_.text()), desc_.size[axis_u],
-                                 desc_.size[axis_v], desc_.channels};
-        const std::size_t texel = desc_.texel_bytes();
-        std::vector<std::byte> pixels(std::size_t{shape.width} * shape.height * texel);
-        std::byte* to = pixels.data();
-        for (std::uint32_t v = 0; v < desc_.size[axis_v]; ++v)
-            for (std::uint32_t u = 0; u < desc_.size[axis_u]; ++u, to += texel)
-                std::memcpy(to, slab_.texel(u, v, s, t), texel);
+        const Extent4& size = desc_.size;
+        const Box4 view{{0, 0, s, t}, {size[axis_u], size[axis_v], s + 1, t + 1}};
+        std::vector<std::byte> pixels(desc_.box_bytes(view));
+        TESSERA_TRY(slab_.copy_out(view, pixels));
         TESSERA_TRY_ASSIGN(const auto file,
-                           encode_picture(shape, desc_.type, pixels).with_context(folder_));
-        const ViewGrid grid{desc_.size[axis_s], desc_.size[axis_t]};
+                           encode_picture(picture_kind_of_name(pattern_.text()),
+                                          {size[axis_u], size[axis_v], desc_.channels}, desc_.type,
+                                          pixels)
+                               .with_context(folder_));
+        const ViewGrid grid{size[axis_s], size[axis_t]};
         return output_.add(view_name(pattern_, layout_.order, grid, {s, t}), file);
     }
 
@@ -131,14 +130,14 @@ Result<ViewPattern> pattern_for(const ViewLayout& layout) {
 
 Status check_views_output(const TextureDesc& desc, const ViewLayout& layout) {
     TESSERA_TRY_ASSIGN(const auto pattern, pattern_for(layout));
-    const auto other_than_1 = [&](Axis axis, const char* letter) {
+    const auto is_ambiguous = [&](Axis axis, const char* letter) {
         return !pattern.is_running() && desc.size[axis] > 1 &&
                pattern.text().find(std::string("{") + letter) == std::string::npos;
     };
-    if (other_than_1(axis_s, "s") || other_than_1(axis_t, "t"))
-        return {ErrorCode::bad_argument,
-                "the pattern '" + pattern.text() + "' does not tell all views of " +
-                    to_string(desc.size) + " apart; it needs {t} and {s}, or {n}"};
+    if (is_ambiguous(axis_s, "s") || is_ambiguous(axis_t, "t"))
+        return {ErrorCode::bad_argument, "the pattern '" + pattern.text() +
+                                             "' gives several views of " + to_string(desc.size) +
+                                             " the same name; it needs {t} and {s}, or {n}"};
     return check_picture_kind(picture_kind_of_name(pattern.text()), desc.type, desc.channels);
 }
 

@@ -1,5 +1,4 @@
-#include "tools/picture/contact_sheet.h"
-#include "tools/picture/picture_grid.h"
+#include "tools/picture/sheets.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/option_checks.h"

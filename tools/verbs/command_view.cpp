@@ -3,7 +3,7 @@
 #include "tools/http/open_bytes.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
-#include "tools/picture/png_file.h"
+#include "tools/picture/picture_encoders.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"

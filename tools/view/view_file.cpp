@@ -1,7 +1,7 @@
 #include "tools/view/view_file.h"
 
+#include "corpus/exr_stream.h"
 #include "tools/support/output_folders.h"
-#include "tools/texture_io/exr_stream.h"
 #include "tools/texture_io/texture_io.h"
 
 #include <ImfChannelList.h>

@@ -1,10 +1,10 @@
 #include "tools/lab/rd/exr_rival.h"
 
+#include "corpus/exr_samples.h"
+#include "corpus/exr_stream.h"
 #include "format/work.h"
 #include "tools/lab/rd/rivals.h"
 #include "tools/support/parse.h"
-#include "tools/texture_io/exr_samples.h"
-#include "tools/texture_io/exr_stream.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

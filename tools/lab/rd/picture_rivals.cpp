@@ -3,7 +3,7 @@
 #include "tools/lab/rd/picture_tools.h"
 #include "tools/lab/rd/rivals.h"
 #include "tools/lab/rd/view_layout.h"
-#include "tools/picture/png_file.h"
+#include "tools/picture/picture.h"
 #include "tools/support/output_folders.h"
 
 #include <algorithm>
@@ -48,15 +48,9 @@ Result<Picture> read_ppm(const std::string& path, std::uint32_t width, std::uint
 Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::uint32_t height) {
     if (is_ppm(path))
         return read_ppm(path, width, height);
-    TESSERA_TRY_ASSIGN(const auto shape, read_png_shape(path));
-    if (shape.width != width || shape.height != height || shape.channels < 3)
-        return another_picture;
-    Picture picture = blank_picture(width, height, 0);
-    TESSERA_TRY(read_png(path, shape, height, [&](std::uint32_t y, std::span<const std::byte> row) {
-        for (std::uint32_t x = 0; x < width; ++x)
-            std::copy_n(row.begin() + std::ptrdiff_t{x} * shape.channels, 3, picture.pixel(x, y));
-    }));
-    return picture;
+    TESSERA_TRY_ASSIGN(auto picture, read_png(path));
+    return picture.width == width && picture.height == height ? std::move(picture)
+                                                              : Result<Picture>(another_picture);
 }
 
 // Runs a command for each of `count` files on all threads. The seconds are those of the whole.

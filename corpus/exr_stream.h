@@ -41,8 +41,8 @@ private:
     std::uint64_t position_ = 0;
 };
 
-// OpenEXR writes its last bytes in a destructor and swallows their errors, so the first error is
-// kept here and must be asked for.
+// OpenEXR writes its last bytes in a destructor, which cannot report errors. Callers check status()
+// after it.
 class ExrOutput : public Imf::OStream {
 public:
     explicit ExrOutput(OutputFile& file) : OStream(file.path().c_str()), file_(file) {}
@@ -56,7 +56,7 @@ public:
     }
     std::uint64_t tellp() override { return position_; }
     void seekp(std::uint64_t position) override { position_ = position; }
-    const Status& status() const { return status_; }
+    const Status& status() const { return status_; } // the first error
 
 private:
     OutputFile& file_;
@@ -64,30 +64,38 @@ private:
     Status status_;
 };
 
-// What is read or written at once at most, in whole lines.
+// Most bytes that one call to OpenEXR reads or writes, in whole lines.
 inline constexpr std::uint64_t max_chunk_bytes = 1ull << 24;
 
-// Runs body(), which returns a Status and may call OpenEXR.
-template <class Body> Status guard_exr(const std::string& path, const Body& body) {
+// Runs body(), which returns a Status and may call OpenEXR. Errors from our streams name the file.
+template <class Body> Status guard_exr(const Body& body) {
     try {
         return body();
     } catch (const StatusError& e) {
         return e.status;
     } catch (const std::bad_alloc&) {
-        return {ErrorCode::runtime, path + ": out of memory"};
-    } catch (
-        const std::system_error& e) { // of a thread of OpenEXR's, which says nothing of the file
+        return {ErrorCode::runtime, "out of memory"};
+    } catch (const std::system_error& e) { // from OpenEXR's threads, not about the file
         return {ErrorCode::runtime,
-                path + ": a thread cannot be started: " + e.code().message() + "; try --threads"};
+                "a thread cannot be started: " + e.code().message() + "; try --threads"};
     } catch (const std::exception& e) {
         std::string reason = e.what();
         for (char& c : reason)
             if (c == '\n' || c == '\r')
                 c = ' ';
-        return {ErrorCode::invalid_file, path + ": not a readable EXR picture: " + reason};
+        return {ErrorCode::invalid_file, "not a readable EXR picture: " + reason};
     } catch (...) {
-        return {ErrorCode::runtime, path + ": OpenEXR failed"};
+        return {ErrorCode::runtime, "OpenEXR failed"};
     }
+}
+
+// Adds the file's name to an error, except to one of the operating system, which has it.
+inline Status named(const Status& status, const std::string& path) {
+    return status.code() == ErrorCode::io ? status : status.with_context(path);
+}
+
+template <class Body> Status guard_exr(const std::string& path, const Body& body) {
+    return named(guard_exr(body), path);
 }
 
 } // namespace tessera

@@ -1,10 +1,11 @@
-#include "tools/picture/contact_sheet.h"
+#include "tools/picture/sheets.h"
 
 #include "format/samples.h"
 #include "tools/picture/panels.h"
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 namespace tessera {
 namespace {
@@ -21,7 +22,7 @@ std::byte channel_value(const TextureDesc& desc, const std::byte* texel, unsigne
     return tone_mapped(static_cast<double>(half_to_float(half)));
 }
 
-// The texels of a box that is a picture in two axes, `across` growing to the right and `up` upwards.
+// The texels of a box that extends along two axes, `across` to the right and `up` upwards.
 Result<Picture> read_picture(TexelSource& source, const Box4& box, Axis across, Axis up) {
     TESSERA_TRY(source.begin_slab(box));
     std::vector<std::byte> texels(source.desc().box_bytes(box));
@@ -35,6 +36,18 @@ Result<Picture> read_picture(TexelSource& source, const Box4& box, Axis across, 
     return out;
 }
 
+// The middle part of a picture, at most `side` pixels wide and high; all of it for 0.
+Picture middle_of(const Picture& picture, std::uint32_t side) {
+    const std::uint32_t width = side == 0 ? picture.width : std::min(side, picture.width);
+    const std::uint32_t height = side == 0 ? picture.height : std::min(side, picture.height);
+    Picture part = blank_picture(width, height, 0);
+    for (std::uint32_t y = 0; y < height; ++y)
+        std::memcpy(part.pixel(0, y),
+                    picture.pixel((picture.width - width) / 2, (picture.height - height) / 2 + y),
+                    std::size_t{width} * 3);
+    return part;
+}
+
 Picture enlarge(const Picture& in, std::uint32_t factor) {
     Picture out = blank_picture(in.width * factor, in.height * factor, 0);
     for (std::uint32_t y = 0; y < out.height; ++y)
@@ -45,12 +58,12 @@ Picture enlarge(const Picture& in, std::uint32_t factor) {
     return out;
 }
 
-// Index k of n spread over an axis, from the middle of the first n-th to that of the last.
+// The middle of part k of an axis that is divided into n equal parts.
 std::uint32_t spread(unsigned k, unsigned n, std::uint32_t extent) {
     return static_cast<std::uint32_t>((2ull * k + 1) * extent / (2ull * n));
 }
 
-// The same over the middle half of the axis: grazing views show little.
+// The same for the middle half of the axis, as grazing views show little.
 std::uint32_t spread_inside(unsigned k, unsigned n, std::uint32_t extent) {
     return static_cast<std::uint32_t>((2ull * n + 2 * (2ull * k + 1)) * extent / (8ull * n));
 }
@@ -76,7 +89,7 @@ private:
     Status add(const Box4& box, Axis across, Axis up, std::uint32_t enlarged,
                const std::string& place, PanelRow* rows[3]) {
         TESSERA_TRY_ASSIGN(auto a, read_picture(a_, box, across, up));
-        // Small pictures, which stand in columns of one place, have no room for place and name.
+        // Small pictures in columns have no room for both the position and the name.
         const bool is_column = rows[0] != rows[1];
         rows[0]->push_back(
             {is_column ? place : place + " " + options_.name_a, enlarge(a, enlarged)});
@@ -138,6 +151,24 @@ Result<Picture> make_contact_sheet(TexelSource& a, TexelSource* b, const SheetOp
             return Status(ErrorCode::unsupported,
                           "pictures of " + to_string(a.desc().size) + " are too large for a sheet");
     return SheetMaker(a, b, options).run();
+}
+
+Result<Picture> make_picture_grid(std::span<const std::string> paths, const GridOptions& options) {
+    if (!options.labels.empty() && options.labels.size() != paths.size())
+        return Status(ErrorCode::bad_argument, std::to_string(options.labels.size()) +
+                                                   " labels for " + std::to_string(paths.size()) +
+                                                   " pictures");
+    std::vector<PanelRow> rows;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        TESSERA_TRY_ASSIGN(const auto picture, read_png(paths[i]));
+        if (i % options.columns == 0)
+            rows.emplace_back();
+        rows.back().push_back({options.labels.empty()
+                                   ? std::filesystem::path(paths[i]).stem().string()
+                                   : options.labels[i],
+                               middle_of(picture, options.middle)});
+    }
+    return lay_out(rows);
 }
 
 } // namespace tessera

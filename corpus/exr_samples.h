@@ -1,4 +1,4 @@
-// The samples of a Tessera texture as the halves of an EXR picture and back.
+// The samples of a texture as halves, as EXR pictures store them.
 #pragma once
 
 #include "format/samples.h"
@@ -8,21 +8,10 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace tessera {
 
-// The names of a texture's channels, in its order.
-inline std::vector<std::string> exr_channel_names(std::uint8_t channels) {
-    std::vector<std::string> names =
-        channels >= 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"};
-    if (channels % 2 == 0)
-        names.push_back("A");
-    return names;
-}
-
-// Half nearest to value/255.
+// The half nearest to value / 255.
 inline std::uint16_t half_of_unorm8(std::uint8_t value) {
     static const auto table = [] {
         std::array<std::uint16_t, 256> t{};
@@ -33,7 +22,7 @@ inline std::uint16_t half_of_unorm8(std::uint8_t value) {
     return table[value];
 }
 
-// Nearest 8-bit step; below 0 and NaN give 0, above 1 gives 255.
+// The nearest of 256 steps. Values below 0 and NaN give 0, values above 1 give 255.
 inline std::uint8_t unorm8_of_half(std::uint16_t half) {
     const float x = half_to_float(half);
     if (!(x > 0))

@@ -1,0 +1,46 @@
+// One EXR picture as halves or floats.
+#pragma once
+
+#include "corpus/exr_stream.h"
+#include "corpus/picture_file.h"
+
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfRgbaFile.h>
+#include <optional>
+
+namespace tessera::corpus {
+
+class ExrReader final : public PictureReader {
+public:
+    ExrReader(ByteSource& file, unsigned threads)
+        : threads_(threads), stream_(file), converted_stream_(file) {}
+    // Errors, like those of the other members, do not name the file, except for io.
+    Status open();
+    int parts() const { return file_->parts(); } // of which the first is read
+
+    std::string attribute(const std::string& name) const override;
+
+    // The picture as light. Precondition: it has the size that check_size() accepts.
+    Status read_light(LightImage& image);
+
+private:
+    Status read(SampleType type, std::uint32_t first, std::uint32_t last,
+                const PictureRow& row) override;
+    // Calls row(y, samples) with width * channels samples; `Sample` is float or holds a half's
+    // bits.
+    template <class Sample, class Row>
+    Status read_as(std::uint32_t first, std::uint32_t last, const Row& row);
+    template <class Sample> void read_chunk(int first, int last, std::vector<Sample>& samples);
+
+    unsigned threads_;
+    ExrInput stream_, converted_stream_;
+    std::optional<Imf::MultiPartInputFile> file_;
+    std::optional<Imf::InputPart> part_;
+    std::optional<Imf::RgbaInputFile> converted_; // from luminance and chroma of lower resolution
+    Imath::V3f luma_weights_;                     // of red, green and blue
+    std::vector<std::string> names_;              // of channels, in our order
+    Imath::Box2i window_;
+};
+
+} // namespace tessera::corpus
