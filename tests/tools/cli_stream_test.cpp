@@ -86,7 +86,7 @@ TEST_F(CliStream, StandardInputMayHoldAnySingleFile) {
         EXPECT_EQ(Json::parse(info.out, nullptr, false)["size"], "16x8x4x3");
         for (const char* verb :
              {"validate - -q", "decode - -q -o b.rgb", "compare a.rgb - -q --max-error 0",
-              "encode - -q -o b.tess --max-error 0 --effort 0", "render - -q --size 8x6 -o v.png",
+              "encode - -q -o b.tess --max-error 0 --effort 0", "render - -q --pixels 8x6 -o v.png",
               "sheet a.rgb - -q -o s.png"}) {
             const Outcome o = run(verb, how, input);
             EXPECT_EQ(o.code, 0) << verb << o.err;

@@ -313,13 +313,6 @@ TEST_F(Serve, RequestsWithABodyAreRefused) {
     EXPECT_EQ(answer.find("HTTP", 4), std::string::npos);
 }
 
-TEST_F(Serve, PipelinedRequestsAreAnsweredInOrder) {
-    const int both = connect();
-    say(both, "GET /a.tess HTTP/1.1\r\n\r\nHEAD /empty.tess HTTP/1.1\r\nConnection: close\r\n\r\n");
-    const std::string answer = hear(both);
-    EXPECT_NE(answer.find("0123456789HTTP/1.1 200"), std::string::npos) << answer;
-}
-
 TEST_F(Serve, ReportsInvalidOptions) {
     FileServerOptions options;
     options.folder = (base_ / "none").string();

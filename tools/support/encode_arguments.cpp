@@ -189,7 +189,7 @@ Status check_for(const EncodeArguments& a, const EncodeOptions& options, const T
         return {ErrorCode::bad_argument, "--alpha " + alpha->second +
                                              ": belongs to 2 or 4 channels; the texture has " +
                                              std::to_string(desc.channels)};
-    const double largest = desc.type == SampleType::unorm8 ? 255 : 65535;
+    const double largest = traits_of(desc.type).largest_error;
     if (a.max_error && (*a.max_error > largest || *a.max_error != std::floor(*a.max_error)))
         return {ErrorCode::bad_argument, "--max-error: must be a whole number from 0 to " +
                                              format_number(largest, 0) + " for " +

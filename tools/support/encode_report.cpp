@@ -70,7 +70,7 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
                 static_cast<double>(texel_count(desc.size)));
     const std::string psnr = r.psnr >= 999 ? "lossless" : format_number(r.psnr, 2) + " dB";
     std::fprintf(to, "  PSNR   %s%s, largest error %.0f\n", psnr.c_str(),
-                 desc.type == SampleType::half16 && r.psnr < 999 ? " (over 16-bit codes)" : "",
+                 traits_of(desc.type).is_float && r.psnr < 999 ? " (over 16-bit codes)" : "",
                  r.max_error);
     std::fprintf(to, "  time   %.2f s, %.1f MB/s, %u pass%s\n", r.seconds, speed, r.passes,
                  r.passes == 1 ? "" : "es");

@@ -106,7 +106,7 @@ Result<SampleType> parse_sample_type(std::string_view text) {
 }
 
 const char* name_of(SampleType type) {
-    return type == SampleType::unorm8 ? "unorm8" : "half16";
+    return traits_of(type).name;
 }
 
 std::string format_number(double value, int decimals) {

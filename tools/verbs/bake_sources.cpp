@@ -15,7 +15,7 @@ namespace {
 
 Description colours_of(SampleType type) {
     Description d;
-    d.transfer = type == SampleType::unorm8 ? Transfer::srgb : Transfer::linear;
+    d.transfer = traits_of(type).is_float ? Transfer::linear : Transfer::srgb;
     d.primaries = Primaries::bt709;
     return d;
 }

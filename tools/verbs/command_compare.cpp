@@ -123,7 +123,7 @@ Json to_json(const CompareCommand& a, const TextureDesc& desc, const Comparison&
                  {"psnr", decibels_or_null(e.psnr())}};
     for (unsigned i = 0; i < desc.channels; ++i)
         json["psnr_per_channel"][channel_name(desc.channels, i)] = decibels_or_null(e.psnr(i));
-    if (desc.type == SampleType::unorm8) {
+    if (!traits_of(desc.type).is_float) {
         json["psnr_luma"] = decibels_or_null(e.psnr_luma());
     } else {
         json["psnr_pu21"] = decibels_or_null(e.psnr_pu21());
@@ -159,7 +159,7 @@ std::string decibel_text(double db) {
 void print_text(const CompareCommand& a, const TextureDesc& desc, const Comparison& c,
                 double seconds) {
     const ErrorSums& e = c.errors;
-    const bool hdr = desc.type == SampleType::half16;
+    const bool hdr = traits_of(desc.type).is_float;
     std::printf("%s, %d x %s\n", to_string(desc.size).c_str(), desc.channels, name_of(desc.type));
     std::printf("  PSNR        %s%s", decibel_text(e.psnr()).c_str(),
                 hdr ? " over 16-bit codes" : "");

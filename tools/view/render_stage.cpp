@@ -24,20 +24,6 @@ constexpr unsigned mesh_rays = 4;
 constexpr unsigned usual_truth_rays = 16;
 constexpr unsigned usual_model_paths = 512;
 
-Result<std::unique_ptr<TexelSource>> open_original(const StageRequest& r, const Stage& stage) {
-    const TextureKind kind = kind_of_input(r.original);
-    if (kind != TextureKind::raw && kind != TextureKind::tess)
-        return Status(ErrorCode::bad_argument,
-                      r.original + ": --original takes a raw file or a .tess, whose texels can be "
-                                   "read in any order");
-    TextureHints hints;
-    hints.size = stage.desc.size;
-    hints.type = stage.desc.type;
-    hints.channels = stage.desc.channels;
-    TESSERA_TRY_ASSIGN(auto opened, open_texture(r.original, hints));
-    return std::move(opened.source);
-}
-
 // The model that a texture was made of, in the light that the file says.
 Status add_model_truth(const StageRequest& r, const Metadata& metadata,
                        const glm::dvec3& background, const RenderOptions& asked, Stage& stage) {
@@ -193,7 +179,7 @@ Status add_original(const StageRequest& r, const FileSurface& surface, Stage& st
     const ContainerReader& container = stage.decoder->container();
     TESSERA_TRY_ASSIGN(auto original,
                        !r.original.empty()
-                           ? open_original(r, stage)
+                           ? open_original(r.original, stage.desc)
                            : bake_again({r.truth, r.samples, std::nullopt}, r.file, stage.desc.size,
                                         container.description(), container.metadata()));
     if (original->desc() != stage.desc)
@@ -265,6 +251,22 @@ Status check_request(const StageRequest& r) {
 }
 
 } // namespace
+
+Result<std::unique_ptr<TexelSource>> open_original(const std::string& path,
+                                                   const TextureDesc& desc) {
+    const TextureKind kind = kind_of_input(path);
+    if (kind != TextureKind::raw && kind != TextureKind::tess)
+        return Status(ErrorCode::bad_argument,
+                      path +
+                          ": --original takes a raw file or a .tess, whose texels can be read in "
+                          "any order");
+    TextureHints hints;
+    hints.size = desc.size;
+    hints.type = desc.type;
+    hints.channels = desc.channels;
+    TESSERA_TRY_ASSIGN(auto opened, open_texture(path, hints));
+    return std::move(opened.source);
+}
 
 Traffic Stage::traffic() const {
     return !bytes ? Traffic{} : traffic_of(*bytes, *metered);

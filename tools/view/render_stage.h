@@ -51,6 +51,11 @@ struct Stage {
     }
 };
 
+// Opens the file of --original, whose texels are read in any order. `desc` describes a raw file.
+// Errors: bad_argument (another kind of file); those of open_texture().
+Result<std::unique_ptr<TexelSource>> open_original(const std::string& path,
+                                                   const TextureDesc& desc);
+
 // Errors: bad_argument, where parts do not belong together; unsupported; those of the files.
 Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options);
 

@@ -10,6 +10,7 @@
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_camera.h"
 #include "tools/view/mesh_renderer.h"
+#include "tools/view/render_stage.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
 
@@ -177,20 +178,13 @@ private:
         reference_name_ = "the texels decoded by the CPU";
         if (options_.original.empty())
             return interruptible(decoded_source(decoder_));
-        const TextureKind kind = kind_of_input(options_.original);
-        if (kind != TextureKind::raw && kind != TextureKind::tess)
-            return Status(ErrorCode::bad_argument,
-                          options_.original + ": --original takes a raw file or a .tess");
-        TextureHints hints;
-        hints.size = reader_.desc().size;
-        hints.type = reader_.desc().type;
-        hints.channels = reader_.desc().channels;
-        TESSERA_TRY_ASSIGN(auto opened, open_texture(options_.original, hints));
-        if (opened.source->desc() != reader_.desc())
-            return Status(ErrorCode::bad_argument,
-                          options_.original + ": is not of the size and type of " + reader_.name());
+        TESSERA_TRY_ASSIGN(auto original, open_original(options_.original, reader_.desc()));
+        if (original->desc() != reader_.desc())
+            return Status(ErrorCode::bad_argument, options_.original +
+                                                       ": does not have the size and " +
+                                                       "type of " + reader_.name());
         reference_name_ = options_.original;
-        return interruptible(std::move(opened.source));
+        return interruptible(std::move(original));
     }
 
     Status run_load() {
@@ -292,8 +286,6 @@ private:
         row.wall = spread_of(std::move(wall));
         row.draw = spread_of(std::move(draws));
         row.update = spread_of(std::move(updates));
-        row.bytes = subject.texture.bytes();
-        row.slots = subject.texture.cache_slots();
         row.touched = touched / report_.frames;
         row.decoded = tiles / report_.frames;
         row.waiting = waiting / report_.frames;
@@ -340,8 +332,6 @@ private:
         row.mark = spread_of(std::move(marks));
         row.decode = spread_of(std::move(decodes));
         row.redraw = spread_of(std::move(draws));
-        row.bytes = subject.texture.bytes();
-        row.slots = subject.texture.cache_slots();
         row.touched = update.touched;
         row.decoded = update.decoded;
         row.waiting = update.waiting;
@@ -377,6 +367,8 @@ private:
         for (std::size_t i = 0; i < pixels.size(); i += 4)
             view.rgb.insert(view.rgb.end(), {pixels[i], pixels[i + 1], pixels[i + 2]});
         Picture picture = to_picture(view, reader_.desc().type);
+        row.bytes = subject.texture.bytes();
+        row.slots = subject.texture.cache_slots();
         if (!reference_ && row.via == "raw") {
             reference_ = std::move(picture);
             report_.reference = "raw, 16 fetches, of " + reference_name_;
