@@ -56,7 +56,7 @@ Status read_info(ByteReader& in, std::uint32_t size, BmpHeader& header) {
     return {};
 }
 
-Result<BmpHeader> read_header(std::span<const std::byte> file) {
+Result<BmpHeader> read_bmp_header(std::span<const std::byte> file) {
     ByteReader in(file);
     BmpHeader header;
     in.take(10); // "BM", the file's size
@@ -106,7 +106,7 @@ Status read_line(std::span<const std::byte> line, const BmpHeader& header,
 } // namespace
 
 Result<Image> read_bmp(std::span<const std::byte> file) {
-    TESSERA_TRY_ASSIGN(const auto header, read_header(file));
+    TESSERA_TRY_ASSIGN(const auto header, read_bmp_header(file));
     TESSERA_TRY(check_size(header.width, header.height));
     const std::uint64_t line = header.line_bytes(), used = (header.width * header.bits + 7) / 8;
     // The last line may lack its padding.

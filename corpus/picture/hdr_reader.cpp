@@ -55,7 +55,7 @@ bool parse_resolution(const std::string& line, HdrHeader& header) {
     return at == end && header.slow.is_x != header.fast.is_x;
 }
 
-Result<HdrHeader> read_header(ByteReader& in) {
+Result<HdrHeader> read_hdr_header(ByteReader& in) {
     HdrHeader header;
     TESSERA_TRY(read_line(in)); // the signature
     for (std::string line = "#"; !line.empty();) {
@@ -149,7 +149,7 @@ glm::vec3 to_light(const Rgbe& pixel, bool is_xyz) {
 
 Result<LightImage> read_hdr(std::span<const std::byte> file) {
     ByteReader in(file);
-    TESSERA_TRY_ASSIGN(const auto header, read_header(in));
+    TESSERA_TRY_ASSIGN(const auto header, read_hdr_header(in));
     const auto& [is_xyz, slow, fast] = header;
     LightImage image{slow.is_x ? slow.size : fast.size, slow.is_x ? fast.size : slow.size, {}};
     TESSERA_TRY(check_size(image.width, image.height));

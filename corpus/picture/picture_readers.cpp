@@ -8,7 +8,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr std::uint64_t most_side = 1u << 14, most_pixels = 1u << 26;
+constexpr std::uint64_t most_picture_side = 1u << 14, most_picture_pixels = 1u << 26;
 
 void integers_to_halves(std::span<const std::byte> row, unsigned bits,
                         std::span<std::uint16_t> out) {
@@ -28,7 +28,8 @@ void integers_to_halves(std::span<const std::byte> row, unsigned bits,
 Status check_size(std::uint64_t width, std::uint64_t height) {
     if (width == 0 || height == 0)
         return {ErrorCode::invalid_file, "the picture has no pixels"};
-    if (width > most_side || height > most_side || width * height > most_pixels)
+    if (width > most_picture_side || height > most_picture_side ||
+        width * height > most_picture_pixels)
         return {ErrorCode::unsupported, "a picture of " + std::to_string(width) + "x" +
                                             std::to_string(height) + " is too large"};
     return {};

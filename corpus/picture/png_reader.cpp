@@ -9,7 +9,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr std::uint32_t most_side = 1u << 20;
+constexpr std::uint32_t most_png_side = 1u << 20;
 constexpr std::uint64_t most_interlaced_bytes = 1ull << 30; // an interlaced picture is held whole
 constexpr std::uint64_t best_deflate = 1032; // bytes of pixels that one byte of a file can hold
 
@@ -33,7 +33,7 @@ public:
         if (setjmp(png_jmpbuf(png)))
             return false;
         png_set_read_fn(png, this, read_bytes);
-        png_set_user_limits(png, most_side, most_side);
+        png_set_user_limits(png, most_png_side, most_png_side);
         png_set_chunk_malloc_max(png, 1u << 20);
         png_read_info(png, info);
         bits = png_get_bit_depth(png, info) == 16 ? 16 : 8;

@@ -33,7 +33,7 @@ std::optional<PixelMasks> masks_of(std::uint32_t bits, bool is_grey) {
 }
 
 // The file has no signature, so all fields with few valid values are checked.
-Result<TgaHeader> read_header(ByteReader& in) {
+Result<TgaHeader> read_tga_header(ByteReader& in) {
     TgaHeader header;
     header.id_bytes = in.number(1);
     const std::uint32_t has_palette = in.number(1);
@@ -95,7 +95,7 @@ private:
 
 Result<Image> read_tga(std::span<const std::byte> file) {
     ByteReader in(file);
-    TESSERA_TRY_ASSIGN(const auto header, read_header(in));
+    TESSERA_TRY_ASSIGN(const auto header, read_tga_header(in));
     TESSERA_TRY(check_size(header.width, header.height));
     in.take(header.id_bytes);
     TgaColours colours;
