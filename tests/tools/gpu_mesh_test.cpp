@@ -15,7 +15,7 @@
 namespace tessera::test {
 namespace {
 
-const glm::dvec3 grey{0.5};
+const glm::dvec3 backdrop_grey{0.5};
 
 // A box and a ball that partly hide each other. Both have the same texture.
 SurfaceMesh box_and_ball() {
@@ -77,15 +77,15 @@ Camera camera_at(const glm::dvec3& eye, const glm::dvec3& look, double fov = 50)
     return *camera;
 }
 
-View view_of(ViewRenderer& renderer, const Camera& camera) {
+View mesh_view_of(ViewRenderer& renderer, const Camera& camera) {
     auto view = renderer.render(camera);
     EXPECT_TRUE(view.ok()) << view.status().message();
     return view.ok() ? std::move(*view) : View{};
 }
 
 // Draws the view with a renderer whose texels are all loaded.
-View view_of(GlViewRenderer& renderer, const Camera& camera) {
-    EXPECT_TRUE(renderer.draw(gpu_camera(camera, SphereWindow{}, grey)));
+View mesh_view_of(GlViewRenderer& renderer, const Camera& camera) {
+    EXPECT_TRUE(renderer.draw(gpu_camera(camera, SphereWindow{}, backdrop_grey)));
     const auto pixels = renderer.read();
     View view{camera.width, camera.height, {}};
     for (std::size_t i = 0; pixels.ok() && i < pixels->size(); ++i)
@@ -159,7 +159,8 @@ TEST_F(GpuMesh, LooksAsOnTheCpu) {
         const auto decoder = Decoder::open(*file);
         ASSERT_TRUE(decoder.ok()) << decoder.status().message();
         const auto texels = decoded_source(*decoder);
-        const auto cpu = make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, map}, grey, {});
+        const auto cpu =
+            make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, map}, backdrop_grey, {});
         ASSERT_TRUE(cpu.ok()) << cpu.status().message();
         for (const bool filter : {false, true}) {
             const auto texture = SampledTexture::from_texels(decoder->container(), *texels, filter);
@@ -170,7 +171,7 @@ TEST_F(GpuMesh, LooksAsOnTheCpu) {
                 SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
                 const std::vector<int> seen = triangles_seen(mesh, camera);
                 const Likeness l =
-                    likeness(view_of(*renderer, camera), view_of(**cpu, camera), seen);
+                    likeness(mesh_view_of(*renderer, camera), mesh_view_of(**cpu, camera), seen);
                 EXPECT_LE(l.wrong, may_differ * static_cast<double>(seen.size()));
                 EXPECT_GT(l.whole, seen.size() / 2);
                 EXPECT_EQ(l.empty == seen.size(), camera.forward.x > 0.999);
@@ -187,9 +188,10 @@ TEST_F(GpuMesh, LooksTheSameOnFeedback) {
     const auto decoder = Decoder::open(*file);
     ASSERT_TRUE(decoder.ok()) << decoder.status().message();
     const auto texels = decoded_source(*decoder);
-    const auto cpu = make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, mirrored}, grey, {});
+    const auto cpu =
+        make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, mirrored}, backdrop_grey, {});
     ASSERT_TRUE(cpu.ok()) << cpu.status().message();
-    const auto gpu = make_gpu_renderer(decoder->container(), mesh, grey, {"feedback", 64});
+    const auto gpu = make_gpu_renderer(decoder->container(), mesh, backdrop_grey, {"feedback", 64});
     ASSERT_TRUE(gpu.ok()) << gpu.status().message();
     std::vector<DrawnFrame> frames; // frames of the latest view
     (*gpu)->watch([&](unsigned number, const DrawnFrame& frame, const auto&) -> Status {
@@ -200,7 +202,7 @@ TEST_F(GpuMesh, LooksTheSameOnFeedback) {
     for (const auto& [camera, may_differ] : places()) {
         SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
         const std::vector<int> seen = triangles_seen(mesh, camera);
-        const Likeness l = likeness(view_of(**gpu, camera), view_of(**cpu, camera), seen);
+        const Likeness l = likeness(mesh_view_of(**gpu, camera), mesh_view_of(**cpu, camera), seen);
         EXPECT_LE(l.wrong, may_differ * static_cast<double>(seen.size()));
         EXPECT_EQ(frames.back().coarse, 0u);
         EXPECT_EQ(frames.back().touched == 0, l.empty == seen.size());
@@ -226,15 +228,17 @@ TEST_F(GpuMesh, MipsLookAsOnTheCpu) {
         const auto decoder = Decoder::open(*file);
         ASSERT_TRUE(decoder.ok()) << decoder.status().message();
         const auto texels = decoded_source(*decoder);
-        const auto cpu = make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, map}, grey, {});
+        const auto cpu =
+            make_mesh_renderer(*texels, {16, 16, 4, 4}, {mesh, map}, backdrop_grey, {});
         ASSERT_TRUE(cpu.ok()) << cpu.status().message();
-        const auto gpu = make_gpu_renderer(decoder->container(), mesh, grey, {via, 64});
+        const auto gpu = make_gpu_renderer(decoder->container(), mesh, backdrop_grey, {via, 64});
         ASSERT_TRUE(gpu.ok()) << gpu.status().message();
         for (const double distance : {6.0, 13.0, 30.0, 70.0}) {
             SCOPED_TRACE("distance " + std::to_string(distance));
             const Camera camera = camera_at({0.3, 0.2, distance}, {0.3, 0.2, 0}, 150.0 / distance);
             const std::vector<int> seen = triangles_seen(mesh, camera);
-            const Likeness l = likeness(view_of(**gpu, camera), view_of(**cpu, camera), seen);
+            const Likeness l =
+                likeness(mesh_view_of(**gpu, camera), mesh_view_of(**cpu, camera), seen);
             EXPECT_GT(l.whole - l.empty, seen.size() / 8);
             EXPECT_LE(l.wrong, 3u); // positions on the line between the texels of two charts
         }
@@ -262,7 +266,7 @@ TEST_F(GpuMesh, HiddenSurfacesMarkNothing) {
     const auto touched = [&](const SurfaceMesh& seen) {
         auto renderer = GlViewRenderer::create(*texture, seen);
         EXPECT_TRUE(renderer.ok()) << renderer.status().message();
-        EXPECT_TRUE(renderer->draw(gpu_camera(camera_at({6, 3, 5}, {0, 0, 0}), {}, grey)));
+        EXPECT_TRUE(renderer->draw(gpu_camera(camera_at({6, 3, 5}, {0, 0, 0}), {}, backdrop_grey)));
         const auto report = texture->update(true);
         return report.ok() ? report->touched : 0;
     };
