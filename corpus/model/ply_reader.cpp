@@ -33,8 +33,7 @@ const NumberType* number_type(std::string_view name) {
 
 struct Property {
     std::string_view name;
-    const NumberType* count =
-        nullptr; // of a list's length; null: not a list
+    const NumberType* count = nullptr; // of a list's length; null: not a list
     const NumberType* value = nullptr;
 };
 

@@ -47,8 +47,7 @@ Result<TexelPlaces> TexelPlaces::make(const SurfaceMesh& mesh, std::span<const C
         places.chart_of_.push_back(static_cast<std::size_t>(chart - charts.begin()));
         const glm::dvec2 p = b - a, q = c - a;
         const double area = p.x * q.y - p.y * q.x;
-        const double inverse =
-            area != 0.0 ? 1.0 / area : 0.0; // without area: no texel
+        const double inverse = area != 0.0 ? 1.0 / area : 0.0; // without area: no texel
         places.slopes_.push_back({.corner = a,
                                   .along_u = glm::dvec2{q.y, -p.y} * inverse,
                                   .along_v = glm::dvec2{-q.x, p.x} * inverse});

@@ -56,7 +56,7 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     spit(at("roof.obj"), roof);
     const std::string lit = "bake roof.obj --light 1,2,1 --exposure 0.3 --roughness 0.6 --metal 0 ";
     succeed(lit + "--density 6 --directions 4x4 --tile 8x8x4x4 --spp 16 --effort 0 -q -o a.tess");
-    const std::string view = " -o v.png --eye 9,6,5 --size 80x60 ";
+    const std::string view = " -o v.png --eye 9,6,5 --pixels 80x60 ";
     const auto psnr = [&](const std::string& file, const std::string& more) {
         return json("render " + file + view + "--truth roof.obj --truth-spp 64 --json " +
                     more)["views"][0]["compressed_truth"]["psnr"]

@@ -65,7 +65,7 @@ TEST_F(CompareVerb, ComparesASampleAndARebakedScene) {
     fail(1, "compare a.tess a.rgb --bake composed", {"--bake"});
     fail(1, "compare a.tess --bake nowhere", {"nowhere"});
     fail(1, "compare a.tess a.rgb --sample-seed 3", {"--sample"});
-    fail(1, "compare a.tess a.rgb --sample 0", {"sample"});
+    fail(1, "compare a.tess a.rgb --sample 0", {"fraction of tiles"});
     fail(7, "compare a.tess --bake lamps --sample 0.1", {"half16"});
 }
 

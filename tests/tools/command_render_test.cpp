@@ -97,7 +97,7 @@ TEST_F(Render, RefusesWithReasons) {
     fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "nowhere"}, "aliasing-near");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--truth", "mirror"}, "composed");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--views", "6"}, "paper");
-    fails(ErrorCode::bad_argument, {file, "-o", out, "--sheet", out}, "a view's name");
+    fails(ErrorCode::bad_argument, {file, "-o", out, "--sheet", out}, "name of a view");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--original", at("x.exr")}, "raw");
     fails(ErrorCode::bad_argument, {file, "-o", out, "--via", "magic"}, "magic");
     fails(ErrorCode::bad_argument, {at("c.rgb"), "-o", out}, ".tess");

@@ -29,9 +29,9 @@ template <NamedEnum Enum>
 Status set_by_name(Enum& out, std::string_view field, const std::string& text) {
     const std::optional<Enum> value = parse_value<Enum>(text);
     if (!value)
-        return {ErrorCode::bad_argument,
-                std::string(field) + " '" + text + "' is not one of: " + joined(names_of<Enum>()) +
-                    did_you_mean(text, names_of<Enum>())};
+        return {ErrorCode::bad_argument, std::string(field) + " '" + text +
+                                             "' is not one of: " + joined(names_of<Enum>()) +
+                                             did_you_mean(text, names_of<Enum>())};
     out = *value;
     return {};
 }

@@ -15,7 +15,8 @@ std::string to_string(const ViewLayout& layout) {
     if (const std::string order = to_string(layout.order); !order.empty())
         text += (text.empty() ? "order:" : " order:") + order;
     if (!layout.pattern.empty() && layout.pattern != usual_view_pattern)
-        text += (text.empty() ? "names:" : " names:") + layout.pattern; // last, as it may contain spaces
+        text += (text.empty() ? "names:" : " names:") +
+                layout.pattern; // last, as it may contain spaces
     return text;
 }
 

@@ -1,4 +1,4 @@
-// What a reader fetches from a file to see some of its texels.
+// How many bytes and reads a reader needs to decode part of a file.
 #pragma once
 
 #include "codec/decoder.h"
@@ -11,12 +11,13 @@
 namespace tessera {
 
 struct AccessCost {
-    std::size_t first_reads = 0; // by a reader that opens the file for it
-    std::size_t reads = 0;       // by one that holds header, tables and index already,
-    std::uint64_t bytes = 0;     // and how many bytes those are
+    std::size_t first_reads = 0; // with opening the file
+    std::size_t reads = 0;       // with the header, tables and index already in memory
+    std::uint64_t bytes = 0;     // fetched by `reads`
 };
 
-// Of the texels of `box`, where tiles are checked and not pages. Errors: those of decoding.
+// The cost of decoding the texels of `box`. The reader checks tiles, so it need not fetch whole
+// pages. Errors: those of decoding.
 inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box4& box) {
     const auto source = wrap_memory(file);
     CountingByteSource counting(*source);
@@ -25,7 +26,8 @@ inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box
     TESSERA_TRY(decoder.decode_box(box, texels, 1, Integrity::tile));
     AccessCost cost;
     cost.first_reads = counting.reads().size();
-    // Not counted by reading again: the first read of a small file brings its tiles along.
+    // Computed from the index: a second read would count nothing for small files, because their
+    // tiles arrive with the first read.
     const ContainerReader& container = decoder.container();
     for (const std::uint64_t tile : container.tiles_touched(box)) {
         TESSERA_TRY_ASSIGN(const TileLocation place, container.locate(tile));

@@ -9,16 +9,16 @@ namespace tessera {
 
 struct RatePoint {
     double rate = 0; // above 0, any unit
-    double psnr = 0; // dB; points that are not finite are left out
+    double psnr = 0; // dB; bd_rate() ignores points that are not finite
 };
 
 struct BdRate {
-    double percent = 0;       // of rate, against the anchor: -50 is half the bits
+    double percent = 0;       // rate relative to the anchor: -50 means half the bits
     double low = 0, high = 0; // dB: the interval that both curves cover
 };
 
-// Nothing where a curve has fewer than two points left or they share no interval. Points that cost
-// more bits than another of higher PSNR are left out first: a curve must rise.
+// First drops each point that another point beats in rate and PSNR, because a curve must rise.
+// Returns nothing if a curve has fewer than two points left, or if the curves share no interval.
 std::optional<BdRate> bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test);
 
 } // namespace tessera

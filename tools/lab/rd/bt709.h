@@ -1,4 +1,4 @@
-// Y Cb Cr of ITU-R BT.709, colour differences about 0.
+// Y Cb Cr of ITU-R BT.709. Cb and Cr are centred on 0.
 #pragma once
 
 namespace tessera {

@@ -1,4 +1,4 @@
-// Curves over a logarithmic axis as an SVG picture, each with its name beside it.
+// Draws curves over a logarithmic axis as SVG, each with its name beside it.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@ namespace tessera {
 
 struct CurvePoint {
     double rate, psnr; // rate above 0
-    std::string about; // shown where the mouse rests on it
+    std::string about; // tooltip
 };
 
 struct PlotCurve {
-    std::string id; // its name; what stands before a colon chooses the colour, the rest the dashes
+    std::string id; // name; the part before a colon selects the colour, the rest the dashes
     std::vector<CurvePoint> points; // by ascending rate, at least one
 };
 
@@ -20,7 +20,7 @@ struct PlotTexts {
     std::string title, subtitle, rate_axis, psnr_axis;
 };
 
-// The first curve lies on top. Stands alone, and inside HTML.
+// The first curve is drawn on top. The result is a complete SVG file that HTML can also embed.
 std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts& texts);
 
 } // namespace tessera

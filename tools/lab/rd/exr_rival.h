@@ -1,13 +1,13 @@
-// OpenEXR's lossy DWAA, through the library that the tool links anyway.
+// OpenEXR's lossy DWAA, through the linked library.
 #pragma once
 
 #include "tools/lab/rd/codec_under_test.h"
 
 namespace tessera {
 
-// All views in one picture, view (s,t) at s * U, t * V: neighbours in it are neighbours on the
-// surface. `setting`: "level 1000", OpenEXR's dwaCompressionLevel. 8-bit samples as halves of
-// value/255. Times include writing and reading the file.
+// Codes all views in one picture, with view (s,t) at (s * U, t * V), so that neighbouring pixels
+// are neighbours on the surface. `setting` gives OpenEXR's dwaCompressionLevel: "level 1000".
+// 8-bit samples become half floats, value / 255. Times include writing and reading the file.
 Result<Coded> code_exr_mosaic(const CodingJob& job, const std::string& setting);
 
 } // namespace tessera

@@ -10,12 +10,12 @@ namespace tessera {
 struct PictureTool {
     const char* id;
     const char* about;
-    std::vector<std::string> tools; // encoder, decoder
+    std::vector<std::string> tools; // encoder, decoder; one entry if it is both
     const char* package;
     std::vector<std::string> version;
     std::uint32_t max_side;
     const char* ending;
-    const char* pictures; // what it reads and writes besides; ppm costs it the least
+    const char* pictures; // its uncompressed format; ppm is the fastest
     std::vector<std::string> settings, coarser, finer;
     std::vector<std::string> (*encode)(const std::string& in, const std::string& out,
                                        const std::string& setting, const std::string& threads);

@@ -1,5 +1,4 @@
-// Rate-distortion curves as an SVG picture: PSNR over the logarithm of the rate, a line per codec
-// with its name beside it.
+// Rate-distortion curves as SVG: PSNR over the logarithm of the rate, one labelled line per codec.
 #pragma once
 
 #include "tools/lab/rd/curve_plot.h"
@@ -11,11 +10,12 @@ namespace tessera {
 
 enum class PlotPart {
     whole,
-    close_up, // where the best codecs are: rates up to six times the least for about speed_psnr
+    close_up, // rates up to six times the lowest that reaches about speed_psnr
 };
 
-// Of PSNR-RGB. Lossless points and codecs that are not for the plot are left out. Stands alone, and
-// inside HTML. Empty for a close-up that would show all points there are.
+// Plots PSNR of RGB, without lossless points and without codecs whose `in_plot` is false. The
+// result is a complete SVG file that HTML can also embed. It is empty for a close-up that would
+// show the whole plot.
 std::string to_svg(const TextureReport& texture, PlotPart part = PlotPart::whole);
 
 } // namespace tessera

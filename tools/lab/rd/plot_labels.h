@@ -1,4 +1,4 @@
-// Where the names of lines stand in a plot, so that none covers another.
+// Places the names of lines in a plot so that no name covers another.
 #pragma once
 
 #include <string>
@@ -21,12 +21,12 @@ struct LabelledLine {
 
 struct LabelPlace {
     PlotBox box;
-    bool leader = false; // far from its line: draw a thin line from `from`
+    bool leader = false; // the name is far from its line: draw a thin line to it from `from`
     PlotPoint from;
 };
 
-// One place per line, inside `plot`. Names stand at an end of their line where there is room, else
-// beside another of its points, else in a free place of the plot with a leader.
+// Returns one place per line, inside `plot`. A name goes to an end of its line if there is room,
+// else beside another of its points, else to a free area of the plot, with a leader.
 std::vector<LabelPlace> place_labels(const std::vector<LabelledLine>& lines, const PlotBox& plot);
 
 } // namespace tessera

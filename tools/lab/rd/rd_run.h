@@ -1,4 +1,4 @@
-// `tessera rd` from the options to the files of the report.
+// Runs `tessera rd` and writes the report.
 #pragma once
 
 #include "tools/lab/rd/report.h"
@@ -13,9 +13,9 @@ struct RdOptions {
     std::vector<std::string> textures; // files or scenes
     std::string output;                // folder of the report
     std::vector<double> psnr, quality; // both empty: the usual PSNRs
-    std::vector<int> efforts;          // empty: the usual one
-    std::string rivals;                // empty: all, or with `quick` the fast ones
-    std::string anchor;                // a codec's id; empty: chosen
+    std::vector<int> efforts;          // empty: the usual effort
+    std::string rivals;                // empty: all, or the fast ones if `quick`
+    std::string anchor;                // a codec's id; empty: x265 if it ran, else tessera
     bool quick = false;
     unsigned samples = 16;
     bool on_sphere = false;
@@ -23,12 +23,12 @@ struct RdOptions {
     bool keep = false;
     double timeout = 3600; // seconds
     TextureHints hints;
-    bool quiet = false, print_lines = true; // a line on standard output per measurement
+    bool quiet = false, print_lines = true; // print_lines: one line per measurement on stdout
 };
 
-// Measures, and writes index.html, rd.svg and a close-up, rd-close.svg (rd-2.svg and so on for
-// further textures), rd.csv and rd.json. Errors: bad_argument; io; those of the textures; runtime,
-// when interrupted.
+// Measures, and writes index.html, rd.csv, rd.json, rd.svg and the close-up rd-close.svg into
+// `output`. Plots of further textures are rd-2.svg and so on. Errors: bad_argument, io, those of
+// reading textures, and runtime if the user interrupts.
 Result<RdReport> run_rd(const RdOptions& options);
 
 } // namespace tessera

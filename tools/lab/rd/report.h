@@ -1,4 +1,4 @@
-// What `tessera rd` found out, as text, CSV, JSON, plots and one page.
+// The results of `tessera rd` as text, CSV, JSON and one HTML page with plots.
 #pragma once
 
 #include "tools/lab/rd/bd_rate.h"
@@ -38,31 +38,32 @@ struct RdReport {
     std::vector<TextureReport> textures;
 };
 
-// A codec against the anchor, by each measure that both have; nothing where they do not overlap.
+// BD-rates of a codec against the anchor, one per measure. Absent if either codec lacks the measure
+// or their curves do not overlap.
 struct BdRow {
     std::string codec;
     std::optional<BdRate> rgb, yuv, worst_view, foreground, rendered, pu21, log2;
 };
 std::vector<BdRow> bd_rows(const TextureReport& texture);
 
-// A table as titles and cells, for text and page alike.
+// A table of titles and cells, from which both the text and the page are written.
 struct RdTable {
     std::vector<std::string> titles;
     std::vector<std::vector<std::string>> rows;
-    std::size_t names = 1; // columns of words, at the left
+    std::size_t names = 1; // number of leading columns that hold words
 };
 RdTable measurement_table(const TextureReport& texture);
 RdTable bd_table(const TextureReport& texture);
-// One line per codec and effort, at the setting whose PSNR is nearest `speed_psnr`.
+// One row per codec and effort, at the setting whose PSNR is nearest to `speed_psnr`.
 RdTable speed_table(const TextureReport& texture);
 constexpr double speed_psnr = 39;
 
-// What the figures mean, a sentence each.
+// Explanations of the figures, one paragraph per group of columns.
 std::vector<std::string> definitions(const RdReport& report);
 
 std::string to_text(const RdReport& report);
 std::string to_csv(const RdReport& report);
 Json to_json(const RdReport& report);
-std::string to_page(const RdReport& report); // one HTML file, plots and all
+std::string to_page(const RdReport& report); // one HTML file that includes the plots
 
 } // namespace tessera

@@ -1,4 +1,5 @@
-// A folder for the files that other programs read and write; gone with the object.
+// A folder for the files that other programs read and write. The destructor deletes it unless it
+// was created by keep().
 #pragma once
 
 #include "format/status.h"
@@ -23,7 +24,7 @@ public:
             std::filesystem::remove_all(path_, ignored);
     }
 
-    // A new one below the system's folder for temporary files (TMPDIR).
+    // Creates a new folder below the system's folder for temporary files (TMPDIR).
     static Result<ScratchFolder> create() {
         std::error_code ignored;
         std::string name =
@@ -33,7 +34,7 @@ public:
         return ScratchFolder(std::move(name), false);
     }
 
-    // `path`, emptied first and kept after.
+    // Empties `path`, or creates it, and does not delete it afterwards.
     static Result<ScratchFolder> keep(const std::string& path) {
         std::error_code error;
         std::filesystem::remove_all(path, error);

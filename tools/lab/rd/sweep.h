@@ -1,4 +1,4 @@
-// Every codec at every setting, on one texture.
+// Measures every codec at every setting on one texture.
 #pragma once
 
 #include "tools/lab/rd/codec_under_test.h"
@@ -12,21 +12,23 @@ namespace tessera {
 
 struct SweepOptions {
     unsigned threads = 0;
-    double timeout = 3600; // seconds, of each run of a tool
-    // dB that every curve should reach below and above: a codec whose usual settings do not is
-    // measured at coarser or finer ones. Once the first codec has a curve its range takes their place.
+    double timeout = 3600; // seconds, for each run of a tool
+    // The range in dB that every curve should cover. A codec whose usual settings do not cover it
+    // is also measured at coarser or finer ones. Once the first codec has a curve, that curve's range
+    // replaces this one.
     double low_psnr = 36, high_psnr = 42;
     std::string cache;       // folder of measurements
-    std::string keep_folder; // where files of the codecs stay; empty: nowhere
-    // The progress of measurement `number` (from 1) of `count`; may give an empty function.
+    std::string keep_folder; // keeps the codecs' files; empty: they are deleted
+    // Returns the progress function of measurement `number` (from 1) of `count`. It may be empty.
     std::function<ProgressFunction(std::size_t number, std::size_t count, const std::string& what)>
         progress;
-    // Called after each.
+    // Called after each measurement.
     std::function<void(const Measurement&, std::size_t number, std::size_t count)> done;
 };
 
-// Measurements in the order of the codecs, each from few bits to many. A codec that fails is a
-// measurement that says so. Errors: runtime, when interrupted; io, where the cache cannot be written.
+// Returns the measurements codec by codec, each codec's by ascending rate. If a codec fails, its
+// measurement contains the reason. Errors: runtime, if the user interrupts; io, if the cache cannot
+// be written.
 Result<std::vector<Measurement>>
 sweep(const RdTexture& texture, const std::vector<CodecUnderTest>& codecs, SweepOptions options);
 

@@ -1,4 +1,4 @@
-// Where observers stand when views are measured.
+// The camera positions at which views are measured.
 #pragma once
 
 #include "tools/view/camera.h"
@@ -8,9 +8,9 @@ namespace tessera {
 // The paper's five views, 640x480.
 Result<std::vector<Camera>> paper_cameras();
 
-// `count` observers all around the origin, which they look at, at distances from `nearest` to
-// `farthest`: directions of a Fibonacci lattice, distances in equal ratios, so shuffled that near and
-// far ones are everywhere. 320x240.
+// `count` cameras of 320x240 pixels all around the origin, looking at it. Their directions form a
+// Fibonacci lattice. Their distances from `nearest` to `farthest` are spread evenly on a
+// logarithmic scale and shuffled, so that every side has near and far cameras.
 Result<std::vector<Camera>> spread_cameras(unsigned count, double nearest, double farthest);
 
 } // namespace tessera
