@@ -495,7 +495,8 @@ static int test_levels_parts_and_damage(void) {
     CHECK(level.spatial_lod + level.angular_lod >= 1);
     CHECK(level.size[0] == (uint32_t)big_side >> level.spatial_lod);
     CHECK(level.size[3] == 8u >> level.angular_lod);
-    REFUSED(tessera_get_level(decoder, 99, &level), TESSERA_BAD_ARGUMENT, "level 99 does not exist");
+    REFUSED(tessera_get_level(decoder, 99, &level), TESSERA_BAD_ARGUMENT,
+            "level 99 does not exist");
     REFUSED(tessera_get_level(decoder, tessera_level_count(decoder), &level), TESSERA_BAD_ARGUMENT,
             "does not exist");
     /* The coarse level shows the same ramp. */

@@ -268,8 +268,8 @@ TEST(Http, RefusesWrongRanges) {
     };
     expect_no_opening(shifted, ErrorCode::io,
                       "sends bytes 1-" + first_text + " instead of bytes 0-" + last_text, 1);
-    expect_no_reading(shifted, ErrorCode::io, "sends bytes 100001-105000 instead of bytes 100000-104999",
-                      1);
+    expect_no_reading(shifted, ErrorCode::io,
+                      "sends bytes 100001-105000 instead of bytes 100000-104999", 1);
     for (const char* range :
          {"bytes */300000", "bytes 5-4/300000", "bytes 0-16383/16383", "", "bytes 0-16383",
           "octets 0-16383/300000", "bytes 0-/300000",

@@ -31,7 +31,7 @@ TEST_F(Interrupt, EndsACommandWhoseCallDoesNotReturn) {
         ::waitpid(child, &status, 0);
     }
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
-    EXPECT_EQ(names(), std::vector<std::string>{"pipe.obj"});
+    EXPECT_TRUE(names().empty());
 }
 
 } // namespace

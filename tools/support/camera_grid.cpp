@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 namespace tessera {
@@ -21,16 +22,8 @@ bool is_length(double x) {
     return x >= smallest_length && x <= largest_length;
 }
 
-// `count` numbers with commas between them.
-bool parse_lengths(std::string_view text, double* out, int count) {
-    for (int i = 0; i < count; ++i) {
-        const std::size_t comma = text.find(',');
-        if ((comma == std::string_view::npos) != (i == count - 1) ||
-            !parse_number(text.substr(0, comma), out[i]) || !is_length(out[i]))
-            return false;
-        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
-    }
-    return true;
+bool parse_lengths(std::string_view text, std::span<double> out) {
+    return parse_numbers(text, out) && std::ranges::all_of(out, is_length);
 }
 
 } // namespace
@@ -45,8 +38,8 @@ Result<CameraGrid> camera_grid(const CameraFacts& facts, const Extent4& size) {
     CameraGrid cameras;
     double spacing[2] = {0, 0};
     if (!facts.spacing.empty()) {
-        if (!parse_lengths(facts.spacing, spacing, 2)) {
-            if (!parse_lengths(facts.spacing, spacing, 1))
+        if (!parse_lengths(facts.spacing, spacing)) {
+            if (!parse_lengths(facts.spacing, std::span(spacing, 1)))
                 return Status(ErrorCode::bad_argument, "--camera-spacing: '" + facts.spacing +
                                                            "' is not a length, or two as x,y");
             spacing[1] = spacing[0];
@@ -81,7 +74,7 @@ Result<CameraGrid> cameras_in(const Metadata& metadata, const Extent4& size) {
     if (said == metadata.end())
         return camera_grid({}, size);
     double numbers[4];
-    if (!parse_lengths(said->second, numbers, 4))
+    if (!parse_lengths(said->second, numbers))
         return Status(ErrorCode::invalid_file,
                       "its key Cameras is not four lengths above 0: spacing x, y, distance, width");
     return CameraGrid{numbers[0], numbers[1], numbers[2], numbers[3]};

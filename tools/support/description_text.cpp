@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace tessera {
@@ -13,41 +14,36 @@ namespace {
 
 constexpr float usual_sphere_radius = 3.5f; // the sphere of the built-in scenes
 
-template <NamedEnum Enum> std::vector<std::string> names_of() {
-    return {value_names<Enum>.begin(), value_names<Enum>.end()};
-}
-
-std::string joined(const std::vector<std::string>& words) {
+template <NamedEnum Enum> std::string all_names() {
     std::string text;
-    for (const std::string& word : words)
-        text += (text.empty() ? "" : ", ") + word;
+    for (const char* name : value_names<Enum>)
+        text += (text.empty() ? "" : ", ") + std::string(name);
     return text;
 }
 
-// Sets `out` to the value named `text`.
 template <NamedEnum Enum>
 Status set_by_name(Enum& out, std::string_view field, const std::string& text) {
-    const std::optional<Enum> value = parse_value<Enum>(text);
-    if (!value)
-        return {ErrorCode::bad_argument, std::string(field) + " '" + text +
-                                             "' is not one of: " + joined(names_of<Enum>()) +
-                                             did_you_mean(text, names_of<Enum>())};
-    out = *value;
-    return {};
+    if (const std::optional<Enum> value = parse_value<Enum>(text)) {
+        out = *value;
+        return {};
+    }
+    return {ErrorCode::bad_argument,
+            std::string(field) + " '" + text + "' is not one of: " + all_names<Enum>() +
+                did_you_mean(text, {value_names<Enum>.begin(), value_names<Enum>.end()})};
 }
 
-bool parse_floats(std::string_view text, float* out, int count) {
+// Parses out.size() numbers. Their own text is accepted, too, so they are checked after rounding.
+bool parse_floats(std::string_view text, std::span<float> out) {
     constexpr float largest = 1e30f;
-    for (int i = 0; i < count; ++i) {
-        const std::size_t comma = text.find(',');
-        double value = 0;
-        if ((comma == std::string_view::npos) != (i == count - 1) ||
-            !parse_number(text.substr(0, comma), value) || std::abs(value) > 2.0 * largest)
+    std::vector<double> numbers(out.size());
+    if (!parse_numbers(text, numbers))
+        return false;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (std::abs(numbers[i]) > 2.0 * largest) // before it can overflow
             return false;
-        out[i] = static_cast<float>(value);
-        if (std::abs(out[i]) > largest) // after rounding, so that its own text is accepted, too
+        out[i] = static_cast<float>(numbers[i]);
+        if (std::abs(out[i]) > largest)
             return false;
-        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
     }
     return true;
 }
@@ -72,7 +68,7 @@ Status set_proxy(Description& d, const std::string& text) {
     const std::size_t colon = text.find(':');
     const std::string kind = text.substr(0, colon);
     if ((kind != "sphere" && kind != "sphere-inside") || colon == std::string::npos ||
-        !parse_floats(std::string_view(text).substr(colon + 1), sphere, 4) || sphere[3] <= 0)
+        !parse_floats(std::string_view(text).substr(colon + 1), sphere) || sphere[3] <= 0)
         return {ErrorCode::bad_argument, "proxy '" + text + "' is not " +
                                              description_field_values("proxy") +
                                              ", with r above 0"};
@@ -92,15 +88,15 @@ std::string description_field_values(std::string_view field) {
     if (field == "proxy")
         return "none, sphere, sphere:cx,cy,cz,r, sphere-inside:cx,cy,cz,r";
     if (field == "surface-map")
-        return joined(names_of<SurfaceMap>());
+        return all_names<SurfaceMap>();
     if (field == "angular-map")
-        return joined(names_of<AngularMap>());
+        return all_names<AngularMap>();
     if (field == "transfer")
-        return joined(names_of<Transfer>());
+        return all_names<Transfer>();
     if (field == "primaries")
-        return joined(names_of<Primaries>());
+        return all_names<Primaries>();
     if (field == "alpha")
-        return joined(names_of<AlphaMode>());
+        return all_names<AlphaMode>();
     return "near,far: distances of the observer from the centre";
 }
 
@@ -118,7 +114,7 @@ Status set_description_field(Description& d, std::string_view field, const std::
     if (field == "alpha")
         return set_by_name(d.alpha, field, text);
     float radius[2];
-    if (field == "viewing-radius" && parse_floats(text, radius, 2) && radius[0] >= 0 &&
+    if (field == "viewing-radius" && parse_floats(text, radius) && radius[0] >= 0 &&
         radius[0] <= radius[1]) {
         d.viewing_radius[0] = radius[0];
         d.viewing_radius[1] = radius[1];

@@ -50,6 +50,16 @@ bool parse_number(std::string_view text, double& out) {
     return parse_whole(text, out) && std::isfinite(out);
 }
 
+bool parse_numbers(std::string_view text, std::span<double> out) {
+    const auto parts = split(text, ',');
+    if (parts.size() != out.size())
+        return false;
+    for (std::size_t i = 0; i < out.size(); ++i)
+        if (!parse_number(parts[i], out[i]))
+            return false;
+    return true;
+}
+
 Result<Extent4> parse_extent(std::string_view text) {
     const Status malformed(ErrorCode::bad_argument, "'" + std::string(text.substr(0, 100)) +
                                                         "' is not a size UxVxSxT such as "
@@ -116,15 +126,11 @@ std::string format_number(double value, int decimals) {
 }
 
 Status parse_point(std::string_view text, glm::dvec3& out) {
-    std::string_view rest = text;
-    for (int i = 0; i < 3; ++i) {
-        const std::size_t comma = rest.find(',');
-        if ((comma == std::string_view::npos) != (i == 2) ||
-            !parse_number(rest.substr(0, comma), out[i]))
-            return {ErrorCode::bad_argument,
-                    "'" + std::string(text) + "' is not a point such as 10,0,-2.5"};
-        rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
-    }
+    double xyz[3];
+    if (!parse_numbers(text, xyz))
+        return {ErrorCode::bad_argument,
+                "'" + std::string(text) + "' is not a point such as 10,0,-2.5"};
+    out = {xyz[0], xyz[1], xyz[2]};
     return {};
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,8 @@ Result<Box4> parse_box(std::string_view text, const Extent4& whole);
 // Parses the whole text, without blanks around it. False if it is not a number.
 bool parse_number(std::string_view text, std::uint64_t& out);
 bool parse_number(std::string_view text, double& out);
+// Parses exactly out.size() numbers with commas between them. False if the text is anything else.
+bool parse_numbers(std::string_view text, std::span<double> out);
 
 // Parses "10,0,-2.5". Errors: bad_argument, with the text.
 Status parse_point(std::string_view text, glm::dvec3& out);
