@@ -72,7 +72,8 @@ TEST_F(RdVerb, GoesOnMeasuringAfterAnInterrupt) {
     const std::string path = "PATH=" + at("bin").string() + ":$PATH ";
     const Outcome o = run(rd, path + "timeout --signal=INT --preserve-status 2");
     EXPECT_EQ(o.code, 128 + SIGINT) << o.err;
-    EXPECT_NE(o.err.find("interrupted; the same command goes on"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find("interrupted; run the same command again to continue"), std::string::npos)
+        << o.err;
     EXPECT_FALSE(fs::exists(at("r") / "index.html"));
     rival("exit 9");
     const Outcome again = run(rd, path);

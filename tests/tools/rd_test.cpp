@@ -242,7 +242,7 @@ TEST_F(RdTools, EndsThemInTime) {
         const auto begun = std::chrono::steady_clock::now();
         const auto run = run_tool({tool}, 0.3);
         EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5));
-        EXPECT_EQ(run.status().message(), std::string(tool) + ": not done after 0 s, stopped");
+        EXPECT_EQ(run.status().message(), std::string(tool) + ": timed out after 0 s");
     }
 }
 
@@ -281,8 +281,8 @@ TEST_F(RdTools, AFailingToolIsARowThatSaysSo) {
         // Writes garbage wherever it is told to write, be it packed or unpacked.
         {"while [ \"$1\" != -z ]; do shift; done; [ \"$3\" != -o ] || shift 2; echo garbage "
          ">\"$2\"",
-         "another size"},
-        {"[ $# = 0 ] || /bin/sleep 30", "zfp: not done after 1 s, stopped"}};
+         "a different size"},
+        {"[ $# = 0 ] || /bin/sleep 30", "zfp: timed out after 1 s"}};
     for (const auto& c : cases) {
         script("zfp", c.body);
         RivalChoice choice = choose_rivals(*rivals_named("zfp:rate"), texture.desc);

@@ -1,4 +1,4 @@
-// Codecs of arrays: zfp in four dimensions, OpenEXR's DWAA, and no codec at all.
+// Codecs that take the texture as one array: zfp in four dimensions, OpenEXR's DWAA, raw texels.
 #include "format/samples.h"
 #include "tools/lab/rd/bt709.h"
 #include "tools/lab/rd/exr_rival.h"
@@ -19,8 +19,8 @@ bool has_yuv(const TextureDesc& desc) {
     return desc.type == SampleType::unorm8 && desc.channels == 3;
 }
 
-// 8-bit RGB as Y Cb Cr of BT.709, other samples as they are; half floats as the 16-bit codes in
-// which errors are counted, as they grow with the logarithm.
+// Converts 8-bit RGB to Y Cb Cr of BT.709. Half floats become the 16-bit codes by which errors are
+// measured, because these grow with the logarithm of the value. Other samples stay as they are.
 std::vector<std::vector<float>> planes_of(const RdTexture& texture) {
     const unsigned channels = texture.desc.channels;
     std::vector<std::vector<float>> planes(channels, std::vector<float>(texture.texel_count()));
@@ -56,7 +56,7 @@ std::vector<std::byte> texels_of(const TextureDesc& desc, std::vector<std::vecto
     return texels;
 }
 
-// Colour differences are given half the rate, or twice the tolerance.
+// Cb and Cr get half the rate, or twice the tolerance.
 std::vector<std::string> zfp_mode(const std::string& setting, const TextureDesc& desc,
                                   std::size_t plane) {
     const bool colour = has_yuv(desc) && plane > 0;
@@ -64,7 +64,7 @@ std::vector<std::string> zfp_mode(const std::string& setting, const TextureDesc&
     if (setting.rfind("rate", 0) == 0)
         return {"-r", std::to_string(colour ? value / 2 : value)};
     if (desc.type == SampleType::half16)
-        value *= 128; // half_peak is about as much larger than 255
+        value *= 128; // half_peak is about 128 times 255
     return {"-a", std::to_string(colour ? value * 2 : value)};
 }
 
@@ -104,23 +104,23 @@ Result<Coded> code_zfp(const CodingJob& job, const std::string& setting) {
         coded.decode_seconds += decoded;
         TESSERA_TRY_ASSIGN(const auto back, bytes_in_file(out));
         if (back.size() != planes[p].size() * sizeof(float))
-            return Status(ErrorCode::runtime, "zfp: decoded an array of another size");
+            return Status(ErrorCode::runtime, "zfp: decoded an array of a different size");
         std::memcpy(planes[p].data(), back.data(), back.size());
     }
     coded.texels = texels_of(desc, std::move(planes));
-    if (setting.rfind("rate", 0) == 0) { // blocks of 4 x 4 x 4 x 4 at known places
+    if (setting.rfind("rate", 0) == 0) { // blocks of 4x4x4x4 texels at known positions
         const Extent4& n = desc.size;
         const auto blocks = [&](Axis axis) { return std::ceil(n[axis] / 4.0); };
         coded.texel_bytes = static_cast<double>(coded.bytes) /
                             (blocks(axis_u) * blocks(axis_v) * blocks(axis_s) * blocks(axis_t));
         coded.view_bytes = *coded.texel_bytes * blocks(axis_u) * blocks(axis_v);
-    } else { // blocks of any length, and no index
+    } else { // blocks of variable length without an index
         coded.texel_bytes = coded.view_bytes = static_cast<double>(coded.bytes);
     }
     return coded;
 }
 
-// --- nothing --------------------------------------------------------------------------------------
+// --- raw -----------------------------------------------------------------------------------------
 
 Result<Coded> keep_raw(const CodingJob& job, const std::string&) {
     Coded coded;
@@ -167,7 +167,7 @@ std::vector<Rival> array_rivals() {
     exr.coarser = {"level 8000", "level 16000"};
     exr.finer = {"level 200", "level 100"};
     exr.run = code_exr_mosaic;
-    Rival& raw = add(array_rival("raw", "nothing is coded", {}, "", {"as it is"}));
+    Rival& raw = add(array_rival("raw", "uncompressed texels", {}, "", {"as it is"}));
     raw.run = keep_raw;
     raw.in_plot = false;
     raw.quick = true;

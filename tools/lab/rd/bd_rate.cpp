@@ -6,12 +6,12 @@
 namespace tessera {
 namespace {
 
-// log10 of rate over PSNR, both strictly ascending.
+// log10 of rate as a function of PSNR, both strictly ascending.
 struct Curve {
     std::vector<double> psnr, log_rate, slope;
 };
 
-// The points that no other one beats in both rate and PSNR, by ascending PSNR.
+// Returns the points that no other point beats in both rate and PSNR, by ascending PSNR.
 std::vector<RatePoint> rising(std::vector<RatePoint> points) {
     std::erase_if(points, [](const RatePoint& p) {
         return !std::isfinite(p.psnr) || !std::isfinite(p.rate) || !(p.rate > 0);
@@ -27,7 +27,8 @@ std::vector<RatePoint> rising(std::vector<RatePoint> points) {
     return kept;
 }
 
-// The slope at an end, from the two pieces next to it, kept monotone.
+// The slope at an end of the curve, from the two pieces next to it, limited so that the
+// interpolation stays monotone.
 double end_slope(double h0, double h1, double d0, double d1) {
     const double slope = ((2 * h0 + h1) * d0 - h0 * d1) / (h0 + h1);
     if (slope * d0 <= 0)
@@ -69,7 +70,7 @@ Curve make_curve(const std::vector<RatePoint>& points) {
     return curve;
 }
 
-// Integral of piece i from its start to its fraction x, per unit of the piece's length.
+// Integral of piece i from its start to the fraction x of its length.
 double piece_integral(const Curve& c, std::size_t i, double x) {
     const double h = c.psnr[i + 1] - c.psnr[i];
     const double y0 = c.log_rate[i], y1 = c.log_rate[i + 1];

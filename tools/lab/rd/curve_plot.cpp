@@ -19,7 +19,7 @@ struct Style {
     std::string dash;
 };
 
-// One colour per family: what follows the colon in an id changes the dashes only.
+// Each family has one colour. The part of an id after the colon changes only the dashes.
 Style style_of(const std::string& id, std::size_t variant) {
     static const std::map<std::string, std::string> colours = {
         {"tessera", "#c8102e"}, {"x265", "#1f5fa8"},   {"aom", "#7b4bb0"},
@@ -34,7 +34,7 @@ Style style_of(const std::string& id, std::size_t variant) {
             dashes[std::min<std::size_t>(variant, 3)]};
 }
 
-// In the order of the curves: the variants of a family differ in their dashes.
+// One style per curve. The variants of a family differ in their dashes.
 std::vector<Style> styles_of(const std::vector<PlotCurve>& all) {
     std::vector<Style> styles;
     std::map<std::string, std::size_t> variants;
@@ -43,7 +43,7 @@ std::vector<Style> styles_of(const std::vector<PlotCurve>& all) {
     return styles;
 }
 
-// From rates and dB to places in the picture.
+// Maps rates and PSNRs to pixel coordinates.
 struct Axes {
     double low_rate, high_rate, low_psnr, high_psnr;
     double x(double rate) const {
@@ -65,7 +65,7 @@ Axes axes_for(const std::vector<PlotCurve>& all) {
             axes.low_psnr = std::min(axes.low_psnr, p.psnr);
             axes.high_psnr = std::max(axes.high_psnr, p.psnr);
         }
-    // Room for names at both ends.
+    // Leaves room for names at both ends.
     axes.low_rate /= 1.25;
     axes.high_rate *= 1.25;
     axes.low_psnr = std::floor(axes.low_psnr - 0.4);
@@ -87,7 +87,7 @@ std::string line_from(double x0, double y0, double x1, double y1, const std::str
            px(y1) + "\" " + attributes + "/>\n";
 }
 
-// 1, 2 and 5 of each decade, written without needless zeros: 0.05, 2, 10k.
+// Ticks at 1, 2 and 5 of each decade, written without needless zeros: 0.05, 2, 10k.
 std::vector<std::pair<double, std::string>> rate_ticks(const Axes& axes) {
     std::vector<std::pair<double, std::string>> ticks;
     for (int decade = -6; decade <= 11; ++decade)
@@ -190,7 +190,7 @@ std::string curves_to_svg(const std::vector<PlotCurve>& curves, const PlotTexts&
     const std::vector<Style> styles = styles_of(curves);
     const Axes axes = axes_for(curves);
     svg += grid(axes, texts);
-    for (std::size_t i = curves.size(); i-- > 0;) // the first on top
+    for (std::size_t i = curves.size(); i-- > 0;) // draws the first curve last, on top
         svg += line_of(curves[i], styles[i], axes);
     return svg + labels(curves, styles, axes) + "</svg>\n";
 }

@@ -20,11 +20,11 @@
 namespace tessera {
 namespace {
 
-constexpr int chunk_lines = 32; // of DWAA
+constexpr int chunk_lines = 32; // lines of pixels in a DWAA chunk
 
 struct Mosaic {
     int width = 0, height = 0, channels = 0;
-    std::vector<std::uint16_t> halves; // rows from the top, channels adjacent
+    std::vector<std::uint16_t> halves; // rows from the top, interleaved channels
 };
 
 Mosaic empty_mosaic(const TextureDesc& desc) {
@@ -36,7 +36,7 @@ Mosaic empty_mosaic(const TextureDesc& desc) {
     return m;
 }
 
-// Calls body(texel's index, place of its first half in the mosaic) for all texels.
+// Calls body(index of the texel, index of its first half in the mosaic) for all texels.
 template <class Body> void for_all_texels(const TextureDesc& desc, const Body& body) {
     const Extent4& n = desc.size;
     std::size_t index = 0;

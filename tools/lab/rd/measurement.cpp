@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// JSON has no infinity: "lossless" stands for it.
+// JSON has no infinity, so an infinite PSNR becomes "lossless".
 Json decibels(double db) {
     return std::isfinite(db) ? Json(db) : Json("lossless");
 }

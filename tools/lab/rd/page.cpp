@@ -1,4 +1,4 @@
-// The report as one HTML file that needs nothing else.
+// The report as one self-contained HTML file.
 #include "tools/lab/rd/plot.h"
 #include "tools/lab/rd/report.h"
 #include "tools/support/html_text.h"
@@ -59,7 +59,7 @@ std::string texture_html(const TextureReport& t) {
                       "quiet");
     if (!t.crop.empty())
         html += paragraph("Only a crop from the middle was measured: " + t.crop +
-                              ". All codecs look worse on it than on the whole texture.",
+                              ". All codecs do worse on it than on the whole texture.",
                           "crop");
     for (const PlotPart part : {PlotPart::whole, PlotPart::close_up})
         if (const std::string svg = to_svg(t, part); !svg.empty())
@@ -73,7 +73,7 @@ std::string texture_html(const TextureReport& t) {
     codecs.names = 2;
     for (const CodecInfo& info : t.codecs)
         codecs.rows.push_back({info.id, info.version, info.layout});
-    html += "<h3>How each was fed</h3>\n" + table_html(codecs);
+    html += "<h3>Layout of the texels for each codec</h3>\n" + table_html(codecs);
     if (t.absent.empty())
         return html;
     html += "<h3>Not measured</h3>\n<ul>\n";

@@ -1,4 +1,4 @@
-// Codecs of pictures: one picture per view, or all views in one mosaic.
+// Picture codecs, with one picture per view or all views in one mosaic.
 #include "format/work.h"
 #include "tools/lab/rd/picture_tools.h"
 #include "tools/lab/rd/rivals.h"
@@ -29,9 +29,9 @@ Status write_picture(const std::string& path, const Picture& picture) {
     return write_bytes(path, bytes);
 }
 
-const Status another_picture(ErrorCode::runtime, "decoded a picture of another size or kind");
+const Status another_picture(ErrorCode::runtime, "decoded a picture of a different size or kind");
 
-// The samples are the end of the file, whatever comments stand before them.
+// Takes the samples from the end of the file, because the header may contain comments.
 Result<Picture> read_ppm(const std::string& path, std::uint32_t width, std::uint32_t height) {
     TESSERA_TRY_ASSIGN(const auto bytes, bytes_in_file(path));
     Picture picture = blank_picture(width, height, 0);
@@ -53,7 +53,7 @@ Result<Picture> read_picture(const std::string& path, std::uint32_t width, std::
                                                               : Result<Picture>(another_picture);
 }
 
-// Runs a command for each of `count` files on all threads. The seconds are those of the whole.
+// Runs a command for each of `count` files, on all threads. Returns the wall-clock seconds for all.
 template <class Command>
 Result<double> run_for_all(std::size_t count, const CodingJob& job, const char* stage,
                            const Command& command) {
@@ -74,14 +74,14 @@ Result<double> run_for_all(std::size_t count, const CodingJob& job, const char* 
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-// Puts pictures of equal size through the tool and back; fills in sizes and times.
+// Encodes and decodes pictures of equal size with the tool. Sets the bytes and times of `coded`.
 Result<std::vector<Picture>> code_pictures(const PictureTool& tool, const CodingJob& job,
                                            const std::string& setting,
                                            const std::vector<Picture>& pictures, Coded& coded) {
     const auto file = [&](const char* what, std::size_t i, const char* ending) {
         return job.folder.at(std::string(what) + std::to_string(i) + "." + ending);
     };
-    // Many small pictures keep the cores busy by their number, one large one by itself.
+    // Many pictures run in parallel with one thread each. A single picture gets all threads.
     const std::string threads = pictures.size() > 1 ? "1" : threads_text(job.threads);
     TESSERA_TRY(parallel_for(pictures.size(), job.threads, [&](std::uint64_t i) {
         return write_picture(file("in", i, tool.pictures), pictures[i]);
@@ -135,8 +135,8 @@ Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
     if (std::max(width, height) > tool.max_side)
         return Status(ErrorCode::unsupported, "the mosaic has " + std::to_string(width) + " x " +
                                                   std::to_string(height) +
-                                                  " pixels, a picture may have " +
-                                                  std::to_string(tool.max_side) + " a side");
+                                                  " pixels, but the limit is " +
+                                                  std::to_string(tool.max_side) + " per side");
     Coded coded;
     TESSERA_TRY_ASSIGN(const auto back,
                        code_pictures(tool, job, setting, {mosaic_picture(job.texture)}, coded));
@@ -146,7 +146,8 @@ Result<Coded> code_mosaic(const PictureTool& tool, const CodingJob& job,
     return coded;
 }
 
-// Blocks of 16 bytes at known places: a texel is in one, a view in those that it touches.
+// ASTC blocks have 16 bytes and known positions. A texel needs one block, a view all the blocks
+// that it touches.
 Result<Coded> code_astc(const CodingJob& job, const std::string& setting) {
     TESSERA_TRY_ASSIGN(auto coded, code_mosaic(astc_tool(), job, setting));
     const std::string block = value_of(setting);

@@ -30,7 +30,7 @@ std::vector<PlotCurve> curves_of(const TextureReport& texture) {
     return all;
 }
 
-// Leaves the points of the close-up; whether any had to go.
+// Keeps only the points of the close-up. Returns whether it removed any and a curve is left.
 bool keep_close_up(std::vector<PlotCurve>& all) {
     double least = std::numeric_limits<double>::infinity();
     for (const PlotCurve& series : all)
@@ -55,7 +55,7 @@ std::string to_svg(const TextureReport& texture, PlotPart part) {
     return curves_to_svg(
         all, {texture.name + ", " + texture.size + (part == PlotPart::close_up ? ", close up" : ""),
               (texture.crop.empty() ? "" : "A crop, " + texture.crop + ". ") +
-                  "Up and to the left is better; every point was decoded and measured.",
+                  "Up and to the left is better. Every point was decoded and measured.",
               "bits per texel (logarithmic)", "PSNR of RGB, dB"});
 }
 

@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-constexpr double letter_width = 7.4, line_height = 17; // of 13 pixels, semi-bold
+constexpr double letter_width = 7.4, line_height = 17; // for a semi-bold font of 13 pixels
 constexpr double label_gap = 8;                        // between a point and its name
 
 bool overlap(const PlotBox& a, const PlotBox& b) {
@@ -22,7 +22,7 @@ bool holds(const PlotBox& box, PlotPoint p) {
     return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1;
 }
 
-// How many steps of a few pixels a line runs inside the box.
+// Samples the line every few pixels and returns how many samples lie inside the box.
 int run_inside(const LabelledLine& line, const PlotBox& box) {
     int steps = 0;
     for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
@@ -44,7 +44,7 @@ public:
         best_cost_ = std::numeric_limits<double>::infinity();
         const LabelledLine& line = lines_[index];
         const std::size_t last = line.points.size() - 1;
-        // The upper end first: where lines of all codecs fan out.
+        // Starts at the upper end, where the lines of the codecs fan out.
         for (std::size_t back = 0; back <= last; ++back) {
             const std::size_t i = last - back;
             try_around(line, line.points[i], i == last ? 0 : i == 0 ? 2 : 5);
@@ -97,7 +97,7 @@ private:
             consider(box_at(line, corner.x, corner.y), preference + (extra += 0.5), false, p);
     }
 
-    // Rings around the point, farther and farther.
+    // Tries rings of growing radius around the point.
     void try_anywhere(const LabelledLine& line, PlotPoint p) {
         for (double radius = 24; radius < 400; radius += 12)
             for (int angle = 0; angle < 24; ++angle) {
@@ -106,7 +106,7 @@ private:
                                 p.y + radius * std::sin(a) - line_height / 2),
                          20 + radius / 10, true, p);
             }
-        if (!std::isfinite(best_cost_)) // a crowd beyond all measure
+        if (!std::isfinite(best_cost_)) // no free area is left
             best_ = {box_at(line, plot_.x0, plot_.y0), false, p};
     }
 

@@ -15,11 +15,11 @@
 namespace tessera {
 namespace {
 
-constexpr Lens lens{45, 320, 240}; // of the rendered views
-// Small along s and t, as in render_stage.cpp: an observer sees each place from one direction.
+constexpr Lens lens{45, 320, 240}; // for the rendered views
+// Small along s and t, as in render_stage.cpp, because a camera sees each point from one direction.
 constexpr Extent4 render_block{8, 8, 4, 4};
 
-// Squared errors of some rows of v.
+// Sums of squared errors over some rows of v.
 struct QualitySums {
     QualitySums(const TextureDesc& desc)
         : errors(desc), views(std::size_t{desc.size[axis_s]} * desc.size[axis_t]) {}
@@ -44,13 +44,13 @@ unsigned colours(const TextureDesc& desc) {
     return desc.channels >= 3 ? 3 : 1;
 }
 
-// The number in which errors are counted, see metrics.h.
+// The integer by which samples are compared; see metrics.h.
 std::int64_t code_of(const std::byte* sample, SampleType type) {
     if (type == SampleType::unorm8)
         return std::to_integer<std::int64_t>(*sample);
     std::uint16_t half;
     std::memcpy(&half, sample, 2);
-    if ((half & 0x7C00) == 0x7C00) // the codec's policy for what is no number
+    if ((half & 0x7C00) == 0x7C00) // NaN and infinity, handled as the codec does
         half = half & 0x3FF ? 0 : static_cast<std::uint16_t>((half & 0x8000) | 0x7BFF);
     return half_ordinal(half);
 }
@@ -74,7 +74,7 @@ void add_angular_image(const RdTexture& original, const std::byte* a, const std:
             sums.foreground += foreground ? squared : 0;
             if (coloured) {
                 const auto e = to_bt709(static_cast<double>(d[0]), static_cast<double>(d[1]),
-                                        static_cast<double>(d[2])); // of an error: it is linear
+                                        static_cast<double>(d[2])); // the transform is linear
                 sums.yuv[0] += e.y * e.y;
                 sums.yuv[1] += e.cb * e.cb;
                 sums.yuv[2] += e.cr * e.cr;
@@ -85,7 +85,7 @@ void add_angular_image(const RdTexture& original, const std::byte* a, const std:
     }
 }
 
-// ErrorSums takes up to 2^20 texels at a time.
+// Adds in parts, because ErrorSums takes up to 2^20 texels at a time.
 void add_errors(const TextureDesc& desc, const Box4& image, const std::byte* a, const std::byte* b,
                 ErrorSums& errors) {
     const std::size_t row = desc.texel_bytes() * desc.size[axis_s];
@@ -113,7 +113,7 @@ QualitySums sum_of_row(const RdTexture& original, std::span<const std::byte> dec
     return sums;
 }
 
-// Rows are added in their order, so the result does not depend on the number of threads.
+// Adds rows in order, so that the result does not depend on the number of threads.
 Result<QualitySums> sum_of_all(const RdTexture& original, std::span<const std::byte> decoded,
                                unsigned threads) {
     QualitySums all(original.desc);
@@ -196,7 +196,7 @@ Result<std::vector<std::byte>> QualityMeter::draw(std::span<const std::byte> tex
 Result<Quality> QualityMeter::measure(std::span<const std::byte> decoded,
                                       const ProgressFunction& progress) {
     if (decoded.size() != original_.texels.size())
-        return Status(ErrorCode::runtime, "the decoded texture has another size");
+        return Status(ErrorCode::runtime, "the decoded texture has a different size");
     TESSERA_TRY_ASSIGN(const auto sums, sum_of_all(original_, decoded, threads_));
     Quality quality = quality_of(original_, sums);
     if (!original_.window)

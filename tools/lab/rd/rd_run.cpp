@@ -20,7 +20,8 @@ namespace tessera {
 namespace {
 
 const std::vector<double> usual_psnrs = {35, 38, 41, 44};
-// Other efforts are measured once, for the table of speeds. About 39 dB on the composed scene.
+// The table of speeds measures other efforts only at this setting. It gives about 39 dB on the
+// composed scene.
 constexpr const char* speed_setting = "quality 62";
 const std::vector<int> speed_efforts = {0, usual_effort, most_effort}, quick_speed_efforts = {0, 1};
 
@@ -48,8 +49,8 @@ std::vector<int> swept_efforts(const RdOptions& o) {
     return {o.quick ? 1 : usual_effort};
 }
 
-// Ours first: curves for the efforts asked for; where none were, a single point of others for the
-// table of speeds.
+// Curves for the requested efforts. If none were requested, a curve for the usual effort and single
+// points at other efforts, for the table of speeds.
 std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
     std::vector<CodecUnderTest> codecs;
     const std::vector<int> efforts = swept_efforts(o);
@@ -68,7 +69,7 @@ std::vector<CodecUnderTest> tessera_codecs(const RdOptions& o) {
     return codecs;
 }
 
-// An id or, where no codec has it, the part of one before the colon.
+// Finds the codec that --anchor names, by its id or by the part of its id before the colon.
 Result<std::string> anchor_among(const RdOptions& o, const std::vector<CodecUnderTest>& codecs,
                                  const std::vector<Measurement>& rows) {
     const auto ran = [&](const std::string& id) {

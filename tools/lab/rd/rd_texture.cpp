@@ -20,8 +20,8 @@
 namespace tessera {
 namespace {
 
-// The box of --quick: small enough for a minute, large enough for what video encoders ask of a
-// picture (64 pixels a side).
+// The box of --quick takes about a minute and satisfies video encoders, which need 64 pixels per
+// side.
 constexpr Extent4 crop_extent{64, 64, 16, 16};
 
 Box4 central_box(const Extent4& size) {
@@ -50,14 +50,14 @@ Result<std::unique_ptr<TexelSource>> open_named(const TextureRequest& r, RdTextu
         return open_scene(r, texture);
     TESSERA_TRY_ASSIGN(auto opened, open_texture(r.name, r.hints));
     const auto window = sphere_window(opened.description);
-    if (window.ok() && !window->inside) // views are from around it
+    if (window.ok() && !window->inside) // the paper's views look at it from outside
         texture.window = *window;
     else if (r.on_sphere)
         texture.window = SphereWindow{};
     return std::move(opened.source);
 }
 
-// The part of a slab that a thread reads at a time: a row of v, or what is in it.
+// Reads a slab in parallel, one row of v per task.
 Status read_slab(TexelSource& source, const Box4& slab, RdTexture& texture, const Box4& box,
                  unsigned threads, const std::function<void()>& tick) {
     TESSERA_TRY(source.begin_slab(slab));
@@ -77,7 +77,7 @@ Status read_slab(TexelSource& source, const Box4& slab, RdTexture& texture, cons
         [&](std::size_t) { tick(); });
 }
 
-// Slabs in the order that the source likes best.
+// Divides the box into slabs that suit the locality of the source.
 std::vector<Box4> slabs_of(const TexelSource& source, const Box4& box) {
     if (source.locality() == Locality::angular_cells)
         return {box};
@@ -167,14 +167,14 @@ Result<RdTexture> load_rd_texture(const TextureRequest& request, const ProgressF
     texture.desc.size = box.extent();
     if (texture.desc.size != whole) {
         texture.crop = to_string(box);
-        texture.window.reset(); // a piece of a sphere is no sphere
+        texture.window.reset(); // views need the whole sphere
     }
     const std::uint64_t bytes = texture.desc.box_bytes(box);
     if (bytes > max_rd_bytes)
         return Status(ErrorCode::unsupported,
                       request.name + ": " + human_bytes(bytes) +
                           " of texels; rd holds them in memory and takes up to " +
-                          human_bytes(max_rd_bytes) + " (--quick measures a part)");
+                          human_bytes(max_rd_bytes) + "; use --quick to measure a part");
     texture.texels.resize(bytes);
     TESSERA_TRY(read_box(*source, box, texture, request.hints.threads, progress));
     describe_texels(texture);

@@ -32,7 +32,6 @@ std::string bd_text(const std::optional<BdRate>& rate) {
     return (rate->percent >= 0 ? "+" : "") + format_number(rate->percent, 1) + " %";
 }
 
-// A measure by which codecs are compared.
 struct Measure {
     const char* title;
     std::optional<double> (*of)(const Quality&);
@@ -48,7 +47,7 @@ const Measure measures[] = {
     {"PU21", [](const Quality& q) { return q.psnr_pu21; }, &BdRow::pu21},
     {"log2", [](const Quality& q) { return q.psnr_log2; }, &BdRow::log2}};
 
-// Whether any row of the texture has the measure.
+// Returns whether any row of the texture has the measure.
 bool occurs(const TextureReport& texture, const Measure& measure) {
     return std::any_of(texture.rows.begin(), texture.rows.end(), [&](const Measurement& m) {
         return m.failed.empty() && measure.of(m.quality).has_value();
@@ -148,7 +147,7 @@ RdTable speed_table(const TextureReport& texture) {
                     "max error", "bpt",     "for a texel", "for a view"};
     for (const CodecInfo& info : texture.codecs) {
         const Measurement* nearest = nullptr;
-        // A lossless row is as far from the target as can be, but it is there.
+        // Clamped, because a lossless row must still be chosen if it is the only one.
         const auto distance = [](const Measurement& m) {
             return std::min(std::abs(m.quality.psnr_rgb - speed_psnr), 1e6);
         };
@@ -170,30 +169,29 @@ std::vector<std::string> definitions(const RdReport& report) {
     const bool hdr = std::any_of(report.textures.begin(), report.textures.end(),
                                  [](const TextureReport& t) { return t.hdr(); });
     std::vector<std::string> lines = {
-        "bpt: bits per texel of all bytes that a decoder needs; all channels together.",
+        "bpt: bits per texel, for all channels together, from all bytes that a decoder needs.",
         "RGB: PSNR over all samples of the colour channels, in dB, from one mean squared error. "
         "YUV 6:1:1: (6 Y + Cb + Cr) / 8 of BT.709, as in JPEG Pleno. worst view: the lowest of the "
         "PSNRs of the views of one (s,t). foreground: over the texels that differ from the most "
-        "common one. rendered: pictures of the paper's five views, drawn from both textures.",
-        "max error: of any sample, in 8-bit steps" + std::string(hdr ? ", or ulps of half" : "") +
-            ".",
-        "enc, dec: MB of raw texture per second by the clock on the wall, on all threads; of a "
-        "rival "
-        "the run of its tools, starting them and reading and writing their files included; of "
-        "tessera one pass, in memory, every tile verified. What takes less than half a second is "
-        "done three times, and the best counts.",
-        "for a texel, for a view: bytes of the file that a reader of one texel, or of the U x V "
-        "texels of one (s,t), has to fetch when it holds header and index. tessera: counted, the "
-        "mean of 64 texels and 8 views. Sequences: from the key frame on, about half of the "
-        "group on average. Files per view: one file. AVIF's mosaic and zfp at fixed accuracy: the "
-        "whole "
-        "file. zfp at fixed rate, ASTC and DWAA: the blocks or chunks touched.",
+        "common one. rendered: over pictures of the paper's five views, drawn from both textures.",
+        "max error: the largest of any sample, in 8-bit steps" +
+            std::string(hdr ? ", or half-float ulps" : "") + ".",
+        "enc, dec: MB of raw texture per second of wall-clock time, on all threads. A rival's time "
+        "includes starting its tools, and reading and writing their files. Tessera's time is that "
+        "of one pass in memory that verifies every tile. Decoding that takes less than half a "
+        "second runs three times, and the best time counts.",
+        "for a texel, for a view: bytes of the file that a reader must fetch for one texel, or for "
+        "the U x V texels of one (s,t), if it already has the header and the index. tessera: the "
+        "mean of 64 texels and of 8 views. Video: all frames from the key frame up to the wanted "
+        "one, on average about half of a group. One file per view: that file. AVIF's mosaic and "
+        "zfp at fixed accuracy: the whole file. zfp at fixed rate, ASTC and DWAA: the blocks or "
+        "chunks that the texels touch.",
         "BD-rate: how many more bits a codec needs than the anchor at equal PSNR (Bjontegaard, "
-        "logarithm of the rate, monotone cubic interpolation), over the PSNRs that both reach; a "
-        "dash where they share none."};
+        "logarithm of the rate, monotone cubic interpolation), over the PSNRs that both reach. A "
+        "dash means that they share no PSNRs."};
     if (hdr)
-        lines.push_back("Half floats: RGB is over the 16-bit codes; PU21 and log2 as `tessera "
-                        "compare` has them (1.0 is 100 cd/m2).");
+        lines.push_back("Half floats: RGB is computed over the 16-bit codes. PU21 and log2 are "
+                        "defined as in `tessera compare` (1.0 is 100 cd/m2).");
     return lines;
 }
 

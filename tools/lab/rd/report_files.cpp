@@ -14,7 +14,7 @@ std::string padded(const std::string& text, std::size_t width, bool left) {
     return left ? text + pad : pad + text;
 }
 
-// Columns as wide as their widest cell; the last one, of words, may run on.
+// Makes each column as wide as its widest cell. A last column of notes is aligned left.
 std::string table_text(const RdTable& table) {
     std::vector<std::size_t> widths;
     for (const std::string& title : table.titles)
@@ -48,7 +48,7 @@ std::string quoted(const std::string& text) {
     return out + "\"";
 }
 
-// Six significant digits; a lossless PSNR is "inf", what is not measured is empty.
+// Writes six significant digits, "inf" for a lossless PSNR, and nothing for an absent value.
 std::string number(const std::optional<double>& value) {
     if (!value)
         return "";

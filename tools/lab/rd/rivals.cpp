@@ -12,7 +12,7 @@ namespace {
 
 constexpr double version_timeout = 10; // seconds
 
-// The number with a point in it that begins at `text[i]`, or nothing.
+// Returns the number with a decimal point that begins at `text[i]`, or an empty string.
 std::string number_at(const std::string& text, std::size_t i) {
     const auto digit = [&](std::size_t at) {
         return at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]));
@@ -25,7 +25,7 @@ std::string number_at(const std::string& text, std::size_t i) {
     return points > 0 ? text.substr(i, end - i) : "";
 }
 
-// "2.5.0" out of whatever a tool prints: tools say "version 2.5.0", "v2.5.0", or the bare number.
+// Finds "2.5.0" in a tool's output: tools print "version 2.5.0", "v2.5.0" or the bare number.
 std::string version_in(const std::string& text) {
     for (const std::string before : {"ersion ", "ersion: ", " v", ""})
         for (std::size_t at = text.find(before); at < text.size(); at = text.find(before, at + 1))
@@ -44,7 +44,6 @@ std::string version_of(const Rival& rival) {
            (run.ok() ? version_in(" " + run->said) : "of unknown version");
 }
 
-// Tools that are not there, each once.
 std::string missing_tools(const Rival& rival) {
     std::string names;
     for (const std::string& tool : rival.tools)
@@ -88,8 +87,9 @@ Result<std::vector<Rival>> rivals_named(const std::string& list) {
                 chosen.push_back(rival);
         }
         if (chosen.size() == before)
-            return Status(ErrorCode::bad_argument, "--rivals: '" + id + "' is none of all, none, " +
-                                                       known + did_you_mean(id, words));
+            return Status(ErrorCode::bad_argument, "--rivals: '" + id +
+                                                       "' is not one of all, none, " + known +
+                                                       did_you_mean(id, words));
     }
     return chosen;
 }
@@ -135,10 +135,10 @@ Result<double> seconds_of_tool(const std::vector<std::string>& argv, double time
 
 std::string needs_rgb8(const TextureDesc& desc) {
     if (desc.type != SampleType::unorm8)
-        return "it takes 8-bit samples, the texture has 16-bit floats";
+        return "it takes 8-bit samples, but the texture has 16-bit floats";
     return desc.channels == 3
                ? ""
-               : "it is fed RGB, the texture has " + std::to_string(desc.channels) + " channels";
+               : "it takes RGB, but the texture has " + std::to_string(desc.channels) + " channels";
 }
 
 Result<std::uint64_t> bytes_of_file(const std::string& path) {

@@ -34,7 +34,7 @@ Status system_error(const std::string& tool, const char* what, int error) {
     return {ErrorCode::io, tool + ": " + what + ": " + std::strerror(error)};
 }
 
-// Both ends are closed in programs that other threads start.
+// run_tool() opens it with O_CLOEXEC, so that programs which other threads start do not inherit it.
 struct Pipe {
     int ends[2] = {-1, -1};
     ~Pipe() {
@@ -48,8 +48,8 @@ struct Pipe {
     }
 };
 
-// A process group of its own, so that a wrapper script's children end with it; signals that we
-// ignore work again.
+// Starts the program in its own process group, so that the children of a wrapper script can be
+// killed with it. Restores the default action of signals that this process ignores.
 Result<pid_t> start(const std::vector<std::string>& argv, int output) {
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
@@ -78,14 +78,14 @@ Result<pid_t> start(const std::vector<std::string>& argv, int output) {
     return pid;
 }
 
-// A running tool, until it has ended or its time is up.
+// Watches a running tool until it ends or its time is up.
 class Watch {
 public:
-    // `begun`: before it was started, as a short one may be over before we run again.
+    // `begun` is taken before the start: a short tool may end before this thread continues.
     Watch(pid_t pid, int output, Clock::time_point begun, double timeout, const TickFunction& tick)
         : pid_(pid), output_(output), timeout_(timeout), tick_(tick), begun_(begun) {}
 
-    // Reads what it says until it closes its output, as it does at its end.
+    // Reads the tool's output until the tool closes it, at the latest when it ends.
     std::string listen() {
         std::string said;
         char part[4096];
@@ -103,7 +103,7 @@ public:
         return said;
     }
 
-    // Its wait status. It may have closed its output long before its end.
+    // Returns the wait status. The tool may close its output long before it ends.
     int await() {
         int status = 0;
         while (waitpid(pid_, &status, WNOHANG) == 0 && keep_going())
@@ -172,7 +172,7 @@ Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
     TESSERA_TRY(check_interrupt());
     Pipe output;
     if (pipe2(output.ends, O_CLOEXEC) != 0)
-        return system_error(tool, "no pipe", errno);
+        return system_error(tool, "cannot create a pipe", errno);
     const auto begun = Clock::now();
     TESSERA_TRY_ASSIGN(const auto pid, start(argv, output.ends[1]));
     output.close_end(1);
@@ -184,7 +184,7 @@ Result<ToolRun> run_tool(const std::vector<std::string>& argv, double timeout,
     TESSERA_TRY(check_interrupt());
     if (watch.out_of_time())
         return Status(ErrorCode::runtime,
-                      tool + ": not done after " + format_number(timeout, 0) + " s, stopped");
+                      tool + ": timed out after " + format_number(timeout, 0) + " s");
     if (WIFSIGNALED(status))
         return Status(ErrorCode::runtime, tool + ": ended by signal " +
                                               std::to_string(WTERMSIG(status)) + " " +

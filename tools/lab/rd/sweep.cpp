@@ -8,7 +8,8 @@
 namespace tessera {
 namespace {
 
-// Grows when the way of measuring changes, so that older results are not mixed in.
+// Part of the cache key. Increase it when the measurement changes, so that older results are not
+// used.
 constexpr int measuring_version = 1;
 
 Json key_of(const RdTexture& texture, const CodecUnderTest& codec, const std::string& setting,
@@ -60,7 +61,7 @@ Result<Measurement> measure(const RdTexture& texture, const CodecUnderTest& code
     return m;
 }
 
-// From the cache, or measured now and kept.
+// Takes the measurement from the cache, or measures and stores it.
 Result<Measurement> find_or_measure(const RdTexture& texture, const CodecUnderTest& codec,
                                     const std::string& setting, const SweepOptions& options,
                                     const ProgressFunction& progress, QualityMeter& meter) {
@@ -70,7 +71,7 @@ Result<Measurement> find_or_measure(const RdTexture& texture, const CodecUnderTe
         return *known;
     const auto measured = measure(texture, codec, setting, options, progress, meter);
     if (interrupted_by() != 0)
-        return Status(ErrorCode::runtime, "interrupted; the same command goes on from here");
+        return Status(ErrorCode::runtime, "interrupted; run the same command again to continue");
     if (!measured.ok()) {
         Measurement failure;
         failure.codec = codec.id;
@@ -82,14 +83,14 @@ Result<Measurement> find_or_measure(const RdTexture& texture, const CodecUnderTe
     return measured;
 }
 
-// The measurements of one codec, in the order in which they are made.
+// Measures one codec at as many settings as its curve needs.
 class CodecSweep {
 public:
     using Measure = std::function<Result<Measurement>(const std::string& setting)>;
     CodecSweep(const CodecUnderTest& codec, const SweepOptions& options, const Measure& measure)
         : codec_(codec), options_(options), measure_(measure) {}
 
-    // The usual settings, then as many coarser and finer ones as it takes.
+    // Measures the usual settings, then coarser and finer ones until the curve covers the range.
     Status run() {
         for (const std::string& setting : codec_.settings)
             TESSERA_TRY(add(setting));
@@ -122,11 +123,11 @@ private:
     const SweepOptions& options_;
     const Measure& measure_;
     std::vector<Measurement> rows_;
-    double low_ = 1e300, high_ = -1e300; // dB reached
+    double low_ = 1e300, high_ = -1e300; // lowest and highest PSNR so far, dB
 };
 
-// What the curves of the others are to reach, once the first codec, which is ours, is measured: all
-// but the ends of its range. A texture that is hard to code has none of the usual decibels.
+// Sets the range that the other curves should cover to that of the first codec, Tessera, without a
+// tenth at each end. A texture that is hard to code may not reach the usual PSNRs at all.
 void aim_at(const std::vector<Measurement>& ours, SweepOptions& options) {
     double low = 1e300, high = -1e300;
     for (const Measurement& m : ours) {
@@ -147,7 +148,7 @@ void aim_at(const std::vector<Measurement>& ours, SweepOptions& options) {
 Result<std::vector<Measurement>>
 sweep(const RdTexture& texture, const std::vector<CodecUnderTest>& codecs, SweepOptions options) {
     QualityMeter meter(texture, options.threads);
-    std::size_t count = 0, number = 0; // settings that may yet follow are not foreseen
+    std::size_t count = 0, number = 0; // count grows when coarser or finer settings are needed
     for (const CodecUnderTest& codec : codecs)
         count += codec.settings.size();
     std::vector<Measurement> all;

@@ -15,10 +15,11 @@
 namespace tessera {
 namespace {
 
-// Places that access is measured at: a low-discrepancy walk over the texture, the same every time.
+// How many texels and views the access cost is averaged over.
 constexpr std::size_t texel_probes = 64, view_probes = 8;
 
-// Results are kept per version, and two builds of one version may code differently.
+// The version is part of the cache key. It contains a checksum of the program, because two builds
+// of one version may encode differently.
 std::string build_version() {
     static const std::string version = [] {
         const auto program = bytes_in_file("/proc/self/exe");
@@ -30,7 +31,7 @@ std::string build_version() {
     return version;
 }
 
-// Point number i of the sequence of multiples of irrational steps (Roberts' R4).
+// Point i of a low-discrepancy sequence, the multiples of irrational steps (Roberts' R4).
 Extent4 probe(const Extent4& size, std::size_t i) {
     constexpr double step[4] = {0.8566748838545029, 0.7338918566271260, 0.6287067210378087,
                                 0.5385972572236101};
@@ -92,7 +93,8 @@ Result<Coded> code(int effort, const CodingJob& job, const std::string& setting)
     TESSERA_TRY(write_bytes(job.folder.at("texture.tess"), file));
     Coded coded;
     coded.bytes = file.size();
-    // A target is searched for in several passes; the speed is that of one, as for the rivals.
+    // Reaching a rate target takes several passes. The reported speed is that of one pass, because
+    // rivals also run one pass.
     coded.encode_seconds = report.seconds / std::max(1u, report.passes);
     coded.note = report.passes > 1 ? std::to_string(report.passes) + " passes" : "";
     coded.texels.resize(job.texture.texels.size());
@@ -110,7 +112,7 @@ Result<Coded> code(int effort, const CodingJob& job, const std::string& setting)
 CodecUnderTest tessera_codec(int effort, std::vector<std::string> settings) {
     CodecUnderTest codec;
     codec.id = "tessera:" + std::to_string(effort);
-    codec.layout = "effort " + std::to_string(effort) + ", tiles that decode alone";
+    codec.layout = "effort " + std::to_string(effort) + ", independently decodable tiles";
     codec.version = "tessera " + build_version();
     codec.settings = std::move(settings);
     codec.run = [effort](const CodingJob& job, const std::string& setting) {

@@ -11,20 +11,19 @@ namespace {
 
 constexpr const char* chroma_filter = "lanczos+accurate_rnd+full_chroma_inp";
 
-// What an encoder is asked, besides its input and output.
 struct VideoInput {
     std::string path, width, height, frames, threads;
 };
 
 struct VideoTool {
     bool in_y4m = false;
-    unsigned group = 0; // frames between key frames; 0: only the first is one
+    unsigned group = 0; // frames between key frames; 0: only the first frame is a key frame
     const char* ending = "";
     std::vector<std::string> (*encode)(const VideoInput& in, const std::string& out,
                                        const std::string& setting, unsigned group) = nullptr;
 };
 
-// Tuned for the measure it is judged by; its own taste costs 1.5 dB at equal bits.
+// Tuned for PSNR, by which it is compared: the default tuning costs 1.5 dB at equal bits.
 std::vector<std::string> x265(const char* preset, const VideoInput& in, const std::string& out,
                               const std::string& setting, unsigned group) {
     std::vector<std::string> argv = {
@@ -35,7 +34,7 @@ std::vector<std::string> x265(const char* preset, const VideoInput& in, const st
         "error",   "--output", out};
     const std::string keyint = group > 0 ? std::to_string(group) : "-1";
     argv.insert(argv.end(), {"--keyint", keyint});
-    if (group > 0) // every group decodes alone
+    if (group > 0) // makes every group decodable alone
         argv.insert(argv.end(), {"--min-keyint", keyint, "--no-open-gop", "--no-scenecut"});
     return argv;
 }
@@ -69,7 +68,8 @@ std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
             "--quiet"};
 }
 
-// Knows 4:2:0 only, of ten bits to lose little else. ffmpeg halves the planes Cg and Co, and decoder() doubles them.
+// SVT-AV1 supports only 4:2:0. Ten bits keep the other losses small. ffmpeg halves the resolution
+// of Cg and Co, and decoder() doubles it again.
 std::vector<std::string> svt_av1(const VideoInput& in, const std::string& out,
                                  const std::string& setting, unsigned) {
     return {"ffmpeg",
@@ -104,7 +104,7 @@ std::vector<std::string> svt_av1(const VideoInput& in, const std::string& out,
             out};
 }
 
-// YUV4MPEG2: a line for the video, a line before each frame.
+// YUV4MPEG2 has one header line for the video and one before each frame.
 Status write_y4m(const std::string& path, std::span<const std::byte> video, const VideoInput& in,
                  std::size_t frame_bytes) {
     std::ofstream file(path, std::ios::binary);
@@ -118,7 +118,7 @@ Status write_y4m(const std::string& path, std::span<const std::byte> video, cons
     return file ? Status() : Status(ErrorCode::io, path + ": cannot be written");
 }
 
-// ffmpeg decodes all of them, to the planes that the encoder was given.
+// ffmpeg decodes the streams of all encoders, to the plane layout of the encoder's input.
 std::vector<std::string> decoder(const std::string& in, const std::string& out,
                                  const VideoInput& input) {
     return {"ffmpeg",   "-nostdin", "-v",      "error",      "-threads",    input.threads,
@@ -126,7 +126,7 @@ std::vector<std::string> decoder(const std::string& in, const std::string& out,
             "rawvideo", "-pix_fmt", "yuv444p", out};
 }
 
-// A reader starts at a key frame and decodes on; on average half of the group.
+// A reader starts at a key frame and decodes up to the wanted frame, on average half of a group.
 double access_bytes(std::uint64_t bytes, std::size_t frames, unsigned group) {
     const double length = group > 0 ? std::min<double>(group, static_cast<double>(frames))
                                     : static_cast<double>(frames);
@@ -211,7 +211,7 @@ std::vector<Rival> video_rivals() {
     add(video_rival("aom", "libaom at speed 4, YCgCo 4:4:4, one sequence of views", {"aomenc"},
                     "aom-tools and ffmpeg", {"--help"}, cq, {true, 0, "obu", libaom}));
     add(video_rival("svtav1",
-                    "preset 4, YCgCo of ten bits, 4:2:0 (it knows no other), one sequence of views",
+                    "preset 4, 10-bit YCgCo 4:2:0 (it supports no other), one sequence of views",
                     {}, "ffmpeg", {"-version"}, av1, {false, 0, "obu", svt_av1}));
     return all;
 }

@@ -19,7 +19,8 @@ Result<std::vector<Camera>> spread_cameras(unsigned count, double nearest, doubl
         const double height = 1 - (2 * i + 1.0) / count;
         const double turn = 2 * std::numbers::pi * i / std::numbers::phi;
         const double across = std::sqrt(1 - height * height);
-        // Multiples of the golden ratio again, of another phase than the turns.
+        // Multiples of another irrational number than that of the turns, so that distance and
+        // direction are not correlated.
         const double share = (i + 0.5) * std::numbers::sqrt2;
         const double distance = nearest * std::pow(farthest / nearest, share - std::floor(share));
         const glm::dvec3 eye =

@@ -28,11 +28,11 @@ constexpr unsigned truth_rays = 16;
 constexpr unsigned observers = 32;
 constexpr double nearest = 6, farthest = 30;
 
-// A way to lay a texture around or on the scene, at the qualities that are measured.
+// A kind of surface that carries a texture of the scene, with the qualities to measure.
 struct Carrier {
     std::string name;
-    std::optional<corpus::SurfaceWish> surface; // none: the paper's sphere
-    Extent4 size{0, 0, 0, 0};                   // of the sphere's texture
+    std::optional<corpus::SurfaceWish> surface; // absent: the paper's sphere
+    Extent4 size{0, 0, 0, 0};                   // texture size, for the sphere only
     std::vector<double> qualities;
 };
 
@@ -64,14 +64,14 @@ std::vector<Carrier> carriers_of(const ViewsOptions& o) {
     surface("surface", 64, 16, {36, 46, 56});
     surface("plain", 32, 1, {40, 56, 72});
     surface("plain", 64, 1, {40, 56, 72});
-    // The paper's sizes of 403 MB.
+    // The paper's texture sizes with 403 MB of raw data.
     for (const Extent4& size : {Extent4{512, 256, 32, 32}, Extent4{256, 128, 64, 64},
                                 Extent4{128, 64, 128, 128}, Extent4{64, 32, 256, 256}})
         sphere(size);
     return all;
 }
 
-// Views of the scene itself, and how much those of a file are like them.
+// Renders views of the scene by direct ray tracing and compares the views of a file with them.
 class Judge {
 public:
     static Result<Judge> make(const ViewsOptions& o) {
@@ -130,7 +130,7 @@ struct Baked {
     EncodeOptions options;
 };
 
-// Made again for each quality: it is the views that take the time.
+// Runs again for each quality: most of the time goes into rendering views.
 Result<Baked> bake(const Carrier& carrier, const std::string& scene) {
     Baked baked;
     Description& d = baked.options.description;
@@ -184,7 +184,7 @@ Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOpti
 }
 
 void print_line(const ViewsRow& row) {
-    std::printf("%-22s %-11s %9llu bytes  paper's views %6.2f dB, all around %6.2f dB\n",
+    std::printf("%-22s %-11s %9llu bytes  paper's views %6.2f dB, views all around %6.2f dB\n",
                 row.carrier.c_str(), row.setting.c_str(),
                 static_cast<unsigned long long>(row.bytes), row.paper.psnr, row.spread.psnr);
     std::fflush(stdout);
@@ -201,7 +201,7 @@ std::string svg_of(const ViewsReport& report) {
                                             format_number(row.paper.psnr, 2) + " dB"});
     }
     return curves_to_svg(
-        curves, {report.scene + ", as it is seen",
+        curves, {report.scene + ": quality of rendered views",
                  "Mean of the paper's five views against a direct ray trace. Up and to the left is "
                  "better.",
                  "bytes of the whole file (logarithmic)", "PSNR of views, dB"});
@@ -250,7 +250,7 @@ Result<ViewsReport> run_views_study(const ViewsOptions& options) {
             if (!options.quiet)
                 print_line(row);
             report.rows.push_back(std::move(row));
-            TESSERA_TRY(write_reports(options, report)); // what is known if the next one fails
+            TESSERA_TRY(write_reports(options, report)); // keeps these rows if the next one fails
         }
     return report;
 }
@@ -271,11 +271,11 @@ Json to_json(const ViewsReport& report) {
 
 std::string to_text(const ViewsReport& report) {
     std::string text =
-        "# " + report.scene + ", as it is seen\n\n`" + report.command +
-        "`: PSNR and SSIM of views against a direct ray trace of 16 rays a pixel,\nover the bytes "
-        "of the whole file. *Paper*: its five views, 640x480; *around*: 32 observers on all sides "
-        "at\ndistances 6 to 30, 320x240. *surface:D SxT*: the things' own surfaces, D texels a "
-        "unit; *plain*: the same\nwith one 2D texture; *sphere*: the paper's.\n\n"
+        "# " + report.scene + ": quality of rendered views\n\n`" + report.command +
+        "` compares rendered views with a direct ray trace of 16 rays per pixel.\nBytes are those "
+        "of the whole file. *Paper*: the paper's five views, 640x480; *around*: 32 cameras on all\n"
+        "sides at distances 6 to 30, 320x240. *surface:D SxT*: the objects' own surfaces, D texels "
+        "per unit;\n*plain*: the same with one 2D texture; *sphere*: the paper's sphere.\n\n"
         "| carrier | setting | texture | raw | bytes | paper dB | SSIM | around dB | SSIM |\n"
         "|---|---|---|---|---|---|---|---|---|\n";
     for (const ViewsRow& r : report.rows)
