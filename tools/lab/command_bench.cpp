@@ -16,7 +16,7 @@ struct BenchCommand {
 
 Status run(const BenchCommand& a) {
     if (a.target != "gpu")
-        return {ErrorCode::bad_argument, "'" + a.target + "' cannot be measured, only gpu can"};
+        return {ErrorCode::bad_argument, "'" + a.target + "' cannot be measured; only gpu can"};
     GpuBenchOptions options = a.options;
     Result<BenchReport> report = Status();
     {
@@ -39,10 +39,10 @@ void declare_path(CLI::App& c, ViewRequest& view) {
     group.option("--look", "X,Y,Z", view.look, "A point straight ahead. Default: 0,0,0");
     group.option("--fov", "DEGREES", view.fov, "Vertical field of view. Default: 45");
     group.option("--orbit", "N", view.orbit,
-                 "Frames of a whole turn around the vertical line through --look. Default: 360",
+                 "Frames per turn around the vertical line through --look. Default: 360",
                  CLI::Range(1u, 100000u));
     group.option("--pixels", "WxH", view.size,
-                 "Size of a frame. Default: 1920x1080, or 640x360 on a software device");
+                 "Frame size. Default: 1920x1080, or 640x360 on a software device");
 }
 
 void declare(CLI::App& c, BenchCommand& a) {
@@ -52,21 +52,21 @@ void declare(CLI::App& c, BenchCommand& a) {
                  "A .tess with a texture on a sphere or a mesh, or its URL (http, https)")
         ->required();
     c.add_option("--frames", o.frames,
-                 "Frames to measure in each way. Default: 100, or 10 on a software device")
+                 "Frames to measure per row. Default: 100, or 10 on a software device")
         ->check(CLI::Range(1u, 100000u))
         ->option_text("N");
     c.add_option("--warm-up", o.warm_up,
-                 "Frames to draw before that. Default: 30, or 2 on a software device")
+                 "Frames to draw before measuring. Default: 30, or 2 on a software device")
         ->check(CLI::Range(0u, 100000u))
         ->option_text("N");
     c.add_option("--budget", o.budget_mib,
-                 "Memory on the device for the tile cache and all that belongs to it. Default: a "
-                 "fifth of the decoded texture, or what a view of a small file needs")
+                 "GPU memory for the tile cache and its buffers. Default: a fifth of the decoded "
+                 "texture, or more if the first view needs it")
         ->transform(size_in_mebibytes())
         ->option_text("SIZE");
     c.add_option("--original", o.original,
-                 "The uncompressed texture (raw or .tess) for the rows raw and for PSNR. Default: "
-                 "the texels as the CPU decodes them")
+                 "The uncompressed texture (raw or .tess) for the raw rows and for PSNR. Default: "
+                 "the texels that the CPU decodes")
         ->option_text("FILE");
     c.add_option("--skip", o.skip, "Rows to leave out, a list of raw, load, feedback, decode")
         ->delimiter(',')
@@ -82,20 +82,21 @@ void declare(CLI::App& c, BenchCommand& a) {
 void add_bench_command(CLI::App& app, Invocation& chosen) {
     add_verb<BenchCommand>(
         app, chosen, "bench", "Measure drawing a texture on the GPU",
-        "All rows draw along the same path in one run:\n"
+        "All rows draw the same camera path in one run:\n"
         "  raw       an ordinary texture, as a renderer without this codec uses it\n"
         "  load      the same texture, decoded on the GPU\n"
-        "  feedback  a cache of the tiles that frames touch. Cold: the cache is empty; one frame "
-        "marks its tiles, they are decoded, and the frame is drawn. Steady: along the orbit, with "
-        "the few tiles that each frame decodes\n"
-        "With '16' the shader fetches texels one by one, with '4 filtered' the texture unit "
+        "  feedback  a cache of the tiles that frames touch. A cold frame starts with an empty "
+        "cache: it is drawn once to mark its tiles, the tiles are decoded, and it is drawn again. "
+        "Steady frames follow the orbit, and each decodes the few tiles that it adds\n"
+        "With '16' the shader fetches texels one by one; with '4 filtered' the texture unit "
         "interpolates them.\n\n"
-        "ms is the time of a frame by the GPU's clock, decoding included: the median, and the 95th"
-        " percentile. wall ms is by the host's clock. For a software device ms is the processor "
-        "time of all threads; neither says anything about GPUs. PSNR compares the first view as "
-        "displayed, in 8 bits; 'same' means no difference. Late counts tiles that found no slot. "
-        "The last rows are the stages of decoding alone: uploading, entropy decoding, sorting the "
-        "levels, and the inverse transform with colour and writing.\n\n"
+        "ms is the median time of a frame by the GPU's clock, including decoding; the next column "
+        "is the 95th percentile. wall ms is the time by the host's clock. For a software device, "
+        "ms is the processor time of all threads, and neither time says anything about GPUs. PSNR "
+        "compares the first view as displayed, in 8 bits; 'same' means no difference. Late counts "
+        "tiles for which the cache had no slot. The last rows time the stages of decoding alone: "
+        "upload, entropy decoding, sorting the levels, and the inverse transform with colour "
+        "conversion and writing.\n\n"
         "Examples:\n"
         "  tessera bench gpu scene.tess\n"
         "  tessera bench gpu scene.tess --original scene.rgb --pixels 1280x720 --json\n"

@@ -21,7 +21,7 @@ Status run_views(const RdCommand& a) {
     if (!a.options.textures.empty())
         return {ErrorCode::bad_argument, "--views bakes its own textures and accepts no others"};
     if (a.options.efforts.size() > 1)
-        return {ErrorCode::bad_argument, "--views: accepts only one of --efforts"};
+        return {ErrorCode::bad_argument, "--views: --efforts must name a single effort"};
     TESSERA_TRY_ASSIGN(const TextureHints hints, make_hints(a.texture));
     ViewsOptions o{a.views, a.options.output, a.options.quick};
     if (!a.options.efforts.empty())
@@ -32,7 +32,7 @@ Status run_views(const RdCommand& a) {
     if (a.json)
         print_json(to_json(report));
     else if (!a.texture.quiet)
-        std::printf("\n%s\nLook at %s/views.svg\n", to_text(report).c_str(), o.output.c_str());
+        std::printf("\n%s\nPlot: %s/views.svg\n", to_text(report).c_str(), o.output.c_str());
     return {};
 }
 
@@ -40,7 +40,7 @@ Status run(const RdCommand& a) {
     if (!a.views.empty())
         return run_views(a);
     if (a.options.textures.empty())
-        return {ErrorCode::bad_argument, "a texture or --views SCENE is needed"};
+        return {ErrorCode::bad_argument, "no texture; name one, or use --views SCENE"};
     RdOptions options = a.options;
     TESSERA_TRY_ASSIGN(options.hints, make_hints(a.texture));
     options.quiet = a.texture.quiet;
@@ -50,7 +50,7 @@ Status run(const RdCommand& a) {
         print_json(to_json(report));
     else if (!a.texture.quiet)
         std::printf("\n%s%s\n", to_text(report).c_str(),
-                    ("Look at " + options.output + "/index.html").c_str());
+                    ("Report: " + options.output + "/index.html").c_str());
     return {};
 }
 
@@ -58,24 +58,22 @@ void declare_measurement(CLI::App& c, RdOptions& o) {
     OptionGroup group(c, "Measurements");
     group.flag(
         "--quick", o.quick,
-        "A first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
-    group
-        .option("--psnr", "DB,DB,...", o.psnr,
-                "PSNRs to encode with tessera at. Default: 35,38,41,44")
+        "Give a first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
+    group.option("--psnr", "DB,DB,...", o.psnr, "Target PSNRs for tessera. Default: 35,38,41,44")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 200.0));
     group
         .option("--quality", "1..100,...", o.quality,
-                "Qualities to encode with tessera at, also besides --psnr")
+                "Qualities for tessera, instead of or in addition to --psnr")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 100.0));
     group
         .option("--efforts", "0..4,...", o.efforts,
-                "Efforts to encode with tessera at. Default: 3, and one point each at 0 and 4")
+                "Efforts for tessera. Default: 3, and one point each at 0 and 4")
         ->delimiter(',')
         ->check(CLI::Range(0, most_effort));
     group.option("--rivals", "LIST", o.rivals,
-                 "all (default), none, or a list of: x265, x265:8, x265:medium, aom, svtav1, avif, "
+                 "all (default), none, or a list of x265, x265:8, x265:medium, aom, svtav1, avif, "
                  "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw");
     group.option("--anchor", "ID", o.anchor,
                  "The codec that BD-rates refer to. Default: x265 if it ran, else tessera");
@@ -86,24 +84,24 @@ void declare_measurement(CLI::App& c, RdOptions& o) {
         "Assume that the texture lies on the sphere of the scenes, and also measure rendered "
         "views");
     group.option("--cache", "FOLDER", o.cache,
-                 "Folder with earlier measurements. Default: OUTPUT/cache");
-    group.flag("--keep", o.keep, "Keep the files that codecs read and wrote, in OUTPUT/bitstreams");
+                 "Folder of stored measurements. Default: OUTPUT/cache");
+    group.flag("--keep", o.keep, "Keep the files that codecs read and write, in OUTPUT/bitstreams");
     group.option("--timeout", "SECONDS", o.timeout,
-                 "Limit for one run of a rival's tool. Default: " + format_number(o.timeout, 0),
+                 "Time limit per run of a rival's tool. Default: " + format_number(o.timeout, 0),
                  number_between(1, 1e6));
 }
 
 void declare(CLI::App& c, RdCommand& a) {
     c.add_option("textures", a.options.textures,
-                 "Textures: .tess, .exr, raw (with --size), folder of views; or scenes");
+                 "Textures (.tess, .exr, raw with --size, folder of views) or built-in scenes");
     c.add_option("-o,--output", a.options.output,
                  "Folder for index.html, rd.svg, rd-close.svg, rd.csv and rd.json")
         ->required();
     c.add_option(
          "--views", a.views,
-         "Instead of textures: measure what an observer sees of this built-in scene against "
-         "the bytes of whole files, on its own surfaces, with a 2D texture, and on a "
-         "sphere; writes views.svg, .md, .csv and .json")
+         "Measure rendered views of this built-in scene instead of textures: their quality "
+         "against the bytes of whole files, for textures on its own surfaces, plain 2D textures "
+         "and a sphere. Writes views.svg, .md, .csv and .json")
         ->option_text("SCENE");
     c.add_flag("--json", a.json, "Print JSON");
     declare_measurement(c, a.options);
@@ -114,10 +112,10 @@ void declare(CLI::App& c, RdCommand& a) {
 
 void add_rd_command(CLI::App& app, Invocation& chosen) {
     add_verb<RdCommand>(
-        app, chosen, "rd", "Measure rate, distortion, speed and access beside other codecs",
+        app, chosen, "rd", "Compare rate, distortion, speed and access with other codecs",
         "Rivals run as their own command-line tools. tools/lab/scripts/install-rivals.sh installs "
-        "them from Debian; missing ones are listed. Measurements are kept, so after Ctrl-C the "
-        "same command continues.\n\n"
+        "them from Debian, and the report lists missing ones. Measurements are stored, so after "
+        "Ctrl-C the same command continues.\n\n"
         "Examples:\n"
         "  tessera rd scene.tess -o report --quick\n"
         "  tessera rd composed --size 128x64x32x32 -o report\n"

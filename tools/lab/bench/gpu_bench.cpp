@@ -26,7 +26,8 @@ double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// How much is drawn: a GPU draws a thousand frames in the time that the CPU takes for a few.
+// How much to draw. A GPU draws a thousand frames in the time that a software device needs for a
+// few.
 struct Amount {
     const char* size;
     unsigned frames, warm_up, cold_frames, repeats;
@@ -34,10 +35,10 @@ struct Amount {
 constexpr Amount on_hardware{"1920x1080", 100, 30, 20, 10};
 constexpr Amount on_software{"640x360", 10, 2, 3, 1};
 
-// A view that stands still needs two frames: one that marks its tiles, one that has them.
+// A fixed view usually settles in two frames: the first marks its tiles, the second shows them.
 constexpr int most_settling_frames = 8;
 
-// A texture and what draws it, in the order in which they die.
+// A texture and its renderer. The order of the members makes the renderer die first.
 struct Subject {
     SampledTexture texture;
     std::optional<GlViewRenderer> view;
@@ -111,7 +112,8 @@ private:
     }
     const ViewCamera& camera(unsigned frame) const { return cameras_[frame % cameras_.size()]; }
 
-    // Makes a subject and hands it to `measure`. What cannot be is a remark in all of `rows`.
+    // Creates a subject and passes it to `measure`. If it cannot be created, all of `rows` get the
+    // reason.
     template <class Make, class Measure>
     Status with_subject(std::vector<BenchRow>& rows, const Make& make, const Measure& measure) {
         TESSERA_TRY(check_interrupt());
@@ -127,7 +129,7 @@ private:
             return give_up(texture.status());
         if (texture->damaged_tiles() > 0)
             return {ErrorCode::invalid_file,
-                    reader_.name() + ": has damaged tiles; tessera validate says which"};
+                    reader_.name() + ": has damaged tiles; tessera validate lists them"};
         Subject subject{std::move(*texture), std::nullopt};
         auto view = view_of(subject.texture);
         if (!view.ok())
@@ -161,7 +163,7 @@ private:
         options.budget = budget;
         return options;
     }
-    // For the ways that have no budget of their own: all of the texture, and room to decode it in.
+    // A budget that does not limit: the whole texture and the memory to decode it.
     std::uint64_t enough() const { return report_.decoded_bytes + (512ull << 20); }
 
     Status run_raw() {
@@ -173,7 +175,7 @@ private:
         return {};
     }
 
-    // The uncompressed texture where there is one, else the texels as the CPU decodes them.
+    // Opens the uncompressed texture if there is one, else the texels that the CPU decodes.
     Result<std::unique_ptr<TexelSource>> open_texels() {
         reference_name_ = "the texels decoded by the CPU";
         if (options_.original.empty())
@@ -212,7 +214,7 @@ private:
         return {};
     }
 
-    // Within the budget that was asked for, or with the least one that will do; see bench_gpu().
+    // Creates a cache within the requested budget, or finds a budget as bench_gpu() describes.
     Result<SampledTexture> make_cache(bool filter) {
         if (options_.budget_mib)
             report_.budget = std::uint64_t{*options_.budget_mib} << 20;
@@ -234,7 +236,7 @@ private:
         }
     }
 
-    // A quarter more than the first view touches.
+    // Returns whether the cache has a quarter more slots than the first view touches.
     Result<bool> has_enough_slots(SampledTexture& texture) {
         if (touched_ == 0) {
             TESSERA_TRY_ASSIGN(auto view, view_of(texture));
@@ -298,7 +300,7 @@ private:
         TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(3, clock_));
         std::vector<double> wall;
         UpdateReport update;
-        const unsigned all = report_.cold_frames + 1; // the first one to warm up
+        const unsigned all = report_.cold_frames + 1; // the first frame warms up
         for (unsigned frame = 0; frame < all; ++frame) {
             TESSERA_TRY(check_interrupt());
             show(row, frame, all);
@@ -345,7 +347,7 @@ private:
                static_cast<double>(report_.tiles);
     }
 
-    // The first view, once nothing of it is late.
+    // Draws the first view until all its tiles are in the cache, and compares it.
     Status measure_fixed_view(Subject& subject, BenchRow& row) {
         for (int frame = 0; frame < most_settling_frames; ++frame) {
             TESSERA_TRY(check_interrupt());
@@ -357,7 +359,8 @@ private:
         return compare(subject, row);
     }
 
-    // The frame just drawn against the reference; the first one of all, of raw texels, becomes that.
+    // Compares the frame just drawn with the reference. The first frame of raw texels becomes the
+    // reference.
     Status compare(Subject& subject, BenchRow& row) {
         TESSERA_TRY_ASSIGN(const auto pixels, subject.view->read());
         View view;
@@ -379,7 +382,7 @@ private:
         return {};
     }
 
-    // The stages of the decodes of a cold frame, and of those of the frames after it.
+    // Times the stages of decoding in a cold frame, and in the frames after it.
     Status measure_stages(Subject& subject) {
         TESSERA_TRY_ASSIGN(auto log, StageLog::create(clock_));
         subject.texture.set_stage_hook(log.hook());
@@ -398,7 +401,7 @@ private:
         subject.texture.set_stage_hook({});
         for (BenchDecode* times : {&cold, &steady}) {
             if (times->tiles == 0)
-                times->missing = "nothing was missing";
+                times->missing = "no tile had to be decoded";
             times->texels =
                 static_cast<std::uint64_t>(static_cast<double>(times->tiles) * texels_of_a_tile());
             report_.decodes.push_back(*times);
@@ -431,10 +434,10 @@ private:
     const Amount amount_;
     const TimerClock clock_;
     std::optional<MeshSurface> mesh_;
-    std::vector<ViewCamera> cameras_; // of a turn
+    std::vector<ViewCamera> cameras_; // one turn of the orbit
     std::optional<Picture> reference_;
     std::string reference_name_;
-    std::uint64_t touched_ = 0; // tiles, by the first view
+    std::uint64_t touched_ = 0; // tiles that the first view touches
     BenchReport report_;
 };
 

@@ -12,7 +12,7 @@ Spread spread_of(std::vector<double> milliseconds) {
     if (milliseconds.empty())
         return {};
     std::sort(milliseconds.begin(), milliseconds.end());
-    // The smallest one that the share of all does not exceed.
+    // The smallest time that at least `share` of all times do not exceed.
     const auto at = [&](double share) {
         const double rank = std::ceil(share * static_cast<double>(milliseconds.size()));
         return milliseconds[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
@@ -22,17 +22,17 @@ Spread spread_of(std::vector<double> milliseconds) {
 
 namespace {
 
-// Lines of cells, each column as wide as its widest one.
+// Lines of cells. Each column is as wide as its widest cell.
 class Table {
 public:
     explicit Table(std::vector<std::string> titles) { add(std::move(titles)); }
     void add(std::vector<std::string> cells) { lines_.push_back(std::move(cells)); }
-    // A line of fewer cells, the last of which runs on.
+    // Adds a line of fewer cells. Its last cell may extend over the other columns.
     void add_remark(std::vector<std::string> cells) {
         remarks_.push_back(lines_.size());
         add(std::move(cells));
     }
-    // The first `names` columns stand at the left, numbers at the right.
+    // Aligns the first `names` columns left and the others right.
     std::string text(std::size_t names) const {
         std::vector<std::size_t> widths(lines_.front().size(), 0);
         for (std::size_t l = 0; l < lines_.size(); ++l) {
@@ -189,7 +189,7 @@ Json to_json(const BenchDecode& d) {
 std::string to_text(const BenchReport& r) {
     std::string text = r.device + ", " + r.vendor + ", OpenGL " + r.driver + '\n';
     if (r.software)
-        text += "A software device: its timings say nothing about GPUs.\n";
+        text += "This is a software device. Its timings say nothing about GPUs.\n";
     text += r.file + ": " + r.size + ", " + human_bytes(r.file_bytes) + ", " +
             format_number(r.bits_per_texel, 4) + " bits per texel, " + std::to_string(r.tiles) +
             " tiles";
@@ -199,7 +199,7 @@ std::string to_text(const BenchReport& r) {
     text += "; decoded " + mib(r.decoded_bytes) + " MiB, cache budget " + mib(r.budget) + " MiB\n";
     text += std::to_string(r.width) + "x" + std::to_string(r.height) + " pixels, " +
             std::to_string(r.frames) + " frames after " + std::to_string(r.warm_up) + ", " +
-            std::to_string(r.orbit) + " frames a turn; " + std::to_string(r.cold_frames) +
+            std::to_string(r.orbit) + " frames per turn; " + std::to_string(r.cold_frames) +
             " cold frames\n";
     text += "PSNR " + (r.reference.empty() ? "not measured" : "against " + r.reference) + "\n\n";
     text += rows_text(r) + parts_text(r);

@@ -78,7 +78,7 @@ Result<WholeDecode> time_whole_decode(const ContainerReader& reader, TimerClock 
         TESSERA_TRY(decode_all());
     stages.take(whole.times);
     decoder.set_stage_hook({});
-    // The other clock waits for the device at every stage anyway.
+    // The processor clock waits for the device at every stage anyway.
     if (clock == TimerClock::device)
         TESSERA_TRY(time_whole(repeats, decode_all, whole.times.whole));
     for (double* sum : {&whole.times.upload, &whole.times.entropy, &whole.times.order,

@@ -1,4 +1,4 @@
-// What the stages of decoding tiles on the device cost.
+// Times the stages of decoding tiles on the GPU.
 #pragma once
 
 #include "decoder_glsl/gl_sampled_texture.h"
@@ -10,14 +10,15 @@
 
 namespace tessera {
 
-// Times each stage of the decodes whose hook it is. Nothing else may be timed meanwhile.
+// Times each stage of the decodes that call its hook. No other timer of the context may run at the
+// same time.
 class StageLog {
 public:
     static Result<StageLog> create(TimerClock clock);
-    // Valid as long as this object stays where it is.
+    // The hook is valid until this object is moved or destroyed.
     StageHook hook();
-    // Waits for the device, and adds up all stages since the last call into `times`, whole as their
-    // sum.
+    // Waits for the device and adds the times of all stages since the last call to `times`. Adds
+    // their sum to `times.whole`.
     void take(BenchDecode& times);
 
 private:
@@ -28,9 +29,9 @@ private:
     std::size_t taken_ = 0;
 };
 
-// The whole file, in batches as large as the decoder takes, into memory that is used again for each:
-// what decoding on load does without reading the file. The mean of `repeats` after one to warm up.
-// Errors: invalid_file, where a tile is damaged; io, runtime, unsupported.
+// Decodes the whole file `repeats` times, in the largest batches that the decoder takes, each batch
+// into the same memory. This is what decoding on load does, without reading the file. Returns mean
+// times. Errors: invalid_file, if a tile is damaged; io; runtime; unsupported.
 struct WholeDecode {
     BenchDecode times;
     std::uint64_t blocks = 0, coefficients = 0;

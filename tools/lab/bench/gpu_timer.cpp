@@ -17,19 +17,19 @@ double processor_milliseconds() {
 
 Result<GlTimer> GlTimer::create(int in_flight, TimerClock clock) {
     if (in_flight < 1 || in_flight > 1024)
-        return Status(ErrorCode::bad_argument,
-                      "a timer of " + std::to_string(in_flight) + " intervals in flight");
+        return Status(ErrorCode::bad_argument, "a timer needs 1 to 1024 intervals in flight, not " +
+                                                   std::to_string(in_flight));
     GlTimer timer;
     timer.intervals_.resize(static_cast<std::size_t>(in_flight));
     if (clock == TimerClock::processor)
         return timer;
-    while (glGetError() != GL_NO_ERROR) { // of earlier calls
+    while (glGetError() != GL_NO_ERROR) { // clears the errors of earlier calls
     }
     for (Interval& interval : timer.intervals_) {
         glCreateQueries(GL_TIME_ELAPSED, 1, &interval.query);
     }
     if (glGetError() != GL_NO_ERROR)
-        return Status(ErrorCode::runtime, "timer queries: the driver refuses them");
+        return Status(ErrorCode::runtime, "timer queries: not supported by the driver");
     return timer;
 }
 

@@ -1,4 +1,4 @@
-// How long parts of the device's work take, many in a row without waiting for each.
+// Times many parts of the GPU's work in a row without waiting for each.
 #pragma once
 
 #include "tools/lab/bench/gpu_timer.h"
@@ -7,16 +7,16 @@
 
 namespace tessera {
 
-// The time of each interval, in the order in which they began. Intervals do not overlap.
+// Records the time of each interval, in the order of begin(). Intervals do not overlap.
 class IntervalLog {
 public:
-    // begin() waits for the device when so many intervals are in flight: that keeps the host from
-    // running ahead of it further than a program with a window would.
+    // begin() waits for the device when `in_flight` intervals are in flight, so that the host runs
+    // no further ahead of the device than in a program with a window.
     static Result<IntervalLog> create(int in_flight, TimerClock clock);
 
     void begin();
     void end() { timer_.end(); }
-    // Waits for the rest.
+    // Waits for the intervals in flight. Returns the milliseconds of all intervals.
     const std::vector<double>& finish();
 
 private:
