@@ -1,10 +1,11 @@
-// Measures what each coding tool is worth: encodes without it, and writes tables between the two
-// marks in ablation.md. tools/lab/scripts/ablation.sh builds and runs it.
+// Measures what each coding tool gains: encodes without the tool, and writes tables between two
+// marks in ablation.md. tools/lab/scripts/ablation.sh builds and runs this program.
 //   ablation ablation.md [--size UxVxSxT] [--scenes NAME,...] [--tools NAME,... | --efforts N,...]
 //            [TEXTURE_UxVxSxT.rgb[:Q,Q,Q]]...
-// Baked scenes of that size, and textures from elsewhere: raw 8-bit RGB whose name ends in their size,
-// with the qualities that give about 33 to 42 dB. Without --tools all tools, and none of them at all.
-// --efforts compares efforts instead, with the first of them, between marks of their own.
+// It bakes scenes of the given size and reads the given textures. These are raw 8-bit RGB files
+// whose names end in their size, with the qualities that give about 33 to 42 dB. Without --tools it
+// measures each tool, and an encoder without any tools. --efforts compares the efforts with the
+// first one instead, and has marks of its own.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/tile_encoder/tool_switches.h"
@@ -22,7 +23,7 @@ using namespace tessera;
 
 namespace {
 
-constexpr unsigned threads = 0; // all cores; times are summed over them
+constexpr unsigned threads = 0; // all cores
 
 struct Marks {
     const char *begin, *end;
@@ -30,12 +31,12 @@ struct Marks {
 constexpr Marks tool_marks{"<!-- tables -->\n", "<!-- end of tables -->\n"};
 constexpr Marks effort_marks{"<!-- efforts -->\n", "<!-- end of efforts -->\n"};
 
-// Of the processor, not of the wall: machines are shared.
+// Processor time of all threads, because wall-clock time depends on other programs.
 double seconds() {
     return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-// A texture, and the qualities that give about 33 to 42 dB (gallery, the hard one: 28 to 38).
+// A texture, and the qualities that give about 33 to 42 dB (28 to 38 dB for gallery).
 struct Task {
     Texture texture;
     std::vector<double> qualities;
@@ -49,7 +50,7 @@ struct Experiment {
 
 struct Curve {
     std::vector<RatePoint> points;
-    double encode_seconds = 0, decode_seconds = 0; // of all points
+    double encode_seconds = 0, decode_seconds = 0; // sums over all points
 };
 
 Result<Curve> measure(const Task& task, const Experiment& experiment) {
@@ -88,15 +89,15 @@ struct Request {
     Extent4 scene_size{128, 64, 16, 16};
     std::vector<std::string> scenes; // empty: all
     std::vector<std::string> tools;  // empty: all
-    std::vector<int> efforts;        // in place of tools
-    std::vector<Task> textures;      // beside the scenes
+    std::vector<int> efforts;        // if not empty, measured instead of tools
+    std::vector<Task> textures;      // measured after the scenes
 };
 
 bool is_wanted(const std::vector<std::string>& names, const std::string& name) {
     return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// What the others are compared with.
+// The experiment that the others are compared with.
 Experiment anchor_of(const Request& request) {
     if (request.efforts.empty())
         return {"all tools", {}};
@@ -120,7 +121,7 @@ std::vector<Experiment> experiments(const Request& request) {
     return all;
 }
 
-// A line as it stands in the table, also on standard output for who waits.
+// Adds a line to the table and prints it, which shows the progress.
 void add_line(std::string& table, const std::string& line) {
     table += line;
     std::fputs(line.c_str(), stdout);
@@ -178,7 +179,7 @@ std::vector<std::string> split_at_commas(const std::string& text) {
     return parts;
 }
 
-// TEXTURE_UxVxSxT.rgb[:Q,Q,Q]
+// `argument`: TEXTURE_UxVxSxT.rgb[:Q,Q,Q]
 Result<Task> load(const std::string& argument) {
     const std::size_t colon = argument.rfind(':');
     const std::string path = argument.substr(0, colon);
@@ -188,7 +189,8 @@ Result<Task> load(const std::string& argument) {
     desc = {{}, SampleType::unorm8, 3};
     if (last == std::string::npos || dot == std::string::npos || dot < last ||
         !parse_size(path.c_str() + last + 1, desc.size))
-        return Status(ErrorCode::bad_argument, path + ": a name like a_128x128x9x9.rgb is needed");
+        return Status(ErrorCode::bad_argument,
+                      path + ": the name must end in its size, as in a_128x128x9x9.rgb");
     if (colon != std::string::npos) {
         task.qualities.clear();
         for (const std::string& quality : split_at_commas(argument.substr(colon + 1)))
@@ -199,7 +201,8 @@ Result<Task> load(const std::string& argument) {
     std::ifstream file(path, std::ios::binary);
     if (!file.read(reinterpret_cast<char*>(task.texture.texels.data()),
                    static_cast<std::streamsize>(task.texture.texels.size())))
-        return Status(ErrorCode::io, path + ": cannot read as many bytes as its name says");
+        return Status(ErrorCode::io,
+                      path + ": cannot be read or is too short for the size in its name");
     return task;
 }
 
@@ -209,7 +212,7 @@ Status run(const std::string& path, const Request& request) {
     const Marks& marks = request.efforts.empty() ? tool_marks : effort_marks;
     const std::size_t begin = text.find(marks.begin), end = text.find(marks.end);
     if (begin == std::string::npos || end == std::string::npos || end < begin)
-        return {ErrorCode::io, path + ": lacks the marks between which tables stand"};
+        return {ErrorCode::io, path + ": lacks the marks for the tables"};
     std::string tables;
     const double start = seconds();
     const std::vector<std::pair<const char*, std::vector<double>>> scenes = {
@@ -227,7 +230,7 @@ Status run(const std::string& path, const Request& request) {
     }
     for (const Task& task : request.textures)
         TESSERA_TRY(add_table(task, request, tables));
-    add_line(tables, "\nAll in one run of " + number("%.0f", (seconds() - start) / 60) +
+    add_line(tables, "\nOne run measured all this in " + number("%.0f", (seconds() - start) / 60) +
                          " minutes of processor time.\n\n");
     text.replace(begin, end - begin, marks.begin + tables);
     std::ofstream out(path, std::ios::binary);
@@ -241,7 +244,7 @@ Result<Request> parse(int argc, char** argv) {
         const bool has_value = i + 1 < argc;
         if (std::strcmp(argv[i], "--size") == 0 && has_value) {
             if (!parse_size(argv[++i], request.scene_size))
-                return Status(ErrorCode::bad_argument, "--size: UxVxSxT is needed");
+                return Status(ErrorCode::bad_argument, "--size: must be UxVxSxT");
         } else if (std::strcmp(argv[i], "--scenes") == 0 && has_value) {
             request.scenes = split_at_commas(argv[++i]);
         } else if (std::strcmp(argv[i], "--tools") == 0 && has_value) {
@@ -249,7 +252,7 @@ Result<Request> parse(int argc, char** argv) {
             for (const std::string& name : request.tools)
                 if (std::none_of(coding_tools.begin(), coding_tools.end(),
                                  [&](const CodingToolInfo& info) { return name == info.name; }))
-                    return Status(ErrorCode::bad_argument, "--tools: there is no " + name);
+                    return Status(ErrorCode::bad_argument, "--tools: unknown tool " + name);
         } else if (std::strcmp(argv[i], "--efforts") == 0 && has_value) {
             for (const std::string& effort : split_at_commas(argv[++i]))
                 request.efforts.push_back(std::atoi(effort.c_str()));

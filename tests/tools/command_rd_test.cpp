@@ -1,4 +1,4 @@
-// The verb rd: what it measures, and how it goes on.
+// The verb rd: its measurements, its report, and continuing after an interrupt.
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
@@ -32,7 +32,7 @@ TEST_F(RdVerb, MeasuresRateAndDistortion) {
     EXPECT_GE(rows.size(), 2u + 4 + 1);
     EXPECT_GT(rows[0]["quality"]["psnr_rendered"].get<double>(), 20);
 
-    // Again, and more: what is known is not measured again. No rival is there, and each is named.
+    // The second run takes known results from the cache. No rival is installed, and it lists each.
     const Outcome again = run(rd + "--quick", "PATH=/nowhere");
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_NE(again.out.find("cached"), std::string::npos) << again.out;
@@ -43,14 +43,14 @@ TEST_F(RdVerb, MeasuresRateAndDistortion) {
             "--keep");
     EXPECT_TRUE(
         fs::exists(at("r2") / "bitstreams" / "lambert_tessera-3_quality-50" / "texture.tess"));
-    // Nobody named efforts: two more for the speeds.
+    // Without --efforts, two more efforts are measured for the table of speeds.
     const std::string table = slurp(at("r2") / "rd.csv");
     for (const char* codec : {"tessera:0", "tessera:3", "tessera:4"})
         EXPECT_NE(table.find(codec), std::string::npos) << codec << table;
     EXPECT_EQ(slurp(at("report") / "rd.csv").find("tessera:4"), std::string::npos);
 }
 
-TEST_F(RdVerb, RefusesToMeasureNonsense) {
+TEST_F(RdVerb, RejectsBadArguments) {
     succeed("bake composed --size 8x4x3x2 --spp 1 -q -o a.tess");
     fail(1, "rd a.tess -o x --rivals h266", {"h266", "x265"});
     fail(1, "rd a.tess", {"--output"});
@@ -59,8 +59,8 @@ TEST_F(RdVerb, RefusesToMeasureNonsense) {
     fail(2, "rd a.tess -o a.tess/x", {"a.tess/x"});
 }
 
-// A rival that takes for ever is what is interrupted.
-TEST_F(RdVerb, GoesOnMeasuringAfterAnInterrupt) {
+// The interrupt arrives while a rival runs that never ends.
+TEST_F(RdVerb, ContinuesAfterAnInterrupt) {
     succeed("bake composed --size 8x4x3x2 --spp 1 -q -o a.rgb");
     fs::create_directory(at("bin"));
     const auto rival = [&](const std::string& work) {

@@ -1,5 +1,5 @@
-// `tessera rd`: the figures, the rivals' tools (stood in for by scripts), what is kept between
-// runs, and the report.
+// `tessera rd`: its figures, running the rivals' tools (replaced by scripts here), the cache of
+// measurements, and the report.
 #include "tests/support/test_folder.h"
 #include "tools/lab/rd/bd_rate.h"
 #include "tools/lab/rd/plot.h"
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 // --- BD-rate -------------------------------------------------------------------------------------
 
-TEST(BdRate, KnowsHalfTheBits) {
+TEST(BdRate, HalfTheBitsIsMinus50Percent) {
     const std::vector<RatePoint> anchor = {{1, 30}, {2, 33}, {5, 37}, {9, 40}};
     std::vector<RatePoint> half = anchor;
     for (RatePoint& p : half)
@@ -40,9 +40,9 @@ TEST(BdRate, KnowsHalfTheBits) {
     EXPECT_NEAR(bd_rate(anchor, anchor)->percent, 0, 1e-12);
 }
 
-// Straight lines: log10 rate is (psnr - 30) / 10 and (psnr - 32) / 8 there. Over 34..38 the means
-// are 0.6 and 0.5.
-TEST(BdRate, IntegratesWhereBothAre) {
+// Both curves are straight lines: log10 of the rate is (psnr - 30) / 10 and (psnr - 32) / 8. Their
+// means over 34..38 dB are 0.6 and 0.5.
+TEST(BdRate, IntegratesOverTheCommonInterval) {
     const std::vector<RatePoint> anchor = {
         {1, 30}, {std::pow(10, 0.4), 34}, {std::pow(10, 0.8), 38}};
     const std::vector<RatePoint> test = {{std::pow(10, 0.25), 34}, {std::pow(10, 1.25), 42}};
@@ -53,9 +53,9 @@ TEST(BdRate, IntegratesWhereBothAre) {
     EXPECT_NEAR(rate->percent, (std::pow(10, 0.5 - 0.6) - 1) * 100, 1e-9);
 }
 
-// Test data of the package bjontegaard (FAU Erlangen); the value is that of a second program, which
-// sums 200,000 samples of the curves.
-TEST(BdRate, AgreesWithAnotherProgram) {
+// Test data of the package bjontegaard (FAU Erlangen). The expected value comes from an independent
+// program that sums 200,000 samples of the curves.
+TEST(BdRate, AgreesWithAnIndependentProgram) {
     const auto rate =
         bd_rate({{9487.76, 40.037}, {4593.60, 38.615}, {2486.44, 36.845}, {1358.24, 34.851}},
                 {{9787.80, 40.121}, {4469.00, 38.651}, {2451.52, 36.970}, {1356.24, 34.987}});
@@ -63,10 +63,10 @@ TEST(BdRate, AgreesWithAnotherProgram) {
     EXPECT_NEAR(rate->percent, -4.41748535, 1e-6);
 }
 
-TEST(BdRate, LeavesOutWhatIsNoCurve) {
+TEST(BdRate, IgnoresDominatedAndLosslessPoints) {
     const double inf = std::numeric_limits<double>::infinity();
     const std::vector<RatePoint> anchor = {{1, 30}, {2, 35}, {4, 40}};
-    // 3 bits at 33 dB are beaten by 2 bits at 35 dB; lossless is off the curve.
+    // Rate 3 at 33 dB is worse than rate 2 at 35 dB. The lossless point is not part of the curve.
     const auto rate = bd_rate(anchor, {{4, 40}, {1, 30}, {3, 33}, {2, 35}, {9, inf}});
     ASSERT_TRUE(rate);
     EXPECT_NEAR(rate->percent, 0, 1e-9);
@@ -93,7 +93,7 @@ RdTexture small_texture(const Extent4& size = {8, 6, 5, 4}) {
     return texture;
 }
 
-TEST(RdQuality, MeasuresWhatItSays) {
+TEST(RdQuality, ComputesEveryMeasure) {
     const RdTexture texture = small_texture();
     EXPECT_EQ(texture.background, std::vector<std::byte>(3, std::byte{128}));
     auto decoded = texture.texels;
@@ -141,7 +141,7 @@ TEST(RdQuality, DrawsViewsOfASphere) {
     EXPECT_LT(psnr, 60);
 }
 
-TEST(RdQuality, HalfFloatsHaveTheirOwn) {
+TEST(RdQuality, HalfFloatsHaveTheirOwnMeasures) {
     RdTexture texture = small_texture();
     texture.desc.type = SampleType::half16;
     texture.texels.assign(texture.texel_count() * 6, std::byte{0x3C}); // about 1.06
@@ -155,12 +155,12 @@ TEST(RdQuality, HalfFloatsHaveTheirOwn) {
     EXPECT_FALSE(q->psnr_yuv || q->psnr_foreground); // there is no foreground
 }
 
-TEST(RdLayout, ViewsGoThereAndBack) {
+TEST(RdLayout, ViewsSurviveARoundTrip) {
     const RdTexture texture = small_texture();
     const auto order = serpentine(texture.desc.size);
     ASSERT_EQ(order.size(), 20u);
     EXPECT_EQ(order[4].s, 4u);
-    EXPECT_EQ(order[5].s, 4u); // the second row goes back
+    EXPECT_EQ(order[5].s, 4u); // the second row runs backwards
     EXPECT_EQ(order[5].t, 1u);
     EXPECT_EQ(order[10].s, 0u);
 
@@ -179,9 +179,9 @@ TEST(RdLayout, ViewsGoThereAndBack) {
     EXPECT_LE(worst, 2);
 }
 
-// --- tools of others -----------------------------------------------------------------------------
+// --- the rivals' tools ---------------------------------------------------------------------------
 
-// A folder that is all of PATH, with scripts in it.
+// PATH consists of one folder of scripts, which replace the rivals' tools.
 class RdTools : public testing::Test {
 protected:
     void SetUp() override {
@@ -217,7 +217,7 @@ protected:
     std::string path_;
 };
 
-TEST_F(RdTools, RunsThemAndKeepsTheirWords) {
+TEST_F(RdTools, RunsToolsAndCapturesTheirOutput) {
     script("well", "echo \"$2\"; echo two >&2");
     script("badly", "echo first; echo 'no such codec' >&2; exit 3");
     script("dead", "kill -9 $$");
@@ -235,7 +235,7 @@ TEST_F(RdTools, RunsThemAndKeepsTheirWords) {
     EXPECT_FALSE(find_tool("absent"));
 }
 
-TEST_F(RdTools, EndsThemInTime) {
+TEST_F(RdTools, KillsToolsAtTheTimeout) {
     script("slow", "/bin/sleep 30 & /bin/sleep 30");
     script("quiet", "exec >/dev/null 2>&1; /bin/sleep 30");
     for (const char* tool : {"slow", "quiet"}) {
@@ -246,12 +246,12 @@ TEST_F(RdTools, EndsThemInTime) {
     }
 }
 
-TEST_F(RdTools, NamesWhatIsMissing) {
+TEST_F(RdTools, ListsMissingTools) {
     const auto all = rivals_named("all");
     ASSERT_TRUE(all.ok());
     const RivalChoice choice = choose_rivals(*all, small_texture().desc);
     EXPECT_EQ(choice.present.size() + choice.absent.size(), all->size());
-    ASSERT_EQ(choice.present.size(), 2u); // those that are built in
+    ASSERT_EQ(choice.present.size(), 2u); // the built-in rivals
     EXPECT_EQ(choice.present[0].id, "exr:dwaa");
     EXPECT_EQ(choice.present[1].id, "raw");
     for (const RivalChoice::Absent& absent : choice.absent) {
@@ -270,7 +270,7 @@ TEST_F(RdTools, NamesWhatIsMissing) {
     EXPECT_NE(unknown.status().message().find("x265"), std::string::npos);
 }
 
-TEST_F(RdTools, AFailingToolIsARowThatSaysSo) {
+TEST_F(RdTools, AFailingToolGetsARowWithTheReason) {
     const RdTexture texture = small_texture();
     const struct {
         const char* body;
@@ -278,7 +278,7 @@ TEST_F(RdTools, AFailingToolIsARowThatSaysSo) {
     } cases[] = {
         {"echo 'v1.2.3'; echo 'cannot do this' >&2; exit 7", "zfp: exit code 7: cannot do this"},
         {"exit 0", "plane0.zfp: was not written"},
-        // Writes garbage wherever it is told to write, be it packed or unpacked.
+        // Writes garbage to the output file, both when encoding and when decoding.
         {"while [ \"$1\" != -z ]; do shift; done; [ \"$3\" != -o ] || shift 2; echo garbage "
          ">\"$2\"",
          "a different size"},
@@ -296,7 +296,7 @@ TEST_F(RdTools, AFailingToolIsARowThatSaysSo) {
         ASSERT_EQ(rows->size(), 1u);
         EXPECT_NE((*rows)[0].failed.find(c.says), std::string::npos) << (*rows)[0].failed;
     }
-    EXPECT_EQ(kept(), 0u); // what failed is tried again
+    EXPECT_EQ(kept(), 0u); // failures are not cached, so that the next run tries again
 }
 
 TEST_F(RdTools, ReadsVersions) {
@@ -308,9 +308,9 @@ TEST_F(RdTools, ReadsVersions) {
     EXPECT_EQ(choice.present[1].version, "zfp 1.0.0");
 }
 
-// --- the sweep and what it keeps -----------------------------------------------------------------
+// --- the sweep and its cache ---------------------------------------------------------------------
 
-// Adds `setting` to every sample: PSNR is known, and how often it ran.
+// A codec with known PSNR: it adds `setting` to every sample. Counts its runs.
 CodecUnderTest adding_codec(int& runs, std::vector<std::string> settings) {
     CodecUnderTest codec;
     codec.id = "adding";
@@ -332,7 +332,7 @@ CodecUnderTest adding_codec(int& runs, std::vector<std::string> settings) {
     return codec;
 }
 
-TEST_F(RdTools, GoesOnWhereItStopped) {
+TEST_F(RdTools, ContinuesWhereItStopped) {
     const RdTexture texture = small_texture();
     int runs = 0;
     const auto first = sweep(texture, {adding_codec(runs, {"4", "2"})}, options());
@@ -356,7 +356,7 @@ TEST_F(RdTools, GoesOnWhereItStopped) {
             EXPECT_EQ(m.bytes, 200u);
         }
 
-    // Another version, another texture, damage: measured again.
+    // Measures again for another version, another texture and a damaged cache.
     CodecUnderTest newer = adding_codec(runs, {"4"});
     newer.version = "2";
     ASSERT_TRUE(sweep(texture, {newer}, options()).ok());
@@ -374,7 +374,7 @@ TEST_F(RdTools, GoesOnWhereItStopped) {
     EXPECT_EQ(runs, 7);
 }
 
-TEST_F(RdTools, ReachesForThePsnrsOfInterest) {
+TEST_F(RdTools, AddsSettingsToCoverThePsnrsOfInterest) {
     int runs = 0;
     CodecUnderTest codec = adding_codec(runs, {"3", "2"}); // 38.6 and 42.1 dB
     codec.coarser = {"6", "20", "40"};                     // 32.6 dB
@@ -390,7 +390,7 @@ TEST_F(RdTools, ReachesForThePsnrsOfInterest) {
     EXPECT_EQ(order, "6 3 2 1 ");
 }
 
-TEST_F(RdTools, ReachesForThePsnrsOfTheFirstCodec) {
+TEST_F(RdTools, AddsSettingsToCoverTheRangeOfTheFirstCodec) {
     int runs = 0;
     const CodecUnderTest ours = adding_codec(runs, {"6", "1"}); // 32.6 and 48.1 dB
     CodecUnderTest other = adding_codec(runs, {"3", "2"});      // enough for the usual 36 to 42 dB
@@ -411,7 +411,7 @@ TEST_F(RdTools, ReachesForThePsnrsOfTheFirstCodec) {
     EXPECT_EQ(order, "adding 6 adding 1 other 6 other 3 other 2 other 1 ");
 }
 
-TEST_F(RdTools, MeasuresOurOwnCodec) {
+TEST_F(RdTools, MeasuresTessera) {
     const RdTexture texture = small_texture({16, 16, 8, 8});
     const auto rows = sweep(texture, {tessera_codec(1, {"quality 40", "psnr 45"})}, options());
     ASSERT_TRUE(rows.ok());
@@ -474,7 +474,7 @@ std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-// Cells of a CSV line, quoted ones unquoted.
+// The cells of a CSV line, without quotes.
 std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells(1);
     bool quoted = false;
@@ -527,7 +527,7 @@ TEST(RdReport, WritesTextAndPage) {
     EXPECT_NE(page.find("<svg"), std::string::npos);
     EXPECT_NE(page.find("a &lt;texture&gt;"), std::string::npos);
     EXPECT_EQ(page.find("<texture>"), std::string::npos);
-    for (const char* link : {"src=", "href=", "url(", "@import"}) // it stands alone
+    for (const char* link : {"src=", "href=", "url(", "@import"}) // the page is self-contained
         EXPECT_EQ(page.find(link), std::string::npos) << link;
     const std::string svg = to_svg(report.textures[0]);
     EXPECT_EQ(svg.rfind("<svg", 0), 0u);
@@ -535,7 +535,7 @@ TEST(RdReport, WritesTextAndPage) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("as it is"), std::string::npos);
     EXPECT_EQ(svg.find(">raw<"), std::string::npos);
-    EXPECT_EQ(to_svg(report.textures[0], PlotPart::close_up), ""); // of all there is
+    EXPECT_EQ(to_svg(report.textures[0], PlotPart::close_up), ""); // it would show the whole plot
     TextureReport wide = report.textures[0];
     wide.rows.push_back(point("x265", "crf 0", 6, 60));
     const std::string close_up = to_svg(wide, PlotPart::close_up);

@@ -1,4 +1,4 @@
-"""The scenes of tests/regression/rd_captured.md, for blender_views.py:
+"""Creates the scenes of tests/regression/rd_captured.md, for blender_views.py:
     blender -b -P blender_scenes.py -- glossy|clutter|grass OUT.blend"""
 import bpy, math, random, sys
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Textures up to the paper's largest, 1024x512x128x128 (8.6 billion texels, 25.8 GB raw), baked straight
-# into files: bytes, PSNR on a random 1 % of tiles that are baked again, time and peak memory. Then the
-# largest is validated, decoded to a folder, compared with it, encoded again from it, and read over HTTP.
-# Output: demo_output/full_size/tables.md; what was seen is in tests/regression/full_size.md.
-#   tools/lab/scripts/full_size.sh           three quarters of an hour on 2 cores, up to 30 GB of disk for a while
-#   tools/lab/scripts/full_size.sh --quick   up to 512x256x64x64 only: some minutes
-#   TESSERA=build/bin/tessera tools/lab/scripts/full_size.sh      with a tool that is there already
+# Bakes textures up to the paper's largest, 1024x512x128x128 (8.6 billion texels, 25.8 GB raw),
+# directly into files. Measures bytes, time, peak memory, and the PSNR of a random 1 % of the tiles,
+# which it bakes again. Then validates the largest texture, decodes it to a folder, compares it with
+# the folder, encodes it again from the folder, and reads it over HTTP. Output:
+# demo_output/full_size/tables.md. tests/regression/full_size.md discusses the results.
+#   tools/lab/scripts/full_size.sh           takes 45 minutes on 2 cores and up to 30 GB of temporary disk space
+#   tools/lab/scripts/full_size.sh --quick   stops at 512x256x64x64: a few minutes
+#   TESSERA=build/bin/tessera tools/lab/scripts/full_size.sh      uses an existing program
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
 [ -x /usr/bin/time ] || apt-get install -y -qq time >/dev/null || stop "GNU time is needed (apt-get install time)"
 
@@ -15,19 +16,19 @@ rm -rf "$OUT"
 mkdir -p "$OUT"
 TABLES=$OUT/tables.md
 SIZES="128x64x32x32 256x128x32x32 256x128x64x64 512x256x64x64 1024x512x64x64 1024x512x128x128"
-TEXEL=880:881,192:193,66:67,71:72 # of an object
+TEXEL=880:881,192:193,66:67,71:72 # shows an object
 if [ "${1:-}" = --quick ]; then
     SIZES="128x64x32x32 256x128x32x32 256x128x64x64 512x256x64x64"
     TEXEL=440:441,96:97,33:34,35:36
 fi
 
-# timed COMMAND...: runs it quietly, prints "SECONDS PEAK_KB".
+# timed COMMAND...: runs the command without output and prints "SECONDS PEAK_KB".
 timed() {
     /usr/bin/time -f "%e %M" -o "$OUT/time" "$@" >"$OUT/last.txt"
     cat "$OUT/time"
 }
 
-say "Baking, one ray a texel, effort 1, quality 62, with coarse levels"
+say "Baking with one ray per texel, effort 1, quality 62 and coarse levels"
 {
     echo "| texture | texels | bytes | bits per texel | PSNR, 1 % of tiles baked again | seconds | ns per texel | peak memory |"
     echo "|---|---|---|---|---|---|---|---|"
@@ -43,7 +44,7 @@ for size in $SIZES; do
 done
 
 LARGEST=$OUT/${SIZES##* }.tess
-say "The largest one, with the default of 1 GiB of memory"
+say "Using the largest texture with the default memory limit of 1 GiB"
 {
     echo
     echo "| verb | seconds | peak memory |"
@@ -61,10 +62,10 @@ verb "compare with the folder" "$T" compare "$LARGEST" "$OUT/views/" --no-ssim -
 verb "encode from the folder, effort 0" "$T" encode "$OUT/views/" -o "$OUT/again.tess" --effort 0 --quality 62 -q
 rm -rf "$OUT/views" "$OUT/again.tess"
 
-say "One texel of it, cold, over HTTP"
+say "Reading one of its texels over HTTP, without a cache"
 "$T" serve "$OUT" --port 8641 >"$OUT/serve.log" &
 trap 'kill %1 2>/dev/null || true' EXIT
 sleep 1
 "$T" decode "http://127.0.0.1:8641/$(basename "$LARGEST")" --box "$TEXEL" -o "$OUT/texel.rgb" | tee -a "$TABLES"
 kill %1
-say "Written: $TABLES"
+say "The tables are in $TABLES"

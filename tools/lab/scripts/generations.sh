@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# How much is lost when a texture is decoded and encoded again, and again: PSNR in dB against the original, and bytes.
-#   tools/lab/scripts/generations.sh [GENERATIONS]     3 by default; ten take five minutes on two cores
+# Measures the loss when a texture is decoded and encoded several times: PSNR in dB against the
+# original, and bytes.
+#   tools/lab/scripts/generations.sh [GENERATIONS]     default 3; ten generations take five minutes on two cores
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
 build build tessera
 tessera=$PWD/build/bin/tessera
@@ -13,7 +14,8 @@ LC_ALL=C awk 'BEGIN { srand(1); for (i = 0; i < 196608; ++i) printf "%c", int(25
 "$tessera" bake composed --size 32x16x16x16 --spp 4 -o composed.rgb -q
 "$tessera" bake lamps --size 32x16x16x16 --spp 4 -o lamps.exr -q
 
-# row NAME ORIGINAL SIZE QUALITY [--reuse]: each generation from what the one before decodes to
+# row NAME ORIGINAL SIZE QUALITY [--reuse]: prints the result of each generation. Each encodes the
+# decoded texture of the generation before it.
 row() {
     local original=$2 size=() options=(--quality "$4") before=$2
     [[ -n $3 ]] && size=(--size "$3")

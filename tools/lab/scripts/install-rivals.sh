@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs the codecs that `tessera rd` compares with, from Debian, and says which are there.
-#   tools/lab/scripts/install-rivals.sh            installs what is missing (as root)
-#   tools/lab/scripts/install-rivals.sh --list     only says
+# Installs the codecs that `tessera rd` compares with from Debian, and lists which are installed.
+#   tools/lab/scripts/install-rivals.sh            installs missing codecs (as root)
+#   tools/lab/scripts/install-rivals.sh --list     only lists them
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
 PACKAGES="x265 ffmpeg aom-tools libavif-bin libjxl-tools astcenc zfp"
 
-# Tools of each package, the first of which knows its version.
+# The tools of each package. The first one is asked for its version.
 TOOLS="x265:x265 ffmpeg:ffmpeg aom-tools:aomenc libavif-bin:avifenc,avifdec
 libjxl-tools:cjxl,djxl astcenc:astcenc zfp:zfp"
 
@@ -22,17 +22,18 @@ list_rivals() {
             "$(dpkg-query -W -f '${Version}' "$package" 2>/dev/null || true)"
     done
     printf '  %-18s %-30s %-10s %s\n' "(OpenEXR DWAA)" "-" "built in" ""
-    [ $missing = 0 ] || printf '\nWhat is missing is named in the reports of tessera rd, and left out.\n'
+    [ $missing = 0 ] || printf '\ntessera rd leaves out missing codecs and lists them in its reports.\n'
 }
 
-# What this Debian has of them: one that it lacks must not keep the others out.
+# Prints the packages that this Debian release has. apt-get would install none of them if one were
+# unknown.
 known_packages() {
     local known=""
     for package in $PACKAGES; do
         if apt-cache show "$package" >/dev/null 2>&1; then
             known="$known $package"
         else
-            say "Not in this Debian: $package" >&2
+            say "This Debian release has no package $package" >&2
         fi
     done
     printf '%s' "$known"

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# The paper's comparison: the composed scene from its five views, as textures of several sizes show
-# it, against direct ray tracing, uncompressed and compressed at 40 dB; then its aliasing scenes, the
-# poles and the waves. Uncompressed textures are baked where a view looks, so their size is no matter.
-# Output: demo_output/paper_comparison/tables.md, and in corpus/ the two pictures of
-# paper_comparison.md, which says what follows from all this.
-#   tools/lab/scripts/paper_comparison.sh      about 13 minutes on 2 shared cores; 403 MB of disk for a while
-#   TESSERA=build/bin/tessera tools/lab/scripts/paper_comparison.sh      with a tool that is there already
+# Repeats the paper's comparison. Renders the composed scene from the paper's five views with
+# textures of several sizes, uncompressed and compressed at 40 dB, and compares the views with
+# direct ray tracing. Then does the same for the aliasing scenes, the poles and the waves.
+# Uncompressed textures are baked only where a view needs them, so that large ones fit. Output:
+# demo_output/paper_comparison/tables.md, and in corpus/ the two pictures of paper_comparison.md,
+# which discusses the results.
+#   tools/lab/scripts/paper_comparison.sh      takes 13 minutes on 2 shared cores and 403 MB of temporary disk space
+#   TESSERA=build/bin/tessera tools/lab/scripts/paper_comparison.sh      uses an existing program
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
 
 find_tool
@@ -15,8 +16,8 @@ mkdir -p "$OUT"
 TABLES=$OUT/tables.md
 RAYS=16 # per texel and per pixel
 
-# row NAME FIELDS FILE [mean]: a row of a table from what `tessera render` printed: those fields of
-# each view, and their mean.
+# row NAME FIELDS FILE [mean]: prints a row of a table from the output of `tessera render`: the
+# given fields of each view and, with `mean`, their means.
 row() {
     awk -v name="$1" -v fields="$2" -v with_mean="${4:-}" '
         BEGIN { count = split(fields, field, " ") }
@@ -37,8 +38,8 @@ row() {
         }' "$3"
 }
 
-# uncompressed SCENE SIZE NAME ARGUMENTS...: views of a texture that no file holds, NAME.png or
-# NAME-1.png and so on, and their figures in NAME.txt.
+# uncompressed SCENE SIZE NAME ARGUMENTS...: renders views of a texture that is never stored. Writes
+# NAME.png, or NAME-1.png and so on for several views, and their figures to NAME.txt.
 uncompressed() {
     local scene=$1 size=$2 name=$3
     shift 3
@@ -122,7 +123,7 @@ done
 
 {
     echo
-    echo "### Waves: an eye that moves by a texel of 64x32x256x256 in all: PSNR in dB / SSIM"
+    echo "### Waves: the camera moves in quarters of a texel of 64x32x256x256: PSNR in dB / SSIM"
     echo
     echo "| texture | 0 | 1/4 | 2/4 | 3/4 |"
     echo "|---|---|---|---|---|"
@@ -171,4 +172,4 @@ for n in 0 1 2 3; do add "$OUT/wave-$n-64x32x256x256.png" "64x32x256x256, $n/4 t
 $T sheet "${pictures[@]}" "${labels[@]}" --columns 4 --middle 260 -o corpus/paper_comparison_details.png
 
 cat "$TABLES"
-say "Done. Look at corpus/paper_comparison.png, corpus/paper_comparison_details.png and $TABLES"
+say "Done. See corpus/paper_comparison.png, corpus/paper_comparison_details.png and $TABLES"

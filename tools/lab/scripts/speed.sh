@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Prints a table of encoding by two builds in turns, and of decoding: user seconds (best of three), bytes, MB/s.
-#   tools/lab/scripts/speed.sh OLD NEW [EFFORT_OF_OLD:EFFORT_OF_NEW]...     build folders; efforts: 5:3
-# QUALITY=50 SIZE=64x32x16x16 SCENES="composed gallery mirror" RUNS=3 and one thread, unless the environment says else.
+# Compares the speed of two builds, which run alternately on one thread. Prints a table of user seconds
+# (the best of RUNS runs), bytes and MB/s.
+#   tools/lab/scripts/speed.sh OLD NEW [EFFORT_OF_OLD:EFFORT_OF_NEW]...     OLD and NEW are build folders; default 5:3
+# Environment variables and their defaults: QUALITY=50 SIZE=64x32x16x16 SCENES="composed gallery
+# mirror" RUNS=3
 set -euo pipefail
 old=$1/bin/tessera new=$2/bin/tessera
 shift 2
