@@ -14,7 +14,7 @@ struct SweepOptions {
     unsigned threads = 0;
     double timeout = 3600; // seconds, for each run of a tool
     // The range in dB that every curve should cover. A codec whose usual settings do not cover it
-    // is also measured at coarser or finer ones. Once the first codec has been measured, its range
+    // is also measured at coarser or finer ones. Once the first codec has a curve, that curve's range
     // replaces this one.
     double low_psnr = 36, high_psnr = 42;
     std::string cache;       // folder of measurements
