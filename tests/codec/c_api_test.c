@@ -797,7 +797,7 @@ static int test_options_out_of_range(void) {
     source = good;
     source.read = read_texels;
     REFUSED(tessera_encode_to_memory(&source, &file, &file_bytes, NULL, NULL), TESSERA_BAD_ARGUMENT,
-            "one of them");
+            "either texels or read");
     source.texels = NULL;
     source.read = NULL;
     CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, NULL, NULL) ==
