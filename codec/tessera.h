@@ -224,9 +224,6 @@ typedef struct {
     /* Largest number of bytes of texels to hold at a time for sources that have to be read in
      * slabs; default 512 MiB. Sources of this API are read tile by tile and need no slabs. */
     uint64_t memory_bytes;
-    /* Coding tools to switch on (+) and off (-), for experiments: "-copies,+grids". Null: those of
-     * the effort. An unknown name is an error whose message lists all names. */
-    const char* tools;
     /* Which texels matter: one channel of TESSERA_UNORM8, 0 where any value will do. Each side is
      * that of the texture, or 1 to repeat the mask along it. Null: all texels matter. */
     const tessera_texel_source* mask;
@@ -251,7 +248,7 @@ typedef struct {
     /* A file from which the texels were decoded and perhaps edited. It must have the same size,
      * sample type and channels, and all of it must be available. Unchanged tiles keep the bytes of
      * that file. The others are encoded with its quantiser, tables and tile shape: rate and tile
-     * are ignored, and tools must be null. Null: all tiles are encoded. */
+     * are ignored. Null: all tiles are encoded. */
     const tessera_decoder* reuse;
 } tessera_encode_options;
 

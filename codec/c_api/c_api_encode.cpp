@@ -129,7 +129,6 @@ private:
         options_.lossless_fallback = o.lossless_fallback != 0;
         options_.layers = o.layers != 0;
         options_.slab_bytes = o.memory_bytes;
-        options_.tools = o.tools != nullptr ? o.tools : "";
         if (o.mask != nullptr) {
             TESSERA_TRY_ASSIGN(mask_, make_source(o.mask, "mask"));
             options_.mask = mask_.get();
@@ -149,7 +148,7 @@ private:
         TESSERA_TRY_ASSIGN(options_.journal, take_enum(o.journal, JournalUse::resume, "journal"));
         TESSERA_TRY(for_each_entry(o.source_facts, o.source_fact_count, "source_facts",
                                    [this](const char* name, const char* value) {
-                                       options_.source_facts.emplace_back(name, value);
+                                       options_.labels.facts.emplace_back(name, value);
                                        return Status();
                                    }));
         options_.progress = watch_.progress_function();

@@ -1,4 +1,4 @@
-// What can be refused before anything is encoded.
+// check_options(): what can be refused before a texel is read.
 #include "codec/encoder.h"
 
 #include "codec/decoder.h"
@@ -46,7 +46,6 @@ Status check_tile(const EncodeOptions& options) {
     return {};
 }
 
-// The tile extents among which an encode chooses.
 std::vector<Extent4> possible_tiles(const TextureDesc& desc, const EncodeOptions& options) {
     if (options.tile_extent != tile_by_trial)
         return {options.tile_extent};
@@ -84,7 +83,7 @@ Status check_rate(const RateTarget& rate, SampleType type) {
     return refused("unknown kind of rate target");
 }
 
-// Numbers beyond those of FORMAT.md, which a cast may have brought.
+// The caller may have cast any number to an enumeration.
 template <class Enum> Status check_known(Enum value, Enum last, const char* name) {
     return value <= last ? Status()
                          : refused(std::string(name) + " " +
@@ -98,24 +97,24 @@ Status check_description(const TextureDesc& desc, const Description& d) {
     TESSERA_TRY(check_known(d.transfer, Transfer::linear, "transfer"));
     TESSERA_TRY(check_known(d.primaries, Primaries::bt709, "primaries"));
     TESSERA_TRY(check_known(d.alpha, AlphaMode::premultiplied, "alpha"));
-    // The rules that the header is checked by, in words that do not speak of a header.
+    // The rules are those of a file's header, but the caller knows of no header field.
     FileHeader header;
     header.desc = desc;
     header.section_count = min_sections;
     header.description = d;
     const Status status = check_fields(header);
     std::string_view message = status.message();
-    constexpr std::string_view place = "header field ";
-    if (message.starts_with(place))
-        message.remove_prefix(place.size());
+    constexpr std::string_view prefix = "header field ";
+    if (message.starts_with(prefix))
+        message.remove_prefix(prefix.size());
     return status.ok() ? Status() : refused(std::string(message));
 }
 
 Status check_surface(const EncodeOptions& options) {
     const bool mesh = options.description.proxy == Proxy::mesh;
     if (mesh != !options.mesh.empty())
-        return refused(mesh ? "the proxy is a mesh, and no mesh is given"
-                            : "a mesh is given, and the proxy is not a mesh");
+        return refused(mesh ? "the proxy is a mesh, but no mesh is given"
+                            : "a mesh is given, but the proxy is not a mesh");
     if (!mesh)
         return {};
     const Status status =
@@ -123,7 +122,8 @@ Status check_surface(const EncodeOptions& options) {
     return status.ok() ? Status() : refused(status.message());
 }
 
-// Bytes that no file of this texture is below: one of nothing but background, with built-in tables.
+// The size of a file with background tiles only and with built-in tables: no file of this texture is
+// smaller.
 Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOptions& options) {
     const std::vector<std::byte> coding = write_coding_parameters({});
     ContainerContents contents;
@@ -137,7 +137,7 @@ Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOpti
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
     for (const Extent4& tile : possible_tiles(desc, options)) {
         if (TileGrid(desc.size, tile).tiles() > max_tiles)
-            continue; // the encoder does not choose it then
+            continue; // the encoder cannot choose it
         contents.tile_extent = tile;
         TESSERA_TRY_ASSIGN(const std::uint64_t bytes, container_bytes(contents));
         least = std::min(least, bytes);
@@ -155,9 +155,8 @@ Status check_size_target(const TextureDesc& desc, const EncodeOptions& options) 
     TESSERA_TRY_ASSIGN(const std::uint64_t least, least_file_bytes(desc, options));
     if (wanted >= static_cast<double>(least))
         return {};
-    return refused("the target cannot be met: " + text_of(std::floor(wanted)) +
-                   " bytes are asked for, and no file of this texture is smaller than " +
-                   std::to_string(least));
+    return refused("the target cannot be met: it is " + text_of(std::floor(wanted)) +
+                   " bytes, but no file of this texture is smaller than " + std::to_string(least));
 }
 
 Status check_reuse(const TextureDesc& desc, const EncodeOptions& options) {
@@ -174,14 +173,12 @@ Status check_reuse(const TextureDesc& desc, const EncodeOptions& options) {
                        ", not " + text_of_desc(desc))
             .with_context(file.name());
     if (file.is_partial())
-        return refused("the file to reuse is not whole").with_context(file.name());
+        return refused("the file to reuse is incomplete").with_context(file.name());
     if (file.alignment().any() && (options.layers || options.description.proxy != Proxy::none))
-        return refused("the views of the file to reuse are aligned, with which neither coarse "
-                       "levels nor a surface go")
+        return refused(
+                   "the file to reuse has aligned views, which exclude coarse levels and surfaces")
             .with_context(file.name());
-    return options.tools.empty() ? Status()
-                                 : refused("the coding tools are those of the file to reuse, none "
-                                           "can be switched");
+    return {};
 }
 
 } // namespace
@@ -191,7 +188,6 @@ Status check_options(const TextureDesc& desc, const EncodeOptions& options) {
     TESSERA_TRY(check_mask(options.mask, desc.size));
     if (options.effort < 0 || options.effort > most_effort)
         return refused("effort must be 0 to " + std::to_string(most_effort));
-    TESSERA_TRY(check_coding_tools(options.tools));
     TESSERA_TRY(check_tile(options));
     TESSERA_TRY(check_tile_count(desc, options));
     TESSERA_TRY(check_rate(options.rate, desc.type));

@@ -2,23 +2,28 @@
 #pragma once
 
 #include "codec/pass/encode_pass.h"
+#include "codec/pass/sample.h"
+
+#include <functional>
+#include <string>
 
 namespace tessera {
 
 struct RateOutcome {
-    PassResult pass;
+    PassResult pass = {};
     unsigned passes = 0;    // over the whole source
-    bool is_missed = false; // a PSNR that no step reaches
-    std::string note;       // why, then
+    bool is_missed = false; // no step reaches the PSNR
+    std::string note = {};  // explains it then
 };
 
-// Runs passes until plan.options.rate is met: size targets are never exceeded and reached within
-// 2 %, PSNR targets are reached from above within 0.05 dB (0.15 dB for sources that are costly to read again), where the texture allows it: after a second pass twice as
-// far off is near enough, after a third four times, after a sixth whatever is allowed. Sources
-// that are costly to read again get at most 3 passes. `file_bytes` tells the size of the file that
-// a pass would make. Errors: the source's; bad_argument when the size target is below the smallest
-// file.
+// The size of the file that a pass would make.
 using FileBytes = std::function<Result<std::uint64_t>(const PassResult&)>;
+
+// Runs passes until plan.options.rate is met. Size targets are never exceeded, PSNR targets never
+// missed, where the texture allows it. A first pass is accepted within 2 % or 0.05 dB (0.15 dB for
+// sources that are slow to read again), a second within twice that, a third to fifth within four
+// times; after six, whatever keeps to the target. Slow sources get at most 3 passes. Errors: those
+// of run_pass; bad_argument (the target is below the smallest file).
 Result<RateOutcome> control_rate(const EncodePlan& plan, const Sample& sample,
                                  const FileBytes& file_bytes);
 

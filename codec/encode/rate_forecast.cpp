@@ -10,16 +10,17 @@ namespace tessera {
 namespace {
 
 constexpr int quick_effort = 1;
-constexpr int most_quick_passes = 6;        // for one goal
-constexpr double near_enough = 0.01;        // on the axis of RatePoint: 0.06 dB, 0.7 % of bytes
-constexpr double near_enough_to_look = 0.1; // at all of the texture, which moves the goal
-constexpr double most_shift = 1.5;          // on that axis; more is a cliff, such as stored tiles
-constexpr double head_bytes = 1000;         // of a file, about
+constexpr int most_quick_passes = 6; // for one goal
+// On the axis of RatePoint. 0.01 is 0.06 dB or 0.7 % of bytes. Before the pass over the whole
+// texture, which moves the goal, less precision is enough.
+constexpr double near_enough = 0.01, near_enough_to_look = 0.1;
+constexpr double most_shift = 1.5;  // a larger one comes from a cliff, such as stored tiles
+constexpr double head_bytes = 1000; // of a file, about
 
 EncodePlan quick_plan(const EncodePlan& plan) {
     EncodePlan quick = plan;
     quick.effort = EffortSettings::of(std::min(quick_effort, plan.options.effort), plan.tools);
-    quick.effort.dependent = plan.effort.dependent; // what it codes is to foretell the same steps
+    quick.effort.dependent = plan.effort.dependent; // otherwise steps would not be comparable
     quick.journal = nullptr;
     quick.keeps_payloads = false;
     return quick;
@@ -51,7 +52,8 @@ double next_step(std::vector<RatePoint> points, double goal) {
         (p.reached < goal ? low : high) =
             p.reached < goal ? std::max(low, p.log_step) : std::min(high, p.log_step);
     if (low < high && high - low < 20) {
-        // Where the curve has a cliff the secant creeps; every fifth step halves the bracket.
+        // Near a cliff of the curve the secant hardly moves, so every fifth step halves the
+        // bracket.
         if (points.size() % 5 == 0)
             return (low + high) / 2;
         next = std::clamp(next, low + 0.02 * (high - low), high - 0.02 * (high - low));
@@ -111,7 +113,7 @@ Result<double> RateForecast::quick_step_for(double goal, double tolerance) {
             break;
         log_step = next;
     }
-    // What is left is less than the curve bends.
+    // Within the tolerance, the secant is more precise than another quick pass.
     return std::clamp(next_step(points_, goal), range_.low, range_.high);
 }
 

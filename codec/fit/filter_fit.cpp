@@ -11,21 +11,22 @@ namespace tessera {
 namespace {
 
 constexpr int strongest = 127;
-constexpr double least_filter_gain = 0.005; // of the error's square
+constexpr double least_filter_gain = 0.005; // share of the squared error
 
 using Class = FilterStatistics::Class;
 using Row = std::array<float, max_tile_side>;
 
-// What the rings see along one row, at full strength; to fit it, shares need not be rounded as filter_share does.
+// The features of one row, at full strength. They are not rounded as filter_share rounds, which
+// fitting does not need.
 class Features {
 public:
     Features(const TileCoding& coding, int plane)
         : most_(static_cast<float>(most_difference(coding.type))) {
         for (std::size_t i = 0; i < filter_reaches.size(); ++i)
-            slope_[i] = static_cast<float>(filter_slope(
-                            {strongest, filter_reaches[i]},
-                            coding.parameters.step[static_cast<std::size_t>(plane)], coding.type)) /
-                        4096.0f; // filter_slope counts in these
+            slope_[i] =
+                static_cast<float>(filter_slope({strongest, filter_reaches[i]},
+                                                coding.parameters.step[plane], coding.type)) /
+                4096.0f; // the unit of filter_slope
     }
 
     void look(const FilterRow<std::int32_t>& row, int n) {
@@ -53,7 +54,7 @@ public:
         float squares = 0;
         for (int u = 0; u < n; ++u) {
             const float e = static_cast<float>(source[u] - decoded[u]);
-            error[static_cast<std::size_t>(u)] = e;
+            error[u] = e;
             squares += e * e;
         }
         out.error += static_cast<double>(squares);
@@ -65,7 +66,7 @@ public:
     }
 
 private:
-    // Four partial sums, a fixed order.
+    // Four partial sums, in a fixed order.
     static double product(const Row& a, const Row& b, int n) {
         typedef float Float4 __attribute__((vector_size(16)));
         const auto four = [](const Row& row, int u) {
@@ -78,7 +79,7 @@ private:
         for (; u + 4 <= n; u += 4)
             sum += four(a, u) * four(b, u);
         for (; u < n; ++u)
-            sum[u % 4] += a[static_cast<std::size_t>(u)] * b[static_cast<std::size_t>(u)];
+            sum[u % 4] += a[u] * b[u];
         return static_cast<double>((sum[0] + sum[1]) + (sum[2] + sum[3]));
     }
 
@@ -94,8 +95,8 @@ double product_of(const Class& statistics, std::size_t i, std::size_t j) {
     return statistics.products[std::max(i, j)][std::min(i, j)];
 }
 
-// Least squares for three features: Cramer's rule, slightly damped, so that rings that see the same
-// share the work.
+// Least squares for three features by Cramer's rule, slightly damped, so that equal features share
+// the weight.
 Weights solve(const Class& statistics, const Choice& choice) {
     std::array<std::array<double, 3>, 3> m;
     std::array<double, 3> right;
@@ -122,7 +123,7 @@ Weights solve(const Class& statistics, const Choice& choice) {
     return weights;
 }
 
-// Squared error that the weights take away.
+// The squared error that the weights remove.
 double gain_of(const Class& statistics, const Choice& choice, const Weights& weights) {
     double gain = 0;
     for (std::size_t i = 0; i < filter_rings; ++i) {
@@ -133,7 +134,7 @@ double gain_of(const Class& statistics, const Choice& choice, const Weights& wei
     return gain;
 }
 
-// Weights as a file can say them: a feature's are shares of strongest / 256.
+// The weights that a file can store: multiples of 1 / (256 * strongest).
 Weights rounded(const Weights& weights, std::array<FilterRing, filter_rings>& rings) {
     Weights stored;
     for (std::size_t i = 0; i < filter_rings; ++i) {
@@ -190,7 +191,7 @@ FilterStatistics filter_statistics(const TilePlanes& source, const TilePlanes& d
         const auto p = static_cast<std::size_t>(plane);
         if (!padded.fill(decoded.shape, decoded.plane[p].data(), value_limit(coding.type)))
             continue;
-        Class& of = statistics.of[static_cast<std::size_t>(plane_class(plane))];
+        Class& of = statistics.of[plane_class(plane)];
         Features features(coding, plane);
         padded.for_each_row([&](const FilterRow<std::int32_t>& row) {
             if ((row.v + row.view) % 4 != 0)
@@ -207,7 +208,7 @@ TileFilter fit_filter(const FilterStatistics& statistics) {
     TileFilter filter;
     double gain = 0, error = 0;
     for (std::size_t c = 0; c < plane_classes; ++c) {
-        // An error in Y shows in three samples.
+        // An error of Y appears in all three samples.
         const double weight = c == 0 ? 3.0 : 0.6;
         gain += weight * fit_class(statistics.of[c], filter.ring[c]);
         error += weight * statistics.of[c].error;

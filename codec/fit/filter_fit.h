@@ -1,4 +1,4 @@
-// Fits a file's filter (FORMAT.md 4.7) to what quantisation did to some tiles, by least squares.
+// Fits a file's filter (FORMAT.md 4.7) by least squares to the quantisation errors of some tiles.
 #pragma once
 
 #include "codec/tile/tile_coding.h"
@@ -11,14 +11,15 @@
 
 namespace tessera {
 
-// Differences without influence that are tried for each ring, in 1/16 of a step.
+// Reaches that are tried for each ring, in 1/16 of a step: larger differences have no influence.
 inline constexpr std::array<std::uint8_t, 6> filter_reaches = {3, 5, 7, 10, 16, 24};
 constexpr std::size_t filter_features = filter_rings * filter_reaches.size();
 
-// Products, summed over values, of what the rings at each reach see there, with one another and with
-// the error; and the error's square. Of planes 0, and of the others.
+// Statistics of least squares, for plane 0 and for the other planes. A feature is what one ring
+// with one reach adds to a value.
 struct FilterStatistics {
     struct Class {
+        // Sums over values: of products of two features, of features times error, of squared error.
         std::array<std::array<double, filter_features>, filter_features> products{};
         std::array<double, filter_features> with_error{};
         double error = 0;
@@ -28,11 +29,11 @@ struct FilterStatistics {
     void add(const FilterStatistics& other);
 };
 
-// decoded: not filtered. Sums are in a fixed order. Every fourth row counts.
+// Looks at every fourth row. `decoded` must not be filtered. Sums run in a fixed order.
 FilterStatistics filter_statistics(const TilePlanes& source, const TilePlanes& decoded,
                                    const TileCoding& coding);
 
-// The filter that leaves least error; none if it takes less than half a per cent away.
+// The filter that leaves the least error; none if it removes less than half a per cent of it.
 TileFilter fit_filter(const FilterStatistics& statistics);
 
 } // namespace tessera

@@ -6,11 +6,11 @@
 namespace tessera {
 namespace {
 
-constexpr double difference_bits = 4.0; // about what one costs in section CODE
+constexpr double difference_bits = 4.0; // of a changed parameter in section CODE, about
 constexpr double bits_per_unit = 0.7;
 
-// -log2 of the chance that a decision stops, and that it goes on, of every parameter. Thousands of
-// decisions try each.
+// The bits of both outcomes of a decision, by parameter value. Tabulated, because each of thousands
+// of decisions tries every value.
 struct Surprise {
     double stops, goes;
 };
@@ -39,7 +39,7 @@ Parameters fit_parameters(const Statistics& statistics) {
         for (int p = 0; p < parameter_count_of_odds; ++p) {
             const double change =
                 p == standard ? 0 : difference_bits + bits_per_unit * std::abs(p - standard);
-            const Surprise& of = surprise[static_cast<std::size_t>(p)];
+            const Surprise& of = surprise[p];
             const double bits = change + stops * of.stops + goes * of.goes;
             if (bits < least) {
                 least = bits;
@@ -59,9 +59,8 @@ Parameters dense_parameters() {
                 for (int position = 1; position < zero_positions; ++position) // not DC
                     for (int neighbours = 1; neighbours < neighbour_classes; ++neighbours) {
                         const int plane = row == 0 ? 0 : 1, cross = row == 0 ? 0 : row - 1;
-                        parameters[static_cast<std::size_t>(zero_parameter(
-                            copies != 0, quantiser, plane, position, neighbours, cross))] =
-                            of_quantiser[quantiser];
+                        parameters[zero_parameter(copies != 0, quantiser, plane, position,
+                                                  neighbours, cross)] = of_quantiser[quantiser];
                     }
     return parameters;
 }

@@ -5,14 +5,14 @@
 
 namespace tessera {
 
-// Parameters that make the counted symbols cheapest, each difference to the built-in defaults paid
-// for; parameters without counts keep their defaults.
+// The parameters with which the counted symbols cost least, including what each difference from the
+// built-in defaults costs in the file. Parameters without counts keep their defaults.
 Parameters fit_parameters(const Statistics& statistics);
 
-// Where to start instead of the built-in defaults for textures most of whose coefficients are not 0,
-// with dependent quantisation: the quantiser of even levels then mostly says 0 and that of odd ones
-// +-1, half a step to either side. From the defaults, which are of sparse textures, the odd one learns
-// to say 0 and the trellis brings little: on white noise at one bit a texel 9 % more bits.
+// An alternative start for textures most of whose coefficients are not 0, with dependent
+// quantisation: the quantiser of even levels then mostly gives 0 and that of odd levels +-1, half a
+// step to either side. The defaults come from sparse textures. From them the odd quantiser learns
+// to give 0, and the trellis gains little: white noise at one bit per texel takes 9 % more bits.
 Parameters dense_parameters();
 
 } // namespace tessera

@@ -19,7 +19,6 @@
 #include <filesystem>
 
 namespace tessera {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,7 +33,7 @@ bool is_number(const std::string& text) {
            std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Whether a file of this name in a journal's folder is ours to remove.
+// Whether the encoder makes files of this name in a journal's folder; only these are removed.
 bool is_ours(const std::string& name) {
     for (const char* kind : {"pass-", "done-"})
         if (name.rfind(kind, 0) == 0 && is_number(name.substr(5)))
@@ -45,7 +44,7 @@ bool is_ours(const std::string& name) {
     return false;
 }
 
-// A small file with its CRC32C at the end; empty where there is none that is whole.
+// The content of a small file that ends with its CRC32C; empty if there is no whole one.
 std::vector<std::byte> read_sealed(const std::string& path) {
     const auto source = open_file(path);
     if (!source || (*source)->size() < 4 || (*source)->size() > max_file_bytes)
@@ -60,7 +59,7 @@ std::vector<std::byte> read_sealed(const std::string& path) {
     return bytes;
 }
 
-// Through a temporary name: there whole or not at all.
+// Writes such a file under a temporary name, so that it appears whole or not at all.
 Status write_sealed(const std::string& path, const std::string& temporary,
                     std::vector<std::byte> bytes) {
     append_le(bytes, crc32c(bytes));
@@ -109,17 +108,18 @@ std::optional<JournalFacts> load_facts(std::span<const std::byte> bytes) {
     return facts;
 }
 
-// Which of the facts in `named` differs first, in words; empty if none does.
+std::string value_in(const JournalFacts& facts, const std::string& name) {
+    for (const auto& [known, value] : facts)
+        if (known == name)
+            return value;
+    return {};
+}
+
+// Which of the facts that `named` lists differs first, in words; empty if none does.
 std::string difference(const JournalFacts& named, const JournalFacts& before,
                        const JournalFacts& now) {
     const auto quoted = [](const std::string& value) {
         return value.empty() ? std::string("not given") : "'" + value.substr(0, 200) + "'";
-    };
-    const auto value_in = [](const JournalFacts& facts, const std::string& name) {
-        for (const auto& [known, value] : facts)
-            if (known == name)
-                return value;
-        return std::string();
     };
     for (const auto& [name, value] : named)
         if (const std::string was = value_in(before, name), is = value_in(now, name); was != is)
@@ -127,19 +127,7 @@ std::string difference(const JournalFacts& named, const JournalFacts& before,
     return {};
 }
 
-std::string difference(const JournalFacts& before, const JournalFacts& now) {
-    for (const JournalFacts* named : {&now, &before})
-        if (std::string changed = difference(*named, before, now); !changed.empty())
-            return changed;
-    return before == now ? "" : "it holds other facts";
-}
-
-Status refuse_resume(const std::string& folder, const std::string& changed) {
-    return {ErrorCode::bad_argument, folder + ": cannot resume: " + changed +
-                                         " (without resuming, the encoder starts anew)"};
-}
-
-// What the file of a pass says of itself.
+// Identifies a pass.
 std::vector<std::byte> pass_name(unsigned number, const CodingParameters& parameters) {
     std::vector<std::byte> name;
     append_le(name, static_cast<std::uint32_t>(number));
@@ -175,7 +163,7 @@ std::optional<PassTotals> load_totals(std::span<const std::byte> bytes) {
     return in.remaining() == 0 && totals.squared_error >= 0 ? std::optional(totals) : std::nullopt;
 }
 
-// Everything of a done-N before its totals.
+// Everything in a done-N before its totals.
 std::vector<std::byte> done_head(unsigned number, const CodingParameters& parameters) {
     std::vector<std::byte> head;
     append_bytes(head, std::as_bytes(std::span(done_magic)));
@@ -214,21 +202,23 @@ Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
 }
 
 Status Journal::lock() {
-    // The holder removes the folder when it is done, perhaps between our mkdir and our flock.
+    // The process that holds the lock removes the folder at its end, perhaps between our mkdir and
+    // our flock.
     constexpr int attempts = 100;
     for (int attempt = 0; attempt < attempts; ++attempt) {
         if (sys::mkdir(folder_.c_str(), 0777) < 0 && errno != EEXIST)
             return sys::system_error(folder_, "cannot create", errno);
         struct stat info = {};
         if (::lstat(folder_.c_str(), &info) == 0 && !S_ISDIR(info.st_mode))
-            return {ErrorCode::io, folder_ + ": is in the way of the journal: not a folder"};
+            return {ErrorCode::io,
+                    folder_ + ": the journal needs this name, but it is not a folder"};
         const std::string path = file("lock");
         lock_ = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (lock_ < 0 && errno == ENOENT)
             continue;
         if (lock_ < 0) {
             const Status status = sys::system_error(path, "cannot create", errno);
-            ::rmdir(folder_.c_str()); // if it is empty, which is how we made it
+            ::rmdir(folder_.c_str()); // fails unless the folder is empty, as we made it
             return status;
         }
         if (::flock(lock_, LOCK_EX | LOCK_NB) < 0) {
@@ -244,7 +234,7 @@ Status Journal::lock() {
             return {};
         ::close(std::exchange(lock_, -1));
     }
-    return {ErrorCode::io, folder_ + ": cannot be locked: it comes and goes"};
+    return {ErrorCode::io, folder_ + ": cannot be locked: other processes keep replacing it"};
 }
 
 Journal::~Journal() {
@@ -265,7 +255,7 @@ std::vector<std::string> Journal::our_files(const std::string& folder) {
     return names;
 }
 
-// The lock stays.
+// Removes all files but the lock.
 void Journal::empty() {
     for (const std::string& name : our_files(folder_))
         if (name != "lock")
@@ -275,28 +265,33 @@ void Journal::empty() {
 void Journal::remove() {
     empty();
     ::unlink(file("lock").c_str());
-    ::rmdir(folder_.c_str()); // stays if somebody put a file of their own into it
+    ::rmdir(folder_.c_str()); // fails if there are other files in it
     removed_ = true;
+}
+
+Status Journal::refuse_resume(const std::string& difference) const {
+    return {ErrorCode::bad_argument, folder_ + ": cannot resume: " + difference +
+                                         " (without resuming, the encoder starts again)"};
 }
 
 Status Journal::may_resume(const JournalFacts& known) const {
     const std::optional<JournalFacts> before = load_facts(read_sealed(file("head")));
     const std::string changed = before ? difference(known, *before, known) : "";
-    return changed.empty() ? Status() : refuse_resume(folder_, changed);
+    return changed.empty() ? Status() : refuse_resume(changed);
 }
 
 Status Journal::begin(const JournalFacts& facts, bool resume) {
-    if (resume) {
-        const std::vector<std::byte> head = read_sealed(file("head"));
-        const std::optional<JournalFacts> before = load_facts(head);
-        // Without a head that is whole nothing says what the tiles are.
-        if (before) {
-            const std::string changed = difference(*before, facts);
-            begun_ = changed.empty();
-            if (begun_)
-                return {};
-            return refuse_resume(folder_, changed);
-        }
+    // Without a whole head, nothing says what the tiles are.
+    const std::optional<JournalFacts> before =
+        resume ? load_facts(read_sealed(file("head"))) : std::nullopt;
+    if (before) {
+        for (const JournalFacts* named : {&facts, &*before})
+            if (const std::string changed = difference(*named, *before, facts); !changed.empty())
+                return refuse_resume(changed);
+        if (*before != facts)
+            return refuse_resume("its facts are in another order");
+        begun_ = true;
+        return {};
     }
     empty();
     begun_ = true;

@@ -1,15 +1,15 @@
-// What an encode keeps beside its output so that it can go on after a kill: a folder
+// What an encode keeps beside its output so that it can be resumed after a kill: a folder
 // "<output>.journal" with
 //   lock      held (flock) by the process that encodes
-//   head      what is encoded and how: a resume under other facts is refused
-//   pass-N    the tiles of pass N (journal_tiles.h), as long as they may be needed
-//   done-N    what rate control wants to know of a finished pass, so that it need not be repeated
+//   head      what is encoded and how; a resume of something else is refused
+//   pass-N    the tiles of pass N (journal_tiles.h) as long as they may be needed
+//   done-N    the totals of a finished pass, so that rate control need not repeat it
 //   fitted    payloads under fitted tables; nameless, made again after a resume
-//   output    the file in the making, until it is renamed
+//   output    the output file until it is renamed
 // Rate control is deterministic, so a resumed run asks for the same passes in the same order and
-// finds the finished ones here. Files are little-endian, each with a CRC32C; one that is torn,
-// damaged or of another pass counts as not there. Nothing in them is trusted. Not synced to the
-// disk: a power failure may cost tiles, which the checksums show.
+// finds the finished ones here. Files are little-endian and end with a CRC32C. A file that is torn,
+// damaged or of another pass counts as missing, and nothing in it is trusted. Files are not synced
+// to the disk: a power failure may cost tiles, which the checksums detect.
 #pragma once
 
 #include "codec/entropy/tile_entropy.h"
@@ -25,46 +25,48 @@
 
 namespace tessera {
 
-// Name and value of everything that decides the bytes of the output, in a fixed order.
+// Names and values of everything that decides the bytes of the output, in a fixed order.
 using JournalFacts = std::vector<std::pair<std::string, std::string>>;
 
-// Of a whole pass.
+// Totals of a pass over the whole texture.
 struct PassTotals {
     double squared_error = 0; // of sample codes
     std::uint32_t max_error = 0;
     std::uint64_t nan_count = 0, infinity_count = 0;
-    std::uint64_t file_bytes = 0; // of the file it makes; 0: not known
+    std::uint64_t file_bytes = 0; // of the file that the pass makes; 0: not known
     Statistics statistics;        // of its symbols
 };
 
-// Not thread-safe, but for the stores it gives out.
+// Not thread-safe, except for the stores it returns.
 class Journal {
 public:
-    // Makes the folder and takes the lock. Errors: io, also where a living process holds it.
+    // Makes the folder and takes the lock. Errors: io, also if a running process holds the lock.
     static Result<std::unique_ptr<Journal>> open(const std::string& output);
-    // Lets go of the lock; removes the folder if there is no tile in it.
+    // Releases the lock; removes the folder if it holds no tile.
     ~Journal();
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
-    // Refuses a resume as begin() will, from the facts that are known before a texel is read: whoever
-    // changed an option should not wait for trials to be told.
+    // Refuses a resume as begin() would, from the facts that are known before a texel is read, so
+    // that nobody waits for trials only to learn that an option differs.
     Status may_resume(const JournalFacts& known) const;
 
-    // Must come next. resume: goes on with what is there, if anything; bad_argument, naming the fact,
-    // if that was begun under others. Otherwise starts anew and drops what a dead process left.
+    // Must be called before the functions below. resume: continues with what is there;
+    // bad_argument, with the first differing fact, if that was begun under other facts. Otherwise
+    // deletes what an earlier process left.
     Status begin(const JournalFacts& facts, bool resume);
 
-    // A store for pass `number` (1 and up) with what an earlier process left of it; `figures` holds
-    // one entry a tile and is filled for these.
+    // A store for pass `number` (1 and up) with what an earlier process left of it. Fills
+    // `figures`, one per tile, for these tiles.
     Result<std::unique_ptr<JournalTiles>> pass(unsigned number, const CodingParameters& parameters,
                                                std::vector<CodedTile>& figures);
+    // A store for payloads under fitted tables.
     Result<std::unique_ptr<JournalTiles>> scratch(std::uint64_t tiles);
 
-    // The totals of a pass that was finished under the same parameters.
+    // The totals of a pass that was finished with the same parameters.
     std::optional<PassTotals> finished(unsigned number, const CodingParameters& parameters) const;
     Status finish(unsigned number, const CodingParameters& parameters, const PassTotals& totals);
-    // The tiles of this pass are not needed any more; what finish() kept stays.
+    // Deletes the tiles of a pass; its totals stay.
     void drop(unsigned number);
 
     // Where the output is written before it is renamed.
@@ -72,12 +74,12 @@ public:
     const std::string& folder() const { return folder_; }
     // Whether a resume under the same facts would find tiles.
     bool can_resume() const { return begun_ && holds_tiles(folder_); }
-    // Whether begin() has made the journal this run's.
+    // Whether begin() succeeded.
     bool begun() const { return begun_; }
-    // After success, or where no resume can succeed: removes the folder.
+    // Removes the folder: after success, or where no resume can succeed.
     void remove();
 
-    // Whether there are tiles, or what is known of finished passes, in such a folder.
+    // Whether such a folder holds tiles or totals.
     static bool holds_tiles(const std::string& folder);
 
 private:
@@ -87,6 +89,7 @@ private:
     std::string file(const char* kind, unsigned number) const {
         return file(kind + std::to_string(number));
     }
+    Status refuse_resume(const std::string& difference) const;
     static std::vector<std::string> our_files(const std::string& folder);
     void empty();
 

@@ -11,63 +11,53 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 
 namespace tessera {
-
 namespace {
 
-constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'L', '2'}; // 2: sums of levels
+constexpr char file_magic[] = {'T', 'E', 'S', 'S', 'J', 'T', 'L', '2'};
 constexpr char record_magic[] = {'T', 'I', 'L', 'E'};
-constexpr std::size_t record_header = 44;
-constexpr std::size_t summed_header = 40;
-// A tile has at most 393,216 texels of four channels; no coding makes them five times larger.
+constexpr std::size_t summed_header = 40;                // bytes that the CRC covers
+constexpr std::size_t record_header = summed_header + 4; // with the CRC
+// A tile has at most 393,216 texels of four channels, and no coding makes them five times larger.
 constexpr std::uint32_t max_payload = 16u << 20;
 constexpr std::uint32_t max_pass_bytes = 1u << 20;
 
-using RecordHeader = std::array<std::byte, record_header>;
-
-RecordHeader store_record(std::uint64_t tile, const CodedTile& figures,
-                          std::span<const std::byte> payload) {
-    RecordHeader header;
-    std::memcpy(header.data(), record_magic, 4);
-    store_le(header.data() + 4, static_cast<std::uint32_t>(payload.size()));
-    store_le(header.data() + 8, tile);
-    store_le(header.data() + 16, figures.squared_error);
-    store_le(header.data() + 24, figures.levels_sum);
-    store_le(header.data() + 28, figures.max_error);
-    store_le(header.data() + 32, figures.nan_count);
-    store_le(header.data() + 36, figures.infinity_count);
-    const auto summed = std::span(header).first<summed_header>();
-    store_le(header.data() + summed_header, crc32c(payload, crc32c(summed)));
-    return header;
+std::vector<std::byte> record_of(std::uint64_t tile, const CodedTile& figures,
+                                 std::span<const std::byte> payload) {
+    std::vector<std::byte> record;
+    record.reserve(record_header + payload.size());
+    append_bytes(record, std::as_bytes(std::span(record_magic)));
+    append_le(record, static_cast<std::uint32_t>(payload.size()));
+    append_le(record, tile);
+    append_le(record, figures.squared_error);
+    append_le(record, figures.levels_sum);
+    append_le(record, figures.max_error);
+    append_le(record, figures.nan_count);
+    append_le(record, figures.infinity_count);
+    append_le(record, crc32c(payload, crc32c(record)));
+    append_bytes(record, payload);
+    return record;
 }
 
-struct Record {
-    std::uint64_t tile = 0;
-    CodedTile figures;
-};
-
-// False where the bytes are no header.
-bool load_record(std::span<const std::byte, record_header> header, Record& record) {
-    const std::byte* h = header.data();
-    record.figures.payload_bytes = load_le<std::uint32_t>(h + 4);
-    record.tile = load_le<std::uint64_t>(h + 8);
-    record.figures.squared_error = load_le<std::uint64_t>(h + 16);
-    record.figures.levels_sum = load_le<std::uint32_t>(h + 24);
-    record.figures.max_error = load_le<std::uint32_t>(h + 28);
-    record.figures.nan_count = load_le<std::uint32_t>(h + 32);
-    record.figures.infinity_count = load_le<std::uint32_t>(h + 36);
-    return std::memcmp(h, record_magic, 4) == 0 && record.figures.payload_bytes <= max_payload;
+// Reads a record's header. False if the bytes are none.
+bool load_header(std::span<const std::byte> header, std::uint64_t& tile, CodedTile& figures) {
+    ByteReader in(header);
+    std::span<const std::byte> magic;
+    return in.take(sizeof record_magic, magic) &&
+           std::ranges::equal(magic, std::as_bytes(std::span(record_magic))) &&
+           in.take(figures.payload_bytes) && in.take(tile) && in.take(figures.squared_error) &&
+           in.take(figures.levels_sum) && in.take(figures.max_error) &&
+           in.take(figures.nan_count) && in.take(figures.infinity_count) && in.remaining() >= 4 &&
+           figures.payload_bytes <= max_payload;
 }
 
-// `bytes`: header and payload.
-bool is_whole(std::span<const std::byte> bytes) {
-    return crc32c(bytes.subspan(record_header), crc32c(bytes.first(summed_header))) ==
-           load_le<std::uint32_t>(bytes.data() + summed_header);
+bool is_whole(std::span<const std::byte> record) {
+    return crc32c(record.subspan(record_header), crc32c(record.first(summed_header))) ==
+           load_le<std::uint32_t>(record.data() + summed_header);
 }
 
-// Reads up to out.size() bytes; what is missing is past the end of the file or cannot be read.
+// Reads up to out.size() bytes, fewer at the end of the file and where it cannot be read.
 std::size_t read_some(int descriptor, std::uint64_t offset, std::span<std::byte> out) {
     std::size_t done = 0;
     while (done < out.size()) {
@@ -82,29 +72,6 @@ std::size_t read_some(int descriptor, std::uint64_t offset, std::span<std::byte>
     return done;
 }
 
-// The start of a file in large reads: records are short.
-class Window {
-public:
-    explicit Window(int descriptor) : descriptor_(descriptor) {}
-    // The `length` bytes at `offset`, or fewer at the file's end. Valid until the next call.
-    std::span<const std::byte> at(std::uint64_t offset, std::size_t length) {
-        if (offset < begin_ || offset + length > begin_ + bytes_.size()) {
-            bytes_.resize(std::max(length, chunk));
-            bytes_.resize(read_some(descriptor_, offset, bytes_));
-            begin_ = offset;
-        }
-        const std::size_t skip = offset - begin_;
-        return std::span<const std::byte>(bytes_).subspan(skip,
-                                                          std::min(length, bytes_.size() - skip));
-    }
-
-private:
-    static constexpr std::size_t chunk = 1u << 20;
-    int descriptor_;
-    std::uint64_t begin_ = 0;
-    std::vector<std::byte> bytes_;
-};
-
 std::vector<std::byte> file_header(std::span<const std::byte> pass) {
     std::vector<std::byte> header;
     append_bytes(header, std::as_bytes(std::span(file_magic)));
@@ -114,13 +81,19 @@ std::vector<std::byte> file_header(std::span<const std::byte> pass) {
     return header;
 }
 
-// O_NOFOLLOW: the name is ours, and a link there is somebody's trap.
-constexpr int open_flags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW;
-
 } // namespace
 
 JournalTiles::~JournalTiles() {
     ::close(descriptor_);
+}
+
+Result<std::unique_ptr<JournalTiles>> JournalTiles::open(const std::string& path,
+                                                         std::uint64_t tiles) {
+    // O_NOFOLLOW: the encoder makes no links, so a link of that name is an attack.
+    const int descriptor = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor < 0)
+        return sys::system_error(path, "cannot open", errno);
+    return std::unique_ptr<JournalTiles>(new JournalTiles(descriptor, path, tiles));
 }
 
 Status JournalTiles::begin(std::span<const std::byte> pass) {
@@ -134,34 +107,22 @@ Status JournalTiles::begin(std::span<const std::byte> pass) {
     return {};
 }
 
-Result<std::unique_ptr<JournalTiles>> JournalTiles::create(const std::string& path,
-                                                           std::uint64_t tiles,
-                                                           std::span<const std::byte> pass) {
-    const int descriptor = sys::open(path.c_str(), open_flags, 0666);
-    if (descriptor < 0)
-        return sys::system_error(path, "cannot create", errno);
-    std::unique_ptr<JournalTiles> store(new JournalTiles(descriptor, path, tiles));
-    TESSERA_TRY(store->begin(pass));
-    return store;
-}
-
 Result<std::unique_ptr<JournalTiles>> JournalTiles::create_nameless(const std::string& path,
                                                                     std::uint64_t tiles) {
-    auto store = create(path, tiles, {});
+    TESSERA_TRY_ASSIGN(auto store, open(path, tiles));
+    const Status status = store->begin({});
     ::unlink(path.c_str());
+    TESSERA_TRY(status);
     return store;
 }
 
 Result<std::unique_ptr<JournalTiles>> JournalTiles::resume(const std::string& path,
                                                            std::span<const std::byte> pass,
                                                            std::vector<CodedTile>& figures) {
-    const int descriptor = sys::open(path.c_str(), open_flags, 0666);
-    if (descriptor < 0)
-        return sys::system_error(path, "cannot open", errno);
-    std::unique_ptr<JournalTiles> store(new JournalTiles(descriptor, path, figures.size()));
+    TESSERA_TRY_ASSIGN(auto store, open(path, figures.size()));
     if (!store->scan(pass, figures))
         TESSERA_TRY(store->begin(pass));
-    else if (sys::ftruncate(descriptor, static_cast<off_t>(store->end_)) < 0)
+    else if (sys::ftruncate(store->descriptor_, static_cast<off_t>(store->end_)) < 0)
         return sys::system_error(path, "cannot cut off its torn end", errno);
     return store;
 }
@@ -176,25 +137,26 @@ bool JournalTiles::holds_any(const std::string& path) {
     return (*file)->size() > header + record_header;
 }
 
+// Finds the whole records. False if the file is not of this pass.
 bool JournalTiles::scan(std::span<const std::byte> pass, std::vector<CodedTile>& figures) {
-    Window window(descriptor_);
     const std::vector<std::byte> header = file_header(pass);
-    if (!std::ranges::equal(window.at(0, header.size()), header))
+    std::vector<std::byte> record(header.size());
+    if (read_some(descriptor_, 0, record) < record.size() || record != header)
         return false;
     end_ = header.size();
     for (;;) {
-        std::span<const std::byte> bytes = window.at(end_, record_header);
-        Record record;
-        if (bytes.size() < record_header || !load_record(bytes.first<record_header>(), record) ||
-            record.tile >= places_.size())
+        std::uint64_t tile = 0;
+        CodedTile coded;
+        record.resize(record_header);
+        if (read_some(descriptor_, end_, record) < record.size() ||
+            !load_header(record, tile, coded) || tile >= places_.size())
             return true;
-        const std::size_t length = record_header + record.figures.payload_bytes;
-        bytes = window.at(end_, length);
-        if (bytes.size() < length || !is_whole(bytes))
+        record.resize(record_header + coded.payload_bytes);
+        if (read_some(descriptor_, end_, record) < record.size() || !is_whole(record))
             return true;
-        places_[record.tile] = {end_, record.figures.payload_bytes};
-        figures[record.tile] = record.figures;
-        end_ += length;
+        places_[tile] = {end_, coded.payload_bytes};
+        figures[tile] = coded;
+        end_ += record.size();
     }
 }
 
@@ -203,9 +165,7 @@ Status JournalTiles::put(std::uint64_t tile, const CodedTile& figures,
     if (payload.size() > max_payload)
         return {ErrorCode::unsupported, path_ + ": a tile of " + std::to_string(payload.size()) +
                                             " bytes is too large for a journal"};
-    const RecordHeader header = store_record(tile, figures, payload);
-    std::vector<std::byte> record(header.begin(), header.end());
-    append_bytes(record, payload);
+    const std::vector<std::byte> record = record_of(tile, figures, payload);
     const std::lock_guard lock(mutex_);
     TESSERA_TRY(sys::write_all(descriptor_, path_, record, end_));
     places_[tile] = {end_, static_cast<std::uint32_t>(payload.size())};
@@ -217,12 +177,12 @@ Status JournalTiles::get(std::uint64_t tile, std::vector<std::byte>& out) const 
     const Place place = places_[tile];
     const std::string name = "tile " + std::to_string(tile);
     if (place.offset == 0)
-        return {ErrorCode::bad_argument, path_ + ": " + name + " is not in it"};
+        return {ErrorCode::bad_argument, path_ + ": has no " + name};
     out.resize(record_header + place.bytes);
     if (read_some(descriptor_, place.offset, out) != out.size())
         return {ErrorCode::io, path_ + ": cannot read " + name};
     if (!is_whole(out))
-        return {ErrorCode::io, path_ + ": " + name + " was changed on the disk"};
+        return {ErrorCode::io, path_ + ": " + name + " was changed on disk"};
     out.erase(out.begin(), out.begin() + record_header);
     return {};
 }

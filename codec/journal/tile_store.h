@@ -1,4 +1,4 @@
-// Where the payloads of a pass stay until the file is written: in memory, or in a journal on disk.
+// Keeps the payloads of a pass until the file is written: in memory, or in a journal on disk.
 #pragma once
 
 #include "format/status.h"
@@ -11,11 +11,11 @@
 
 namespace tessera {
 
-// What the encoder knows of a coded tile besides its payload: 40 bytes a tile are all that a pass
-// holds in memory when its payloads are on disk.
+// Figures of a coded tile. These 40 bytes per tile are all that a pass holds in memory when its
+// payloads are on disk.
 struct CodedTile {
     std::uint64_t squared_error = 0; // of sample codes
-    std::uint32_t levels_sum = 0;    // of what it was coded as (codec/pass/levels_sum.h)
+    std::uint32_t levels_sum = 0;    // checksum of its levels (codec/pass/tile_figures.h)
     std::uint32_t max_error = 0;     // of sample codes
     std::uint32_t nan_count = 0, infinity_count = 0;
     std::uint32_t payload_bytes = 0;
@@ -24,12 +24,12 @@ struct CodedTile {
 class TileStore {
 public:
     virtual ~TileStore() = default;
-    // Keeps the payload of a tile, in place of an earlier one. Thread-safe for different tiles.
+    // Stores the payload of a tile and replaces an earlier one. Thread-safe for different tiles.
     // Errors: io.
     virtual Status put(std::uint64_t tile, const CodedTile& figures,
                        std::span<const std::byte> payload) = 0;
-    // Replaces `out`. Thread-safe, except against put() of the same tile. Errors: io; bad_argument
-    // for a tile that was never put.
+    // Replaces `out` by the payload. Thread-safe, except against put() of the same tile. Errors:
+    // io; bad_argument for a tile that was never put.
     virtual Status get(std::uint64_t tile, std::vector<std::byte>& out) const = 0;
 };
 

@@ -23,9 +23,9 @@ Result<CodingParameters> plan_reuse(const Decoder& file, EncodePlan& plan) {
     plan.colour.transform = header.colour;
     plan.colour.background = header.background;
     plan.colour.corrections = has_feature(container, feature_corrections);
-    // The tables are those of the tiles that stay. Only recoding would check what was encoded.
+    // The kept tiles need the tables that they were coded with.
     plan.effort.recode = false;
-    if (header.colour != ColourTransform::ycocg_r) // rotations are found on its axes
+    if (header.colour != ColourTransform::ycocg_r) // rotations are defined on YCoCg
         plan.effort.rotate_colours = plan.effort.search.rotated_colours = false;
     return read_coding_parameters(container.codec_parameters()).with_context(container.name());
 }
@@ -35,7 +35,7 @@ Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,
     const ContainerReader& container = plan.reused->container();
     TESSERA_TRY(
         container.read_tile_checked(number, payload).with_context(about_reused_tile(plan, number)));
-    // As long as its texels, it would be taken for a stored tile.
+    // A payload as long as the texels is a stored tile in files that have any.
     return has_feature(container, feature_stored) ||
            payload.size() != plan.colour.desc.box_bytes(plan.grid.box(number));
 }
@@ -65,8 +65,8 @@ Result<std::uint64_t> count_kept_tiles(const EncodePlan& plan, const PassResult&
     std::uint64_t count = 0;
     std::vector<std::byte> ours, theirs;
     for (std::uint64_t i = 0; i < pass.tiles.size(); ++i) {
-        TESSERA_TRY_ASSIGN(const TileLocation place, container.locate(i));
-        if (place.length != pass.tiles[i].payload_bytes)
+        TESSERA_TRY_ASSIGN(const TileLocation location, container.locate(i));
+        if (location.length != pass.tiles[i].payload_bytes)
             continue;
         TESSERA_TRY(pass.payloads->get(i, ours));
         TESSERA_TRY(container.read_tile(i, theirs));

@@ -67,14 +67,14 @@ void BaseMatches::enter(const Axes& cells) {
     merge(errors_, count_, 0);
 }
 
-// Every displacement in the finest cells.
+// Measures every displacement in the finest cells.
 void BaseMatches::measure(const Axes& cells) {
     const auto& n = tile_.n;
     const Block whole{{0, 0, 0, 0}, tile_, 0, 0};
     finest_.assign(finest_count_[0] * finest_count_[1] * finest_count_[2] * finest_count_[3] *
                        displacements,
                    0.0f);
-    // The cell of each row of texels.
+    // The cell of each coordinate along an axis.
     const auto cells_of = [&](std::size_t axis) {
         std::vector<std::size_t> cell(n[axis]);
         for (std::size_t i = 0; i < cells[axis].size(); ++i)

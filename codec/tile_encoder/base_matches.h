@@ -1,4 +1,4 @@
-// Finds by which displacement blocks copy the base picture of a tile best.
+// Finds the displacements with which blocks copy a tile's base picture best.
 #pragma once
 
 #include "codec/search_kernels/forward_dct.h"
@@ -12,28 +12,29 @@
 
 namespace tessera {
 
-// Eighths of a texel a view, either way, that are looked at: cameras' objects move by up to two or three texels
-// where tiles see more than one object.
+// Farthest displacement that is tried, in eighths of a texel per view. In tiles that see more than
+// one object, objects move by up to two or three texels.
 constexpr int farthest_base_copy = 24;
 
 struct BaseMatch {
-    int displacement = 0; // eighths of a texel a view
+    int displacement = 0; // eighths of a texel per view
     float error = 0;      // sum of squares of plane 0, in codes
 };
 
-// Looks at all displacements within a range, in the finest cells of a tile; those of coarser cells add
-// up. Scratch memory of one thread.
+// Tries all displacements in the finest cells of a tile; errors of coarser cells are sums. Holds
+// scratch memory: one per thread.
 class BaseMatches {
 public:
     using Axes = std::array<std::vector<Segment>, 4>;
 
-    // source: plane 0 of a tile in codes; `decoded` has its base picture, of which a value is `codes`.
+    // source: plane 0 of a tile in codes. `decoded` has its base picture, a value of which is
+    // `codes` codes. All outlive the calls below.
     void begin(const BlockShape& tile, const std::vector<float>& source, float codes,
                const TileCoding& coding, const TilePlanes& decoded);
-    // Goes to the cells of a grid: the finest spatial ones first, then coarser ones, and so on from the
-    // finest angular ones to the coarsest. What begin() was given is still there.
+    // Goes to the cells of a grid. Grids must come from the finest spatial one to the coarsest, for
+    // angular depths from the finest to the coarsest.
     void enter(const Axes& cells);
-    // Of a cell of the grid that was entered last.
+    // The best match of a cell of the grid that was entered last.
     BaseMatch best(std::size_t cell) const;
 
 private:
@@ -44,8 +45,8 @@ private:
     float codes_ = 1;
     const TileCoding* coding_ = nullptr;
     const TilePlanes* decoded_ = nullptr;
-    // Errors by cell and displacement: of the grid entered last; of the finest spatial one at its
-    // angular depth. And their entries along each axis.
+    // Errors by cell and displacement, and the numbers of cells along each axis: of the grid
+    // entered last, and of the finest spatial grid at its angular depth.
     std::vector<float> errors_, finest_;
     std::array<std::size_t, 4> count_{}, finest_count_{};
     std::vector<std::int32_t> predicted_;

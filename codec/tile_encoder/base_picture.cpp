@@ -6,8 +6,9 @@
 namespace tessera {
 namespace {
 
-// Where, along one axis, a place of the base picture is seen: the view nearest to the middle one that
-// sees it, and the texel of that view. Beyond what all views see, the middle one's edge stands for it.
+// Where a position of the base picture is seen along one axis: in which view, the nearest to the
+// middle one that sees it, and at which of its texels. If no view sees it, the middle view's edge
+// is used.
 struct Seen {
     int view, texel;
 };
@@ -54,9 +55,8 @@ void make_base_picture(const TilePlanes& tile, int planes, const BasePictures& p
                 displacements.at(std::clamp<int>(u, 0, n[0] - 1), std::clamp<int>(v, 0, n[1] - 1));
             const Seen s = look(u, n[0], n[2], d);
             const Seen t = look(v, n[1], n[3], pictures.v_against_u ? -d : d);
-            const auto from =
-                static_cast<std::size_t>(plane_index(tile.shape, s.texel, t.texel, s.view, t.view));
-            for (std::size_t plane = 0; plane < static_cast<std::size_t>(planes); ++plane)
+            const auto from = plane_index(tile.shape, s.texel, t.texel, s.view, t.view);
+            for (int plane = 0; plane < planes; ++plane)
                 picture.plane[plane][at] = tile.plane[plane][from];
         }
 }

@@ -16,7 +16,7 @@ std::array<float, probability_total + 1> make_bits() {
     return all;
 }
 
-// Every pass asks for thousands.
+// -log2 of a frequency. Tabulated, because every pass needs thousands.
 float bits(std::uint32_t frequency) {
     static const auto all = make_bits();
     return all[frequency];
@@ -25,14 +25,13 @@ float bits(std::uint32_t frequency) {
 template <int symbols>
 void fill(std::array<float, symbols>& costs, const SymbolTable<symbols>& table) {
     for (int i = 0; i < symbols; ++i)
-        costs[static_cast<std::size_t>(i)] =
-            bits(static_cast<std::uint32_t>(table.start[static_cast<std::size_t>(i) + 1] -
-                                            table.start[static_cast<std::size_t>(i)]));
+        costs[i] = bits(static_cast<std::uint32_t>(table.start[static_cast<std::size_t>(i) + 1] -
+                                                   table.start[i]));
 }
 
 void add_length_raw_bits(std::array<float, length_tokens>& costs) {
     for (int token = 0; token < length_tokens; ++token)
-        costs[static_cast<std::size_t>(token)] += static_cast<float>(length_raw_bits(token));
+        costs[token] += static_cast<float>(length_raw_bits(token));
 }
 
 } // namespace
@@ -43,8 +42,7 @@ BitCosts::BitCosts(const CodeTables& tables) {
     for (std::size_t i = 0; i < magnitude.size(); ++i) {
         fill<magnitude_tokens>(magnitude[i], tables.magnitude[i]);
         for (int token = 0; token < magnitude_tokens; ++token)
-            magnitude[i][static_cast<std::size_t>(token)] +=
-                static_cast<float>(1 + std::max(0, token - 3));
+            magnitude[i][token] += static_cast<float>(1 + std::max(0, token - 3));
     }
     order_by_neighbours();
     for (std::size_t i = 0; i < first_length.size(); ++i) {
@@ -82,7 +80,7 @@ void BitCosts::order_by_neighbours() {
         }
     const auto fill_row = [&](bool copies, int quantiser, int p_class, bool dc, int cross) {
         auto& row = tokens[copies][quantiser][token_row(p_class, dc, cross)];
-        // DC has size classes instead.
+        // DC has size classes instead of neighbour classes.
         for (int c = 0; c < (dc ? size_classes : neighbour_classes); ++c)
             for (int token = 0; token < magnitude_tokens; ++token)
                 row[token][c] =

@@ -1,4 +1,4 @@
-// Ideal code lengths in bits under a file's tables, for rate-distortion decisions.
+// Ideal code lengths under a file's tables, in bits, for rate-distortion decisions.
 #pragma once
 
 #include "format/tile/code_tables.h"
@@ -12,10 +12,10 @@ struct BitCosts {
     explicit BitCosts(const CodeTables& tables);
 
     std::array<std::array<float, 2>, zero_parameters> zero; // [parameter][is non-zero]
-    std::array<std::array<float, magnitude_tokens>, all_magnitude_tables>
-        magnitude; // with the raw bits of the token and the sign
-    // The same for searches that look up many neighbour classes at once, as TrellisTask has them:
-    // [copies][quantiser], then rows of flag_row() and token_row().
+    // With the raw bits of the token and the sign.
+    std::array<std::array<float, magnitude_tokens>, all_magnitude_tables> magnitude;
+    // The same by neighbour class last, for TrellisTask, which looks up many classes at once:
+    // [copies][quantiser], then rows as flag_row() and token_row() number them.
     template <class Row, int rows>
     using ByQuantiser = std::array<std::array<std::array<Row, rows>, quantisers>, copy_classes>;
     template <int symbols>

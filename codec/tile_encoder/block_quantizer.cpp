@@ -28,8 +28,7 @@ BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
                                const QuantizerOptions& options)
     : coding_(coding), costs_(costs), options_(options) {
     for (int plane = 0; plane < coding.planes; ++plane)
-        inverse_step_[static_cast<std::size_t>(plane)] = static_cast<float>(
-            1.0 / coding.parameters.step[static_cast<std::size_t>(plane)].value());
+        inverse_step_[plane] = static_cast<float>(1.0 / coding.parameters.step[plane].value());
     inverse_rotated_step_ = static_cast<float>(1.0 / coding.parameters.rotated_step.value());
     for (std::size_t c = 0; c < offset_.size(); ++c)
         for (std::size_t i = 0; i < 2; ++i)
@@ -50,15 +49,13 @@ float BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) 
 }
 
 float BlockQuantizer::energy(const BlockCoefficients& block) const {
-    const auto count = static_cast<std::size_t>(block.shape.texels());
     float total = 0;
     for (int plane = 0; plane < coding_.planes; ++plane) {
-        if (block.is_blank[static_cast<std::size_t>(plane)])
+        if (block.is_blank[plane])
             continue;
-        const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
         float sum = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            sum += x[i] * x[i];
+        for (const float x : std::span(block.plane[plane]).first(block.shape.texels()))
+            sum += x * x;
         total += sum * inverse_step(block, plane) * inverse_step(block, plane);
     }
     return total;
@@ -68,26 +65,21 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
                                      std::size_t first_plane, TileLevels& out) {
     const ShapeCoding& shape = shapes_.get(coding_, block.shape);
     const ScanOrder& order = shape.order;
-    const std::vector<float>& x = block.plane[static_cast<std::size_t>(plane)];
+    const std::vector<float>& x = block.plane[plane];
     const float per_step = inverse_step(block, plane);
     const int p_class = plane_class(plane);
-    const auto& length_costs =
-        plane == 0
-            ? costs_
-                  .first_length[static_cast<std::size_t>(length_context(block.shape, block.copies))]
-            : costs_.other_length[static_cast<std::size_t>(first_token)];
+    const auto& length_costs = plane == 0
+                                   ? costs_.first_length[length_context(block.shape, block.copies)]
+                                   : costs_.other_length[first_token];
     const int limit = length_limit(coding_.planes, order.length());
-
     const bool dependent = coding_.parameters.dependent;
     const float smallest = !options_.optimise ? dead_zone
                            : dependent        ? smallest_last
                                               : smallest_candidate;
     const std::vector<std::uint32_t>& places = shape.places();
-    const auto amplitude_at = [&](int i) {
-        return x[places[static_cast<std::size_t>(i)]] * per_step;
-    };
+    const auto amplitude_at = [&](int i) { return x[places[i]] * per_step; };
     int last = -1;
-    if (!block.is_blank[static_cast<std::size_t>(plane)] &&
+    if (!block.is_blank[plane] &&
         search_kernels().largest_magnitude(x.data(), block.shape.texels()) * per_step >= smallest) {
         last = limit - 1;
         while (last >= 0 && !(std::fabs(amplitude_at(last)) >= smallest))
@@ -95,24 +87,24 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     }
     PlaneLevels levels;
     levels.first = static_cast<std::uint32_t>(out.nonzeros.size());
-    float cost = options_.lambda * length_costs[0]; // relative to "all of it is zero"
+    float cost = options_.lambda * length_costs[0]; // of zeros
     levels_.clear();
     if (last >= 0) {
         const int end = round_up_coded_length(last + 1, order.length());
         find_crosses(out, first_plane, end);
-        amplitude_.resize(std::max(amplitude_.size(), static_cast<std::size_t>(end)));
+        amplitude_.resize(end);
         for (int i = 0; i < end; ++i)
-            amplitude_[static_cast<std::size_t>(i)] = amplitude_at(i);
-        const PlaneTask task{shape,
-                             costs_,
-                             options_,
-                             block.copies,
-                             p_class,
-                             length_costs,
-                             offset_[static_cast<std::size_t>(p_class)],
-                             std::span(amplitude_).first(static_cast<std::size_t>(end)),
-                             cross_};
-        cost = choose_levels(task, dependent, paths_, levels_);
+            amplitude_[i] = amplitude_at(i);
+        cost = choose_levels({.shape = shape,
+                              .costs = costs_,
+                              .options = options_,
+                              .copies = block.copies,
+                              .plane_class = p_class,
+                              .length_costs = length_costs,
+                              .offsets = offset_[p_class],
+                              .amplitude = amplitude_,
+                              .crosses = cross_},
+                             dependent, paths_, levels_);
     }
     out.nonzeros.insert(out.nonzeros.end(), levels_.rbegin(), levels_.rend());
     levels.count = static_cast<std::uint16_t>(levels_.size());
@@ -123,8 +115,9 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     return cost;
 }
 
+// Sums the amplitudes of the block's earlier planes, as codes for contexts.
 void BlockQuantizer::find_crosses(const TileLevels& out, std::size_t first_plane, int end) {
-    cross_.assign(static_cast<std::size_t>(end), 0);
+    cross_.assign(end, 0);
     for (std::size_t plane = first_plane; plane < out.planes.size(); ++plane)
         for (const NonZero& nz : out.levels(out.planes[plane]))
             if (nz.index < end)

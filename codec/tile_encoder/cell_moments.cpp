@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// The quads that a row is cut into, all of it.
+// Whether a row is cut into runs of four only.
 bool are_quads(const std::vector<Segment>& segments) {
     return std::all_of(segments.begin(), segments.end(),
                        [](const Segment& segment) { return segment.size == 4; });
@@ -25,8 +25,8 @@ void CellMoments::measure(const std::vector<float>& texels, float scale, std::ve
 CellMoments CellMoments::merged(int axis) const {
     CellMoments coarse;
     coarse.cells = cells;
-    coarse.cells[static_cast<std::size_t>(axis)] /= 2;
-    coarse.cells[static_cast<std::size_t>(axis) + 1] /= 2;
+    coarse.cells[axis] /= 2;
+    coarse.cells[axis + 1] /= 2;
     const auto [nu, nv, ns, nt] = coarse.cells;
     const auto all = static_cast<std::size_t>(nu * nv * ns * nt);
     coarse.sum.assign(all, 0);
@@ -38,15 +38,15 @@ CellMoments CellMoments::merged(int axis) const {
         for (c[2] = 0; c[2] < cells[2]; ++c[2])
             for (c[1] = 0; c[1] < cells[1]; ++c[1]) {
                 std::array<int, 4> to = c;
-                to[static_cast<std::size_t>(axis) + 1] /= 2;
+                to[axis + 1] /= 2;
                 if (axis == 2)
                     to[2] /= 2;
-                const auto row = static_cast<std::size_t>(((to[3] * ns + to[2]) * nv + to[1]) * nu);
-                // To pairs of which, or to as many, a row's cells belong.
+                const int row = ((to[3] * ns + to[2]) * nv + to[1]) * nu;
+                // Cells of a row join in pairs along u, or keep their number.
                 const auto add = axis == 0 ? k.add_pairs : k.add_singles;
                 add(sum.data() + i, nu, coarse.sum.data() + row);
                 add(squares.data() + i, nu, coarse.squares.data() + row);
-                i += static_cast<std::size_t>(cells[0]);
+                i += cells[0];
             }
     return coarse;
 }

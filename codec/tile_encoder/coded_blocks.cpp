@@ -10,14 +10,14 @@
 namespace tessera {
 namespace {
 
-// So that they take some MB; beyond, all are forgotten.
+// Limits of some MB, beyond which everything is forgotten.
 constexpr std::size_t most_kept_levels = std::size_t{1} << 19;
 constexpr std::size_t most_kept_blocks = std::size_t{1} << 16;
 
-// Two blocks that differ have the same one all but once in 2^64; then one would take the other's levels,
-// which are dear and not wrong. Four states, as each waits for its product.
+// Two different blocks share a fingerprint once in 2^64 cases. One then takes the other's levels,
+// which cost more but are valid. Four states, because each waits for its product.
 std::uint64_t fingerprint_of(const BlockCoefficients& block, int planes) {
-    // A bijection of the state for every value, as in pass/levels_sum.cpp; the multiplier is that of SplitMix64.
+    // A bijection of the state for every value, with SplitMix64's multiplier.
     const auto add = [](std::uint64_t& state, std::uint64_t value) {
         state = std::rotl((state ^ value) * 0xBF58476D1CE4E5B9u, 31);
     };
@@ -29,8 +29,8 @@ std::uint64_t fingerprint_of(const BlockCoefficients& block, int planes) {
         for (std::size_t lane = 0; lane < states.size(); ++lane)
             add(states[lane], values[lane]);
     };
-    const std::size_t bytes = static_cast<std::size_t>(block.shape.texels()) * sizeof(float);
-    for (std::size_t p = 0; p < static_cast<std::size_t>(planes); ++p) {
+    const std::size_t bytes = block.shape.texels() * sizeof(float);
+    for (int p = 0; p < planes; ++p) {
         const auto* from = reinterpret_cast<const std::byte*>(block.plane[p].data());
         std::size_t i = 0;
         for (; i + at_once <= bytes; i += at_once)
@@ -90,7 +90,7 @@ bool CodedBlocks::is_zero(const CodedBlock::Way& way, int planes) const {
 
 void CodedBlocks::append(const CodedBlock::Way& way, int planes, TileLevels& out) const {
     out.colours.push_back(static_cast<std::uint8_t>(way.colour));
-    for (std::size_t p = 0; p < static_cast<std::size_t>(planes); ++p) {
+    for (int p = 0; p < planes; ++p) {
         PlaneLevels plane = levels_.planes[way.planes + p];
         const auto levels = levels_.levels(plane);
         plane.first = static_cast<std::uint32_t>(out.nonzeros.size());

@@ -1,5 +1,5 @@
-// What the blocks of a tile were coded as. Rounds of copies and refinement meet many a block again, and
-// the same coefficients give the same levels.
+// Remembers how the blocks of a tile were coded. Rounds of copies and refinement meet many blocks
+// again, and equal coefficients give equal levels.
 #pragma once
 
 #include "codec/tile/tile_levels.h"
@@ -14,39 +14,39 @@
 
 namespace tessera {
 
-// One block that copies one thing.
+// One block with one prediction.
 struct CodedBlock {
     struct Way {
-        int colour = 0;                // as TileLevels has it
+        int colour = 0;                // as in TileLevels
         std::optional<float> estimate; // of the cost
-        bool is_coded = false;         // what follows is known
+        bool is_coded = false;         // the members below are known
         float cost = 0;                // squared steps, without the bits of its colour
-        std::size_t planes = 0;        // the first one's place in CodedBlocks::levels()
+        std::size_t planes = 0;        // index of the first one in CodedBlocks::levels()
     };
     std::vector<Way> ways;
     std::optional<ColourMoments> moments;
-    // Of a block that copies: what it copies changes its coefficients.
+    // Of the coefficients of a block that copies: they change with what it copies.
     std::uint64_t fingerprint = 0;
 };
 
-// Of one thread.
+// One per thread.
 class CodedBlocks {
 public:
-    // Forgets all. keep: blocks of the tile will be met again.
+    // Forgets everything. keep: blocks of the tile will be met again.
     void begin(bool keep);
 
-    // The block as far as it is known; valid until the next call.
+    // What is known of a block; valid until the next call.
     CodedBlock& at(const Block& block, const BlockPrediction& prediction);
-    // Forgets what other coefficients gave than these, of a block that copies.
+    // Forgets how a block that copies was coded if its coefficients are not the same as then.
     void check(CodedBlock& coded, const BlockCoefficients& coefficients, int planes);
 
-    // Where a quantizer puts the levels of ways.
+    // The quantiser appends the levels of ways here.
     TileLevels& levels() { return levels_; }
     const PlaneLevels& first_plane(const CodedBlock::Way& way) const {
         return levels_.planes[way.planes];
     }
     bool is_zero(const CodedBlock::Way& way, int planes) const;
-    // Colour, planes and levels of one way to the end of a tile's.
+    // Appends colour, planes and levels of one way to a tile.
     void append(const CodedBlock::Way& way, int planes, TileLevels& out) const;
 
 private:
@@ -56,7 +56,7 @@ private:
     };
 
     bool keep_ = false;
-    CodedBlock last_; // where none are kept
+    CodedBlock last_; // if none are kept
     std::unordered_map<Key, CodedBlock, Hash> known_;
     TileLevels levels_;
 };

@@ -27,14 +27,14 @@ const std::array<Axes, rotation_count>& all_axes() {
             const auto exact = rotation_axes(i);
             for (std::size_t a = 0; a < 3; ++a)
                 for (std::size_t c = 0; c < 3; ++c)
-                    result[static_cast<std::size_t>(i)][a][c] = static_cast<float>(exact[a][c]);
+                    result[i][a][c] = static_cast<float>(exact[a][c]);
         }
         return result;
     }();
     return axes;
 }
 
-// First axes of all rotations, component by component.
+// First axes of all rotations by component, for vectors.
 using FirstAxes = std::array<std::array<float, rotation_count>, 3>;
 const FirstAxes& first_axes() {
     static const auto first = [] {
@@ -53,7 +53,7 @@ ColourMoments kept_moments(const ColourCoefficients& block, const CodingParamete
     ColourMoments moments{};
     const float threshold = 0.6f * static_cast<float>(parameters.rotated_step.value());
     const float least = threshold * threshold;
-    // Rows of the moments, side by side.
+    // Rows of the moments.
     typedef float Row __attribute__((vector_size(16)));
     std::array<Row, 3> sums{};
     const auto add = [&](std::size_t i) {
@@ -69,7 +69,7 @@ ColourMoments kept_moments(const ColourCoefficients& block, const CodingParamete
         std::uint64_t kept =
             search_kernels().long_colours(y + begin, co + begin, cg + begin, n, least);
         for (; kept != 0; kept &= kept - 1)
-            add(begin + static_cast<std::size_t>(std::countr_zero(kept)));
+            add(begin + std::countr_zero(kept));
     }
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = 0; b < 3; ++b)
@@ -90,20 +90,19 @@ int choose_rotation(const ColourMoments& moments, int last) {
     int best = -1;
     float most = 0;
     for (int i = 0; i < rotation_count; ++i)
-        if (energy[static_cast<std::size_t>(i)] > most) {
-            most = energy[static_cast<std::size_t>(i)];
+        if (energy[i] > most) {
+            most = energy[i];
             best = i;
         }
     const float total = moments[0][0] + moments[1][1] + moments[2][2];
-    if (best >= 0 && last >= 0 &&
-        total - energy[static_cast<std::size_t>(last)] < 1.1f * (total - most))
+    if (best >= 0 && last >= 0 && total - energy[last] < 1.1f * (total - most))
         return last;
     return best;
 }
 
 void project_colours(const ColourCoefficients& block, int rotation, std::size_t axis, float* out) {
-    const Vector& d = all_axes()[static_cast<std::size_t>(rotation)][axis];
-    // What rgb_of makes of each plane, along the axis.
+    const Vector& d = all_axes()[rotation][axis];
+    // The contribution of each plane along the axis, by rgb_of.
     const float y = d[0] + d[1] + d[2], co = (d[0] - d[2]) / 2, cg = (d[1] - d[0] - d[2]) / 2;
     for (std::size_t i = 0; i < block.count; ++i)
         out[i] = y * block.plane[0][i] + co * block.plane[1][i] + cg * block.plane[2][i];

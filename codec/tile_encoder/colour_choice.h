@@ -1,4 +1,4 @@
-// The encoder's choice of a block's colour axes.
+// Chooses a block's colour axes.
 #pragma once
 
 #include "codec/tile_encoder/block_quantizer.h"
@@ -15,18 +15,18 @@ struct ColourCoefficients {
     std::size_t count;
 };
 
-// Second moments, in RGB, of the coefficients that are large enough for quantisation to keep them.
+// Second moments, in RGB, of the coefficients that are too large to be quantised to 0.
 using ColourMoments = std::array<std::array<float, 3>, 3>;
 ColourMoments kept_moments(const ColourCoefficients& block, const CodingParameters& parameters);
 
-// The rotation whose first axis gathers most of that energy; `last` (unless -1) if it is about as good,
-// since it costs fewer bits; -1 if nothing is kept.
+// The rotation whose first axis gathers most of that energy, or `last` if that is about as good,
+// because repeating it costs fewer bits. `last` may be -1: none. Returns -1 if no energy is kept.
 int choose_rotation(const ColourMoments& moments, int last);
 
 // The coefficients on axis 0, 1 or 2 of a rotation.
 void project_colours(const ColourCoefficients& block, int rotation, std::size_t axis, float* out);
 
-// Coefficients of Y, Co, Cg on the axes of `rotation`; further planes are copied.
+// Puts coefficients of Y, Co, Cg on the axes of `rotation`; copies further planes.
 void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficients& out);
 
 } // namespace tessera

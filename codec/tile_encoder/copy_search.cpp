@@ -1,5 +1,4 @@
-// The part of BlockSearch that decides which blocks copy, from where and how far away.
-#include "codec/tile_encoder/block_search.h"
+#include "codec/tile_encoder/copy_search.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,170 +6,104 @@
 namespace tessera {
 namespace {
 
-// Of a copying block over one that does not, beside its displacements: the model takes what is left
-// of it for cheaper than it is.
-constexpr float copy_bits = 12.0f;
-constexpr float base_copy_bits = 8.0f; // likewise, with its displacement
-// Copies that cost so many times the best tree in one round are not tried in the next.
+// Added to the estimated bits of blocks that copy, for which the model is too low.
+constexpr float copy_bits = 12.0f;     // beside the displacement
+constexpr float base_copy_bits = 8.0f; // with the displacement
+// A copy that cost so many times the best tree in one round is not tried in the next.
 constexpr float hopeless_cost = 1.5f;
-// Of the error of one direction's copy, times the other's: not tried beside it.
+// A copy along one direction with so many times the error of the other is not tried.
 constexpr float hopeless_error = 2.0f;
 constexpr int most_base_splits = 3; // angular ones, above blocks that copy the base picture
 
+float squared(float x) {
+    return x * x;
+}
+
 } // namespace
 
-void BlockSearch::forget_tries() {
-    for (Grid& grid : grids_) {
+void CopySearch::begin_tile(CellGrids& grids) {
+    displacements_.forget_likely();
+    has_matches_ = false;
+    for (CellGrid& grid : grids.all()) {
         for (std::vector<float>& cost : grid.tried_cost)
             cost.assign(grid.activity.size(), 0.0f);
         grid.subtree_cost.clear();
     }
 }
 
-bool BlockSearch::is_hopeless(const Grid& grid, std::size_t cell, std::size_t direction) const {
-    return !grid.subtree_cost.empty() &&
-           grid.tried_cost[direction][cell] > hopeless_cost * grid.subtree_cost[cell];
-}
-
-bool BlockSearch::can_copy() const {
-    return !is_flat(grids_[0], 0) && angular_depths_ > 0;
-}
-
-bool BlockSearch::choose_copies(const TilePlanes& reconstructed, TileLevels& out) {
-    if (!can_copy())
-        return false;
-    reset_choices();
-    displacements_.begin(shape_, source_[0], reconstructed.plane[0], codes_,
-                         coding_.parameters.smooth_copies);
-    matches_.resize(static_cast<std::size_t>(angular_depths_) + 1);
-    for (int a = angular_depths_; a >= 1; --a) // single views say best what is likely
-        try_copies(a, reconstructed);
-    has_matches_ = options_.copies.likely != 0; // else every round searches in full
-    if (coding_.parameters.base.on)
-        for (Grid& grid : grids_) {
+void CopySearch::try_views(TileSearch& tile, const TilePlanes& reconstructed) {
+    CellGrids& grids = tile.grids;
+    displacements_.begin(tile.source.shape(), tile.source.plane(0), reconstructed.plane[0],
+                         tile.source.codes(), coding_->parameters.smooth_copies);
+    matches_.resize(grids.angular_depths() + 1);
+    // Single views first, because they tell best which displacements are likely.
+    for (int a = grids.angular_depths(); a >= 1; --a)
+        try_views(tile, a, reconstructed);
+    has_matches_ = options_.copies.likely != 0; // otherwise every round searches in full
+    if (coding_->parameters.base.on)
+        for (CellGrid& grid : grids.all()) {
             grid.copied_cost = grid.cost;
             grid.copied = grid.prediction;
         }
-    const bool copies = emit_tree(out);
-    for (Grid& grid : grids_)
-        grid.subtree_cost = grid.cost;
-    return copies;
 }
 
-bool BlockSearch::choose_base_copies(const TilePlanes& reconstructed, TileLevels& out) {
-    if (!can_copy())
-        return false;
-    for (Grid& grid : grids_) {
-        grid.choice.assign(grid.activity.size(), static_cast<std::uint8_t>(Split::none));
-        grid.cost = grid.copied_cost;
-        grid.prediction = grid.copied;
-    }
-    try_base(reconstructed);
-    return emit_tree(out);
-}
-
-void BlockSearch::find_displacements(const TilePlanes& pictured, BaseDisplacements& out) {
-    const Grid& grid = grids_[grid_index(spatial_depths_, 0)];
-    base_matches_.begin(shape_, source_[0], codes_, coding_, pictured);
-    base_matches_.enter(grid.segments);
-    grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
-        out.set(block_of(grid, c), base_matches_.best(i).displacement);
-    });
-}
-
-// Blocks of single views are what copies from one view to the next are for.
-void BlockSearch::try_base(const TilePlanes& reconstructed) {
-    const int deepest = std::min(angular_depths_, most_base_splits);
-    base_matches_.begin(shape_, source_[0], codes_, coding_, reconstructed);
-    for (int a = angular_depths_; a >= 0; --a)
-        for (int s = spatial_depths_; s >= 0; --s) {
-            Grid& grid = grids_[grid_index(s, a)];
-            base_matches_.enter(grid.segments);
-            if (a > deepest || !is_tried(s, a))
-                continue;
-            grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
-                if (!is_flat(grid, i))
-                    try_base(grid, c, base_matches_.best(i), reconstructed);
-            });
-        }
-}
-
-void BlockSearch::try_base(Grid& grid, const std::array<int, 4>& c, const BaseMatch& match,
-                           const TilePlanes& reconstructed) {
-    const std::size_t i = grid.index(c);
-    if (match.error * inverse_step_[0] * inverse_step_[0] >= grid.activity[i] + grid.mean_cost[i])
-        return;
-    const BlockPrediction prediction{
-        CopyFrom::base, base_displacement(coding_.parameters.base, match.displacement)};
-    const float bits = options_.lambda * (block_overhead_bits + base_copy_bits);
-    const float cost =
-        bits + copy_cost(block_of(grid, c), prediction, reconstructed, grid.cost[i] - bits);
-    if (cost < grid.cost[i]) {
-        grid.cost[i] = cost;
-        grid.prediction[i] = prediction;
-    }
-}
-
-void BlockSearch::try_copies(int angular, const TilePlanes& reconstructed) {
-    const Grid& finest = grids_[grid_index(spatial_depths_, angular)];
-    std::vector<DisplacementSearch::Axes> spatial;
-    for (int s = 0; s <= spatial_depths_; ++s) {
-        const Grid& grid = grids_[grid_index(s, angular)];
-        spatial.push_back({grid.segments[0], grid.segments[1]});
-    }
-    // Flat cells cost what their means do, whatever they copy.
-    wanted_.resize(spatial.size());
-    for (int s = 0; s <= spatial_depths_; ++s) {
-        const Grid& grid = grids_[grid_index(s, angular)];
-        auto& wanted = wanted_[static_cast<std::size_t>(s)];
-        wanted.assign(grid.activity.size(), 0);
-        if (is_tried(s, angular))
-            grid.for_each_cell([&](const std::array<int, 4>&, std::size_t i) {
-                wanted[i] = is_flat(grid, i) ? 0 : 1;
-            });
-    }
-    const float bit_cost = options_.lambda / (inverse_step_[0] * inverse_step_[0]);
-    const DisplacementSearch::Axes views{finest.segments[2], finest.segments[3]};
-    auto& matches = matches_[static_cast<std::size_t>(angular)];
-    for (int direction = 0; direction < copy_directions; ++direction) {
-        auto& own = matches[static_cast<std::size_t>(direction)];
-        if (has_matches_)
-            displacements_.match_again(direction, views, spatial, wanted_, costs_, bit_cost, own);
-        else
-            displacements_.match(direction, views, spatial, wanted_, options_.copies, costs_,
-                                 bit_cost, own);
-    }
-    for (int s = 0; s <= spatial_depths_; ++s) {
-        Grid& grid = grids_[grid_index(s, angular)];
-        if (!is_tried(s, angular))
+void CopySearch::try_views(TileSearch& tile, int angular, const TilePlanes& reconstructed) {
+    Matches& matches = matches_[angular];
+    match(tile, angular, matches);
+    for (int s = 0; s <= tile.grids.spatial_depths(); ++s) {
+        CellGrid& grid = tile.grids.at(s, angular);
+        if (!grid.is_tried)
             continue;
-        grid.for_each_cell([&](const std::array<int, 4>& c, std::size_t i) {
-            if (!is_flat(grid, i))
-                try_copies(grid, c,
-                           {matches[0][static_cast<std::size_t>(s)][i],
-                            matches[1][static_cast<std::size_t>(s)][i]},
-                           reconstructed);
+        grid.for_each_cell([&](const Cell& cell, std::size_t i) {
+            if (!tile.grids.is_flat(grid, i))
+                try_views(tile, grid, cell, {matches[0][s][i], matches[1][s][i]}, reconstructed);
         });
     }
 }
 
-// One direction, then the other.
-void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
-                             const std::array<Match, copy_directions>& match,
-                             const TilePlanes& reconstructed) {
-    const Block block = block_of(grid, c);
-    const std::size_t i = grid.index(c);
-    const float scale = inverse_step_[0] * inverse_step_[0];
+// Finds the best displacements of all cells of an angular depth. Flat cells are left out: they cost
+// what their means do, whatever they copy.
+void CopySearch::match(TileSearch& tile, int angular, Matches& matches) {
+    const CellGrids& grids = tile.grids;
+    const CellGrid& finest = grids.at(grids.spatial_depths(), angular);
+    cells_.angular = {finest.segments[2], finest.segments[3]};
+    cells_.spatial.clear();
+    cells_.wanted.resize(grids.spatial_depths() + 1);
+    for (int s = 0; s <= grids.spatial_depths(); ++s) {
+        const CellGrid& grid = grids.at(s, angular);
+        cells_.spatial.push_back({grid.segments[0], grid.segments[1]});
+        std::vector<std::uint8_t>& wanted = cells_.wanted[s];
+        wanted.assign(grid.activity.size(), 0);
+        if (grid.is_tried)
+            grid.for_each_cell(
+                [&](const Cell&, std::size_t i) { wanted[i] = grids.is_flat(grid, i) ? 0 : 1; });
+    }
+    const float bit_cost = options_.lambda / squared(tile.costs.inverse_step(0));
+    for (int direction = 0; direction < copy_directions; ++direction)
+        if (has_matches_)
+            displacements_.match_again(direction, cells_, bit_cost, matches[direction]);
+        else
+            displacements_.match(direction, cells_, bit_cost, matches[direction]);
+}
+
+void CopySearch::try_views(TileSearch& tile, CellGrid& grid, const Cell& cell,
+                           const std::array<Match, copy_directions>& matches,
+                           const TilePlanes& reconstructed) {
+    const std::size_t i = grid.index(cell);
+    const float scale = squared(tile.costs.inverse_step(0));
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
         const std::size_t direction = from == CopyFrom::along_s ? 0 : 1;
-        const Match& found = match[direction];
-        if (found.error * scale >= grid.activity[i] + grid.mean_cost[i] ||
-            found.error > hopeless_error * match[1 - direction].error ||
-            is_hopeless(grid, i, direction))
+        const Match& match = matches[direction];
+        if (match.error * scale >= grid.activity[i] + grid.mean_cost[i] ||
+            match.error > hopeless_error * matches[1 - direction].error ||
+            (!grid.subtree_cost.empty() &&
+             grid.tried_cost[direction][i] > hopeless_cost * grid.subtree_cost[i]))
             continue;
-        const BlockPrediction prediction{from, found.displacement};
-        const float bits = options_.lambda * (block_overhead_bits + copy_bits + found.bits);
-        const float cost = bits + copy_cost(block, prediction, reconstructed, grid.cost[i] - bits);
+        const BlockPrediction prediction{from, match.displacement};
+        const float bits =
+            options_.lambda * (CellCosts::block_overhead_bits + copy_bits + match.bits);
+        const float cost = bits + copy_cost(tile, grid.block(cell), prediction, reconstructed,
+                                            grid.cost[i] - bits);
         grid.tried_cost[direction][i] = cost;
         if (cost < grid.cost[i]) {
             grid.cost[i] = cost;
@@ -179,38 +112,85 @@ void BlockSearch::try_copies(Grid& grid, const std::array<int, 4>& c,
     }
 }
 
-float BlockSearch::copy_cost(const Block& block, const BlockPrediction& prediction,
-                             const TilePlanes& reconstructed, float limit) {
+// Base pictures are for blocks of several views; single views copy from the next ones.
+void CopySearch::try_base(TileSearch& tile, const TilePlanes& reconstructed) {
+    CellGrids& grids = tile.grids;
+    const int deepest = std::min(grids.angular_depths(), most_base_splits);
+    base_matches_.begin(tile.source.shape(), tile.source.plane(0), tile.source.codes(), *coding_,
+                        reconstructed);
+    for (int a = grids.angular_depths(); a >= 0; --a)
+        for (int s = grids.spatial_depths(); s >= 0; --s) {
+            CellGrid& grid = grids.at(s, a);
+            base_matches_.enter(grid.segments);
+            if (a > deepest || !grid.is_tried)
+                continue;
+            grid.for_each_cell([&](const Cell& cell, std::size_t i) {
+                if (!grids.is_flat(grid, i))
+                    try_base(tile, grid, cell, base_matches_.best(i), reconstructed);
+            });
+        }
+}
+
+void CopySearch::try_base(TileSearch& tile, CellGrid& grid, const Cell& cell,
+                          const BaseMatch& match, const TilePlanes& reconstructed) {
+    const std::size_t i = grid.index(cell);
+    const float inverse_step = tile.costs.inverse_step(0);
+    if (match.error * inverse_step * inverse_step >= grid.activity[i] + grid.mean_cost[i])
+        return;
+    const BlockPrediction prediction{
+        CopyFrom::base, base_displacement(coding_->parameters.base, match.displacement)};
+    const float bits = options_.lambda * (CellCosts::block_overhead_bits + base_copy_bits);
+    const float cost =
+        bits + copy_cost(tile, grid.block(cell), prediction, reconstructed, grid.cost[i] - bits);
+    if (cost < grid.cost[i]) {
+        grid.cost[i] = cost;
+        grid.prediction[i] = prediction;
+    }
+}
+
+void CopySearch::find_displacements(TileSearch& tile, const TilePlanes& pictured,
+                                    BaseDisplacements& out) {
+    const CellGrid& grid = tile.grids.at(tile.grids.spatial_depths(), 0);
+    base_matches_.begin(tile.source.shape(), tile.source.plane(0), tile.source.codes(), *coding_,
+                        pictured);
+    base_matches_.enter(grid.segments);
+    grid.for_each_cell([&](const Cell& cell, std::size_t i) {
+        out.set(grid.block(cell), base_matches_.best(i).displacement);
+    });
+}
+
+float CopySearch::copy_cost(TileSearch& tile, const Block& block, const BlockPrediction& prediction,
+                            const TilePlanes& reconstructed, float limit) {
     const BlockShape& shape = block.shape;
     const auto texels = static_cast<std::size_t>(shape.texels());
     const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
     const SearchKernels& k = search_kernels();
-    // They change places below.
+    // Both buffers only grow, because they are swapped below.
     residual_.resize(std::max(residual_.size(), texels));
-    scratch_a_.resize(std::max(scratch_a_.size(), texels));
+    scratch_.resize(std::max(scratch_.size(), texels));
     float energy = 0;
-    for (int plane = 0; plane < coding_.planes; ++plane) {
-        const auto p = static_cast<std::size_t>(plane);
-        gather_difference(block, prediction, plane, reconstructed, residual_.data());
-        if (kept < image) { // else nobody asks
+    for (int p = 0; p < coding_->planes; ++p) {
+        tile.source.difference(block, prediction, p, reconstructed, residual_.data());
+        if (kept < image) { // otherwise block_cost does not need it
             float squares = 0;
             for (std::size_t i = 0; i < texels; ++i)
                 squares += residual_[i] * residual_[i];
-            energy += squares * inverse_step_[p] * inverse_step_[p];
+            energy += squares * tile.costs.inverse_step(p) * tile.costs.inverse_step(p);
         }
         for (int axis = 3; axis >= 2; --axis)
             if (shape.n[axis] > 1) {
-                forward_axis(residual_.data(), scratch_a_.data(), shape, axis);
-                residual_.swap(scratch_a_);
+                forward_axis(residual_.data(), scratch_.data(), shape, axis);
+                residual_.swap(scratch_);
             }
+        coefficients_[p].resize(std::max(coefficients_[p].size(), texels));
         for (int i = 0; i < images; ++i)
             k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
                             coefficients_[p].data() + i * kept);
-        if (plane == 0 && plane_cost(shape, p) >= limit)
+        if (p == 0 && tile.costs.plane_cost(coefficients_, shape, p) >= limit)
             return std::numeric_limits<float>::infinity();
     }
-    return coefficients_cost(shape, energy);
+    return tile.costs.block_cost(coefficients_, shape, energy);
 }
 
 } // namespace tessera

@@ -11,7 +11,7 @@ struct Line {
     std::size_t at(std::size_t i) const { return begin + i * stride; }
 };
 
-// Values first..end-1 of a line, which lie between two known ones or, at an end of it, beside one.
+// Fills values first..end-1 of a line, which lie between two known ones or, at an end, beside one.
 void fill_run(std::vector<std::int32_t>& plane, const Line& line, std::size_t first,
               std::size_t end) {
     const std::int32_t before = plane[line.at(first > 0 ? first - 1 : end)];
@@ -39,7 +39,7 @@ bool DontCare::is_all() const {
 bool DontCare::are_alike(const TilePlanes& planes, int plane_count) const {
     const std::vector<std::int32_t>& matters = matters_.plane[0];
     const auto first = static_cast<std::size_t>(std::ranges::find(matters, 0) - matters.begin());
-    for (std::size_t p = 0; p < static_cast<std::size_t>(plane_count); ++p)
+    for (int p = 0; p < plane_count; ++p)
         for (std::size_t i = first; i < matters.size(); ++i)
             if (matters[i] == 0 && planes.plane[p][i] != planes.plane[p][first])
                 return false;
@@ -52,7 +52,7 @@ void DontCare::fill(TilePlanes& planes, int plane_count) {
     std::ranges::transform(matters, is_known_.begin(), [](std::int32_t m) { return m != 0; });
     if (is_all()) {
         for (int p = 0; p < plane_count; ++p)
-            std::ranges::fill(planes.plane[static_cast<std::size_t>(p)], 0);
+            std::ranges::fill(planes.plane[p], 0);
         return;
     }
     for (const std::size_t axis : {axis_t, axis_s, axis_v, axis_u})
@@ -61,7 +61,7 @@ void DontCare::fill(TilePlanes& planes, int plane_count) {
 
 void DontCare::fill_along(std::size_t axis, TilePlanes& planes, int plane_count) {
     const auto& n = planes.shape.n;
-    std::size_t stride = 1; // of planes: u, v, s, t
+    std::size_t stride = 1; // u is fastest
     for (std::size_t before = 0; before < axis; ++before)
         stride *= n[before];
     const std::size_t count = n[axis], texels = is_known_.size();
@@ -75,7 +75,7 @@ void DontCare::fill_along(std::size_t axis, TilePlanes& planes, int plane_count)
                 if (end == first || (first == 0 && end == count))
                     continue;
                 for (int p = 0; p < plane_count; ++p)
-                    fill_run(planes.plane[static_cast<std::size_t>(p)], line, first, end);
+                    fill_run(planes.plane[p], line, first, end);
                 for (std::size_t i = first; i < end; ++i)
                     is_known_[line.at(i)] = 1;
             }
@@ -84,7 +84,7 @@ void DontCare::fill_along(std::size_t axis, TilePlanes& planes, int plane_count)
 
 void DontCare::project(const TilePlanes& decoded, TilePlanes& planes, int plane_count) const {
     const std::vector<std::int32_t>& matters = matters_.plane[0];
-    for (std::size_t p = 0; p < static_cast<std::size_t>(plane_count); ++p)
+    for (int p = 0; p < plane_count; ++p)
         for (std::size_t i = 0; i < matters.size(); ++i)
             if (matters[i] == 0)
                 planes.plane[p][i] = decoded.plane[p][i];

@@ -1,4 +1,4 @@
-// What the texels that do not matter are taken for, so that the others cost least.
+// Chooses values for masked texels so that the others cost least.
 #pragma once
 
 #include "codec/tile/tile_planes.h"
@@ -10,28 +10,28 @@
 
 namespace tessera {
 
-// The free texels of one tile. Holds scratch memory: one per thread.
+// The mask of one tile. Holds scratch memory: one per thread.
 class DontCare {
 public:
-    // matters: as TileTexels has them, not empty.
+    // matters: as in TileTexels, not empty.
     void set(std::span<const std::byte> matters, const BlockShape& shape);
 
-    bool is_all() const; // no texel matters
-    // Whether the free texels have one value all, so that there is nothing in it.
+    bool is_all() const; // all texels are masked
+    // Whether all masked texels have the same value, so that they hold no content.
     bool are_alike(const TilePlanes& planes, int plane_count) const;
-    // Smooth values for a start: along t, then s, v and u, runs of free values are interpolated
-    // between the known ones around them, and repeat the last known one at the ends. Lines without
-    // any wait for the next axis; a tile without any becomes background. Integers only.
+    // Fills masked texels smoothly. Along t, then s, v and u, runs of them are interpolated between
+    // the known values around them and repeat the last known value at the ends. A line without
+    // known values waits for the next axis, a tile without any becomes background. Integers only.
     void fill(TilePlanes& planes, int plane_count);
-    // The values of `decoded`. What an encoder chose to decode to costs no error: encoding again
-    // with that for a target comes nearer to the cheapest tile (projection onto convex sets, as Chen,
-    // Civanlar and Haskell did for blocks of arbitrary shape, 1994).
+    // Gives masked texels the values that they were decoded to, which cost no error. Encoding the
+    // tile again comes closer to the cheapest one (projection onto convex sets, as Chen, Civanlar
+    // and Haskell did for blocks of arbitrary shape, 1994).
     void project(const TilePlanes& decoded, TilePlanes& planes, int plane_count) const;
 
 private:
     void fill_along(std::size_t axis, TilePlanes& planes, int plane_count);
 
-    TilePlanes matters_; // of one plane; 0: free
+    TilePlanes matters_; // one plane; 0: masked
     std::vector<std::uint8_t> is_known_;
 };
 

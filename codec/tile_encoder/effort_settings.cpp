@@ -14,19 +14,18 @@ constexpr std::uint64_t grid(int spatial, int angular) {
     return std::uint64_t{1} << (spatial * 8 + angular);
 }
 
-// Halving all four sides together loses 18 % of bits to the free tree (38 dB, composed scene); other
-// sets of four grids lost 18 to 32 %. Three more grids bring that to 11 %.
+// Halving all four sides together costs 18 % more bits than the free tree (38 dB, composed scene);
+// other sets of four grids cost 18 to 32 %. Three more grids reduce that to 11 %.
 constexpr std::uint64_t halvings = grid(1, 1) | grid(2, 2) | grid(3, 3);
 constexpr std::uint64_t four = halvings | grid(0, 0);
 constexpr std::uint64_t seven = four | grid(0, 1) | grid(1, 2) | grid(2, 3);
 constexpr std::uint64_t all = ~std::uint64_t{0};
 
-// The range of copies is in half texels a view. Parallax in the rivals' texture is a few texels;
-// larger textures have more.
 struct EffortRow {
     std::uint64_t grids;
     bool rotation, dependent, recode;
-    // Of the search for copies; 0 rounds: no copies, and no filter either.
+    // The search for copies, see DisplacementRange: in half texels per view. The parallax of most
+    // textures is a few texels. 0 rounds: no copies, and no filter either.
     int along, across, likely, rounds;
     bool dense_tables;
     int refinements;
@@ -41,13 +40,13 @@ constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
     {all, on, on, on, 24, 10, 60, 2, on, 1},
     {all, on, on, on, 24, 10, 0, 4, on, 2},
 }};
-// Where a tool switch brings copies to an effort that has none.
+// If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
 
 } // namespace
 
 EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
-    const EffortRow& level = effort_rows[static_cast<std::size_t>(effort)];
+    const EffortRow& level = effort_rows[effort];
     const bool level_copies = level.rounds > 0;
     const bool copies = tools.is_on(CodingTool::copies, level_copies);
     const bool grids_asked_for = tools.is_on(CodingTool::grids, false);

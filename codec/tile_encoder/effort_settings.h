@@ -1,4 +1,4 @@
-// What an effort switches on: the one place where efforts get their meaning.
+// What each effort switches on; the only place that knows.
 #pragma once
 
 #include "codec/tile_encoder/block_quantizer.h"
@@ -11,25 +11,24 @@ namespace tessera {
 struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
-    bool recode =
-        true; // code again under tables fitted to all tiles; else those of the sample stay
-    bool dependent = true;      // quantise by a trellis
+    bool recode = true;         // code again with tables fitted to all tiles, not only to a sample
+    bool dependent = true;      // dependent quantisation, by a trellis
     bool rotate_colours = true; // try rotated colour axes for every block
-    bool ycocg = true;          // code YCoCg, not RGB
+    bool ycocg = true;          // instead of RGB
     bool fit_tables = true;     // to the sample, and to all tiles
-    bool filter = true;         // decoded tiles, where that is worth it
-    bool try_smooth = true;     // whether copies are smoothed is found by a trial
-    bool try_base = true;       // whether tiles have base pictures, likewise
-    bool try_alignment = true;  // of views, by their parallax
-    bool try_dense = true;      // whether tables start from those of dense textures, likewise
+    bool filter = true;         // fit a filter, if that is worth it
+    bool try_smooth = true;     // a trial decides whether copies are smoothed,
+    bool try_base = true;       // ... whether tiles have base pictures,
+    bool try_alignment = true;  // ... whether views are aligned,
+    bool try_dense = true;      // ... whether tables are learnt from a dense start
     bool balance = true;        // tiles keep the mean of their texels
-    bool quick = false;         // small samples, tiles' shape by estimates: coding takes no longer
+    bool quick = false;         // small samples, and estimates to choose tiles' shape
     int copy_rounds = 1;        // of the search for blocks that copy
-    int refinements = 1;        // rounds of splitting and merging at what coding really costs
+    int refinements = 1;        // rounds of splitting and merging at real costs
 
-    // Precondition: effort 0..most_effort (codec/encoder.h).
+    // Precondition: effort is 0..most_effort (codec/encoder.h).
     static EffortSettings of(int effort, const ToolSwitches& tools = {});
-    // For passes over a sample, which find tables and make choices for the file: they refine nothing.
+    // For passes over a sample, which choose tables and tools for the file and refine nothing.
     EffortSettings for_samples() const;
 };
 

@@ -1,11 +1,10 @@
-// Moves the mean of a tile's colours by changing some of its blocks' first levels by one: those that lie
-// nearly half way between two levels, so that hardly an error or a bit comes of it. For tiles without
-// dependent quantisation and copies, of which each first level changes one block and nothing else.
+// Moves a tile's mean colour by changing first levels of some blocks by one. Chooses those that lie
+// nearly half way between two levels, which costs hardly any error or bits. For tiles without
+// dependent quantisation and copies, where a first level changes one block and nothing else.
 #pragma once
 
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
-#include "codec/tile/tile_planes.h"
 #include "codec/tile/tile_texels.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile_encoder/block_quantizer.h"
@@ -18,32 +17,32 @@
 
 namespace tessera {
 
-// Scratch memory of one thread.
+// Holds scratch memory: one per thread.
 class LevelBalance {
 public:
     // All outlive it.
     LevelBalance(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
                  float lambda);
 
-    // Forgets the blocks of another tile.
+    // Forgets the blocks of the tile before.
     void begin() { firsts_.clear(); }
-    // What the levels of the tile's next block stand for, on the axes of its colour.
+    // Takes the coefficients of the tile's next block, on the axes of its colour.
     void add(const BlockCoefficients& block);
 
-    // Changes levels of the tile whose blocks were added, so that its mean moves back by `error` codes as
-    // far as that can be. Returns the blocks that changed, ascending; valid until the next call.
+    // Changes levels of the tile whose blocks were added so that its mean moves by -`error` codes,
+    // as far as that is possible. Returns the changed blocks, ascending; valid until the next call.
     const std::vector<std::size_t>& pay(const Means& error, const TileTexels& texels,
                                         TileLevels& tile);
 
 private:
     // A first level that may change by `by`.
     struct Move {
-        std::uint32_t plane; // of TileLevels::planes
-        std::int32_t by;
-        std::array<float, max_planes> change; // of the sums of the channels, in codes
+        std::uint32_t plane = 0; // of TileLevels::planes
+        std::int32_t by = 0;
+        std::array<float, max_planes> change{}; // of the sums of the channels, in codes
     };
     struct Offer {
-        double price;       // squared steps for a code less of error
+        double price;       // squared steps for each code of error that it removes
         std::uint32_t move; // of moves_
     };
 
@@ -52,6 +51,7 @@ private:
         return rotated ? rotated_step_ : step_[plane];
     }
     void find_moves(const Means& debt, const TileTexels& texels, const TileLevels& tile);
+    std::array<float, max_planes> change_by_one(int colour, std::size_t plane, float texels) const;
     float cost_of(const TileLevels& tile, std::size_t block, int plane, std::int32_t level) const;
     void apply(TileLevels& tile);
 
@@ -61,7 +61,7 @@ private:
     float lambda_;
     std::array<double, max_planes> step_{};
     double rotated_step_;
-    std::vector<std::array<float, max_planes>> firsts_; // coefficients of each block
+    std::vector<std::array<float, max_planes>> firsts_; // first coefficients of each block
     std::vector<Move> moves_;
     std::vector<Offer> offers_;   // a heap, the cheapest first
     std::vector<std::int8_t> by_; // of each plane of the tile

@@ -6,26 +6,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 
 namespace tessera {
 namespace {
 
 // Tables of one coefficient without dependent quantisation.
 const std::array<float, 2>& flag_bits(const PlaneTask& task, std::size_t at, int neighbours) {
-    return task.costs.zero[static_cast<std::size_t>(
+    const int row =
         zero_parameter(task.copies, 0, task.plane_class, task.shape.order.context[at].position, 0,
-                       cross_class(task.crosses[at])) +
-        neighbours)];
+                       cross_class(task.crosses[at]));
+    return task.costs.zero[row + neighbours];
 }
 const std::array<float, magnitude_tokens>& token_bits(const PlaneTask& task, std::size_t at,
                                                       int neighbours) {
+    const int row = magnitude_table(task.copies, 0, task.plane_class, at == 0, 0,
+                                    cross_class(task.crosses[at]));
     const bool sees_all = at == 0 || task.plane_class == 0;
-    return task.costs.magnitude[static_cast<std::size_t>(
-        magnitude_table(task.copies, 0, task.plane_class, at == 0, 0,
-                        cross_class(task.crosses[at])) +
-        (sees_all ? neighbours : neighbours / 2 * magnitude_crosses))];
+    return task.costs.magnitude[row + (sees_all ? neighbours : neighbours / 2 * magnitude_crosses)];
 }
 
 float squared_error(const PlaneTask& task, float amplitude, std::int32_t level) {
@@ -33,26 +30,32 @@ float squared_error(const PlaneTask& task, float amplitude, std::int32_t level) 
     return error * error;
 }
 
-// The cheapest place to end: a coded length is paid for where it ends.
+// Levels are chosen without their signs.
+NonZero with_sign(const PlaneTask& task, std::size_t at, std::int32_t level) {
+    return {static_cast<std::uint16_t>(at), task.amplitude[at] < 0 ? -level : level};
+}
+
+// The cheapest coded length so far.
 class BestEnd {
 public:
     explicit BestEnd(const PlaneTask& task) : task_(task) {
         if (task.options.optimise)
             cost = task.options.lambda * task.length_costs[0];
     }
-    // The least coded length that has so many coefficients. Without optimisation only all of them is one.
-    std::size_t next_from(std::size_t length) const {
-        return task_.options.optimise ? static_cast<std::size_t>(round_up_coded_length(
-                                            static_cast<int>(length), task_.shape.order.length()))
-                                      : task_.amplitude.size();
+    // The smallest coded length from `least` on. Without optimisation everything is coded.
+    std::size_t next_from(std::size_t least) const {
+        if (!task_.options.optimise)
+            return task_.amplitude.size();
+        return round_up_coded_length(static_cast<int>(least), task_.shape.order.length());
     }
-    void offer(std::size_t at, float so_far) {
-        const auto token = static_cast<std::size_t>(length_token(static_cast<int>(at) + 1));
+    // Offers to end after so many coefficients.
+    void offer(std::size_t coefficients, float so_far) {
+        const int token = length_token(static_cast<int>(coefficients));
         const float total = so_far + task_.options.lambda * task_.length_costs[token];
         if (total >= cost)
             return;
         cost = total;
-        length = at + 1;
+        length = coefficients;
     }
 
     float cost = unreachable_cost;
@@ -62,12 +65,7 @@ private:
     const PlaneTask& task_;
 };
 
-// Levels are found without their signs.
-NonZero with_sign(const PlaneTask& task, std::size_t at, std::int32_t level) {
-    return {static_cast<std::uint16_t>(at), task.amplitude[at] < 0 ? -level : level};
-}
-
-// Plain quantisation: the choice coefficient by coefficient.
+// Independent quantisation: chooses coefficient by coefficient.
 float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vector<NonZero>& out) {
     const std::size_t length = task.amplitude.size();
     paths.grid.begin(task.shape.order);
@@ -84,7 +82,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
         const int neighbours =
             at == 0 ? size_class(task.shape.order.shape) : cells.neighbours(context);
         const auto& flags = flag_bits(task, at, neighbours);
-        if (optimise && a < smallest_candidate) { // most of them
+        if (optimise && a < smallest_candidate) { // most coefficients
             cost += lambda * flags[0];
         } else {
             const auto nearest = static_cast<std::int32_t>(std::min(
@@ -95,8 +93,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
             std::int32_t level = 0;
             for (std::int32_t l = optimise ? std::max(1, nearest - 1) : nearest;
                  l <= nearest && l > 0; ++l) {
-                const float bits =
-                    flags[1] + tokens[static_cast<std::size_t>(magnitude_token(l).token)];
+                const float bits = flags[1] + tokens[magnitude_token(l).token];
                 const float total = cost + squared_error(task, a, l) - a * a + lambda * bits;
                 if (total < best) {
                     best = total;
@@ -109,7 +106,7 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
                 cells.mark(context, amplitude_of_level(level, false));
         }
         if (at + 1 == next_end) {
-            end.offer(at, cost);
+            end.offer(at + 1, cost);
             next_end = end.next_from(next_end + 1);
         }
     }
@@ -122,16 +119,14 @@ float choose_plain_levels(const PlaneTask& task, TrellisPaths& paths, std::vecto
     return end.cost;
 }
 
-// What ending behind each coefficient costs.
+// The cost of ending after each coefficient.
 void find_end_costs(const PlaneTask& task, std::vector<float>& costs) {
     const auto count = static_cast<int>(task.amplitude.size());
     costs.assign(task.amplitude.size(), unreachable_cost);
     for (int length = 1; length <= count; ++length) {
         length = round_up_coded_length(length, task.shape.order.length());
         if (length <= count)
-            costs[static_cast<std::size_t>(length) - 1] =
-                task.options.lambda *
-                task.length_costs[static_cast<std::size_t>(length_token(length))];
+            costs[length - 1] = task.options.lambda * task.length_costs[length_token(length)];
     }
 }
 
@@ -157,28 +152,29 @@ float choose_dependent_levels(const PlaneTask& task, TrellisPaths& paths,
     const auto& flags = task.costs.flags[task.copies];
     const auto& tokens = task.costs.tokens[task.copies];
     const TrellisEnd end = search_kernels().run_trellis(
-        {static_cast<int>(count),
-         task.amplitude.data(),
-         task.shape.neighbours().data()->data(),
-         task.shape.order.context.data(),
-         size_class(task.shape.order.shape),
-         paths.flag_row.data(),
-         paths.token_row.data(),
-         paths.end_cost.data(),
-         task.options.lambda * task.length_costs[0],
-         {flags[0].data()->data()->data(), flags[1].data()->data()->data()},
-         {tokens[0].data()->data()->data(), tokens[1].data()->data()->data()},
-         task.options.lambda,
-         {task.offsets[0], task.offsets[1]},
-         paths.before.data(),
-         paths.level.data(),
-         paths.seen.data()});
-    const std::size_t before = out.size();
-    out.resize(before + static_cast<std::size_t>(end.length));
-    NonZero* to = out.data() + before;
-    auto state = static_cast<std::size_t>(end.state);
-    for (auto at = static_cast<std::size_t>(end.length); at-- > 0;) {
-        const std::size_t place = at * quantiser_states + state;
+        {.count = static_cast<int>(count),
+         .amplitude = task.amplitude.data(),
+         .neighbours = task.shape.neighbours().data()->data(),
+         .context = task.shape.order.context.data(),
+         .first_class = size_class(task.shape.order.shape),
+         .flag_row = paths.flag_row.data(),
+         .token_row = paths.token_row.data(),
+         .end_cost = paths.end_cost.data(),
+         .zero_cost = task.options.lambda * task.length_costs[0],
+         .flags = {flags[0].data()->data()->data(), flags[1].data()->data()->data()},
+         .tokens = {tokens[0].data()->data()->data(), tokens[1].data()->data()->data()},
+         .lambda = task.options.lambda,
+         .offsets = {task.offsets[0], task.offsets[1]},
+         .before = paths.before.data(),
+         .level = paths.level.data(),
+         .seen = paths.seen.data()});
+    // Follows the cheapest path back.
+    const std::size_t first = out.size();
+    out.resize(first + end.length);
+    NonZero* to = out.data() + first;
+    int state = end.state;
+    for (int at = end.length; at-- > 0;) {
+        const int place = at * quantiser_states + state;
         const std::int32_t level = paths.level[place];
         *to = with_sign(task, at, level);
         to += level != 0 ? 1 : 0;

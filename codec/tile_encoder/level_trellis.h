@@ -1,4 +1,5 @@
-// The cheapest levels of one plane of a block: a path through the states of dependent quantisation.
+// The cheapest levels of one plane of a block. With dependent quantisation these are a path through
+// the states of a trellis.
 #pragma once
 
 #include "codec/entropy/context_grid.h"
@@ -14,7 +15,7 @@
 
 namespace tessera {
 
-// Lagrangian cost of a choice, in squared quantiser steps: distortion + lambda * bits.
+// Costs are in squared quantiser steps: distortion + lambda * bits.
 struct QuantizerOptions {
     float lambda = 0.11f; // squared steps per bit
     bool optimise = true; // else levels are rounded with a dead zone (independent ones only)
@@ -22,7 +23,7 @@ struct QuantizerOptions {
 
 // A coefficient below this can only become 0, in steps.
 constexpr float smallest_candidate = 0.55f;
-// Without optimisation: the first level that is not 0.
+// The smallest coefficient whose level is not 0 without optimisation, in steps.
 constexpr float dead_zone = 2.0f / 3.0f;
 
 // One plane of one block. The spans are as long as the coefficients that may be coded.
@@ -38,7 +39,7 @@ struct PlaneTask {
     std::span<const std::uint8_t> crosses; // sums of the amplitudes of earlier planes, for contexts
 };
 
-// Memory of the paths, kept from plane to plane, and of the rest of a TrellisTask.
+// Scratch memory, kept from plane to plane.
 struct TrellisPaths {
     std::vector<std::uint16_t> flag_row;
     std::vector<std::uint8_t> token_row;
@@ -49,7 +50,7 @@ struct TrellisPaths {
     ContextGrid grid; // without dependent quantisation
 };
 
-// Appends the cheapest levels to `out`, last one first. Returns their cost, relative to zeros only.
+// Appends the cheapest levels to `out`, last one first. Returns their cost relative to zeros.
 float choose_levels(const PlaneTask& task, bool dependent, TrellisPaths& paths,
                     std::vector<NonZero>& out);
 

@@ -12,10 +12,9 @@
 namespace tessera {
 namespace {
 
-// Of a block's mean, in steps of its first coefficient.
-constexpr double most_asked = 0.5;
+constexpr double most_asked = 0.5; // of a block, in steps of its first coefficient
 
-// What a small change of the channels is in planes.
+// The change of the planes that a small change of the channels makes.
 Means planes_of(const Means& c, ColourTransform transform) {
     if (transform == ColourTransform::none)
         return c;
@@ -106,9 +105,9 @@ MeanDebt::MeanDebt(const Means& error, int texels, double gain, const TileCoding
 }
 
 void MeanDebt::ask_of(BlockCoefficients& block) const {
-    // The first coefficient is the mean times this.
+    // The first coefficient is the block's mean times this.
     const double scale = std::sqrt(static_cast<double>(block.shape.texels()));
-    for (std::size_t plane = 0; plane < static_cast<std::size_t>(coding_.planes); ++plane) {
+    for (int plane = 0; plane < coding_.planes; ++plane) {
         const double most = most_asked * coding_.parameters.step[plane].value();
         block.plane[plane][0] +=
             static_cast<float>(std::clamp(gain_ * sum_[plane] / left_ * scale, -most, most));
@@ -117,7 +116,7 @@ void MeanDebt::ask_of(BlockCoefficients& block) const {
 
 void MeanDebt::count(const Block& block, const TilePlanes& before, const TilePlanes& after) {
     const auto& n = block.shape.n;
-    for (std::size_t plane = 0; plane < static_cast<std::size_t>(coding_.planes); ++plane) {
+    for (int plane = 0; plane < coding_.planes; ++plane) {
         std::int64_t change = 0;
         for (int t = 0; t < n[3]; ++t)
             for (int s = 0; s < n[2]; ++s)

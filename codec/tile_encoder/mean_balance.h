@@ -1,5 +1,5 @@
-// Keeps the mean of a tile's colours. Levels are chosen by what they cost, so most of what they leave out
-// lies on one side: nearer to the background, or to what is copied.
+// Measures and restores the mean of a tile's colours. Levels are chosen by what they cost, so most
+// of the error lies on one side: closer to the background, or to what is copied.
 #pragma once
 
 #include "codec/reconstruct/tile_filter.h"
@@ -14,24 +14,24 @@
 
 namespace tessera {
 
-// One value a channel or a plane, in codes.
+// One value per channel or per plane, in codes.
 using Means = std::array<double, max_planes>;
 
-double largest_of(const Means& means);
-// What a small change of the planes is in channels.
+double largest_of(const Means& means); // magnitude
+// The change of the channels that a small change of the planes makes.
 Means channels_of(const Means& planes, ColourTransform transform);
 
-// Scratch memory of one thread.
+// Holds scratch memory: one per thread.
 class MeanMeter {
 public:
     // Both outlive the meter.
     MeanMeter(const TileCoding& coding, const ColourCoding& colour)
         : coding_(&coding), colour_(&colour) {}
 
-    // How much larger the channels of a decoded tile (not filtered yet) are than those of its texels, on
-    // the mean over all that matter.
+    // By how much the means of a tile's channels, over all texels that matter, exceed those of its
+    // source. `decoded` is not filtered yet.
     Means error(const TileTexels& tile, const TilePlanes& decoded);
-    // What the tile decodes to that was measured last; to be taken.
+    // The texels of the tile that was measured last; the caller may move them out.
     std::vector<std::byte>& texels() { return texels_; }
 
 private:
@@ -42,25 +42,25 @@ private:
     std::vector<std::byte> texels_;
 };
 
-// What the planes of a tile have yet to change by, while its blocks are coded again one after the other.
+// How much the planes of a tile must still change while its blocks are coded again one by one.
 class MeanDebt {
 public:
-    // error: of the channels, before. gain: how many times its share a block is asked for, as many have
-    // no level near enough.
+    // `error`: of the channels, before. `gain`: how many times its share of the debt a block aims
+    // at; above 1, because many blocks cannot move.
     MeanDebt(const Means& error, int texels, double gain, const TileCoding& coding,
              const ColourCoding& colour);
 
-    // Moves what a block's levels aim at.
+    // Moves the coefficients that a block's levels aim at.
     void ask_of(BlockCoefficients& block) const;
-    // Counts what came of it: decoded values of the tile before and after.
+    // Subtracts what the block has changed, from the decoded values before and after.
     void count(const Block& block, const TilePlanes& before, const TilePlanes& after);
 
 private:
     const TileCoding& coding_;
     double gain_;
-    double unit_;     // values in a code
-    double left_ = 0; // texels of blocks yet to come
-    Means sum_{};     // over all of these
+    double unit_;     // values per code
+    double left_ = 0; // texels of blocks to come
+    Means sum_{};     // of the change that is left, over all texels
 };
 
 } // namespace tessera

@@ -1,67 +1,38 @@
-// Coding tools that can be switched off one by one, to see what each is worth, or on where an
-// effort leaves them out. What they are worth: tests/regression/ablation.md.
+// Coding tools that experiments switch on or off on top of an effort. What each tool is worth:
+// tests/regression/ablation.md.
 #pragma once
-
-#include "format/status.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
 namespace tessera {
 
 enum class CodingTool : std::uint8_t {
-    copies,
-    half,
-    rotation,
-    ycocg,
-    rotated_search,
-    dependent,
-    rdo,
-    fitted_tables,
-    grids,
-    smooth,
-    base,
-    refine,
-    filter,
-    dense_tables,
-    balance,
-    align,
+    copies,         // blocks copy from other views
+    half,           // copies may be displaced by half texels
+    rotation,       // blocks choose their colour axes
+    ycocg,          // YCoCg instead of RGB; without it there is no rotation either
+    rotated_search, // the block search considers rotated colours
+    dependent,      // two quantisers in turn, chosen by a trellis
+    rdo,            // levels by rate and distortion; without it there is no dependent quantisation
+    fitted_tables,  // tables fitted to the file
+    dense_tables,   // tables are also learnt from a dense start, if a trial finds that better
+    grids,          // blocks of all shapes instead of three that halve all sides
+    smooth,         // smoothed copies, if a trial finds that they pay
+    base,           // base pictures that all views copy, if a trial finds that they pay
+    align,          // views of camera grids are moved so that most of what they show stands still
+    filter,         // decoded tiles are filtered
+    refine,         // blocks are split and merged where coding them shows that it pays
+    balance,        // tiles keep their mean colours
 };
 
-struct CodingToolInfo {
-    CodingTool tool;
-    const char* name;
-    const char* help;
-};
+inline constexpr std::array coding_tool_names = {
+    "copies", "half",          "rotation",     "ycocg",  "rotated-search", "dependent",
+    "rdo",    "fitted-tables", "dense-tables", "grids",  "smooth",         "base",
+    "align",  "filter",        "refine",       "balance"};
 
-inline constexpr std::array<CodingToolInfo, 16> coding_tools = {{
-    {CodingTool::copies, "copies", "blocks copy from other views"},
-    {CodingTool::half, "half", "... displaced by half texels, not only by whole ones"},
-    {CodingTool::rotation, "rotation", "blocks choose their colour axes"},
-    {CodingTool::ycocg, "ycocg", "YCoCg, not RGB; without it no rotation either"},
-    {CodingTool::rotated_search, "rotated-search",
-     "the search for blocks knows of rotated colours"},
-    {CodingTool::dependent, "dependent", "two quantisers in turn, chosen by a trellis"},
-    {CodingTool::rdo, "rdo",
-     "levels by rate and distortion, not rounded with a dead zone; without it not dependent "
-     "either"},
-    {CodingTool::fitted_tables, "fitted-tables", "tables of the file's own, not the built-in ones"},
-    {CodingTool::dense_tables, "dense-tables",
-     "... learnt from a dense start, too, where a trial finds it better"},
-    {CodingTool::grids, "grids", "blocks of all shapes, not only three that halve all sides"},
-    {CodingTool::smooth, "smooth", "copies smoothed, where a trial finds that it pays"},
-    {CodingTool::base, "base",
-     "base pictures that all views copy, where a trial finds that they pay"},
-    {CodingTool::align, "align",
-     "views of camera grids moved so that most of what they show stands still in a tile"},
-    {CodingTool::filter, "filter", "decoded tiles filtered against the quantiser's traces"},
-    {CodingTool::refine, "refine", "blocks split and merged where coding them shows that it pays"},
-    {CodingTool::balance, "balance", "tiles keep their mean colours"},
-}};
-
-// What was asked for on top of an effort. By itself nothing.
+// Overrides of an effort's choice; without any, the effort decides.
 class ToolSwitches {
 public:
     void set(CodingTool tool, bool on) {
@@ -69,13 +40,12 @@ public:
         (on ? off_ : on_) &= ~bit(tool);
     }
     void set_all(bool on) {
-        for (const CodingToolInfo& info : coding_tools)
-            set(info.tool, on);
+        for (std::size_t tool = 0; tool < coding_tool_names.size(); ++tool)
+            set(static_cast<CodingTool>(tool), on);
     }
-    bool is_on(CodingTool tool, bool of_effort) const {
-        return (of_effort || (on_ & bit(tool)) != 0) && (off_ & bit(tool)) == 0;
+    bool is_on(CodingTool tool, bool effort_has_it) const {
+        return (effort_has_it || (on_ & bit(tool)) != 0) && (off_ & bit(tool)) == 0;
     }
-    bool operator==(const ToolSwitches&) const = default;
 
 private:
     static std::uint32_t bit(CodingTool tool) {
@@ -83,8 +53,5 @@ private:
     }
     std::uint32_t on_ = 0, off_ = 0;
 };
-
-// The words of EncodeOptions::tools. Errors: bad_argument, which lists the tools.
-Result<ToolSwitches> parse_tool_switches(const std::string& text);
 
 } // namespace tessera

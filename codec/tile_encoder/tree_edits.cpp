@@ -12,13 +12,12 @@ class TreeWalk {
 public:
     explicit TreeWalk(const TileLevels& tile) : tile_(tile) {}
 
-    // visit(block, split, first leaf) says whether to go on below a node; leaves it does not go into
-    // count as passed.
+    // visit(block, split, first leaf) returns whether to continue below a node.
     template <class Visit> void walk(Visit visit) {
         walk(Block{{0, 0, 0, 0}, tile_.shape, 0, 0}, visit);
     }
 
-    // Whether a node, the next one's parent, has nothing but leaves below.
+    // Whether the current node has only leaves below it.
     bool has_only_leaves(const Block& block, Split split) const {
         if (split != Split::spatial)
             return false;
@@ -36,13 +35,13 @@ private:
             return;
         }
         const Children children = children_of(block, split);
-        if (!goes_on) { // only ever above leaves
-            node_ += static_cast<std::size_t>(children.count);
-            leaf_ += static_cast<std::size_t>(children.count);
+        if (!goes_on) { // there are only leaves below
+            node_ += children.count;
+            leaf_ += children.count;
             return;
         }
         for (int i = 0; i < children.count; ++i)
-            walk(children.block[static_cast<std::size_t>(i)], visit);
+            walk(children.block[i], visit);
     }
 
     const TileLevels& tile_;
@@ -98,7 +97,7 @@ void apply_edits(std::span<const TreeEdit> edits, TileLevels& tile) {
         edited.splits.push_back(static_cast<std::uint8_t>(Split::spatial));
         const Children children = children_of(block, Split::spatial);
         for (int i = 0; i < children.count; ++i)
-            add_block(children.block[static_cast<std::size_t>(i)], tile.predictions[leaf]);
+            add_block(children.block[i], tile.predictions[leaf]);
         return true;
     });
     std::swap(tile, edited);

@@ -1,8 +1,7 @@
 #include "codec/trials/alignment_choice.h"
 
+#include "codec/pass/tile_reading.h"
 #include "codec/texels/aligned_texels.h"
-#include "codec/trials/base_trial.h"
-#include "codec/trials/motion_patch.h"
 #include "codec/trials/parallax.h"
 #include "codec/trials/tile_shapes.h"
 #include "codec/trials/trial_plan.h"
@@ -17,16 +16,29 @@
 namespace tessera {
 namespace {
 
+constexpr Extent4 patch_extent{64, 64, 3, 3};
+constexpr std::uint64_t most_patches = 16;
+constexpr std::size_t patches_of_order = 4; // that decide whether views look transposed
+constexpr std::uint64_t parts_of_trial = 12;
 constexpr int block_side = 8, farthest = 16; // texels; of parallax from one view to the next
-// What is left to move from view to view, weighed by detail, over what moved before. Of what is to gain, edges
-// of views that are cut by the grid take a part back.
+// An alignment must reduce the motion, weighted by detail, to this share. The edges of the views,
+// which it moves across tiles, cost a part of the gain.
 constexpr double least_motion_left = 0.6;
-// What differs between neighbouring views whose blocks are moved along the other axes, over what does along their
-// own: 1.1 to 17 of light fields, 0.94 to 1.3 of baked textures.
+// The views look transposed if matching along the other axes leaves less than this share of the
+// difference. The ratio is 1.1 to 17 for light fields, 0.94 to 1.3 for baked textures.
 constexpr double least_difference_transposed = 0.8;
-constexpr std::size_t patches_of_order = 4;
 
-// From one view to the next along `angular`, what views show moves along `spatial`.
+Result<std::vector<MotionPatch>> read_motion_patches(const EncodePlan& plan) {
+    EncodePlan cut = plan;
+    cut.grid = TileGrid(plan.colour.desc.size, patch_extent);
+    TESSERA_TRY_ASSIGN(const Sample sample, read_sample(cut, most_patches));
+    std::vector<MotionPatch> patches;
+    for (std::size_t i = 0; i < sample.boxes.size(); ++i)
+        patches.emplace_back(sample.boxes[i], sample.tiles[i], plan.colour.desc);
+    return patches;
+}
+
+// From one view to the next along `angular`, what the views show moves along `spatial`.
 struct Path {
     Axis spatial, angular;
     Axis across() const { return spatial == axis_u ? axis_v : axis_u; }
@@ -45,41 +57,51 @@ struct Path {
 // How much detail moves by how many texels along one axis, from one view to the next.
 class Motion {
 public:
-    // Matches blocks of neighbouring views. Those that fit best as far as is looked may be anywhere.
-    void add(const MotionPatch& patch, const Path& path) {
-        const int side = patch.side(path.spatial);
+    explicit Motion(const Path& path) : path_(path) {}
+
+    // Matches the blocks of neighbouring views.
+    void add(const MotionPatch& patch) {
+        const int side = patch.side(path_.spatial);
         const int reach = std::min(farthest, (side - block_side) / 2);
-        for (int view = 0; view + 1 < patch.side(path.angular); ++view)
+        for (int view = 0; view + 1 < patch.side(path_.angular); ++view)
             for (int a = std::max(reach, 0); a + block_side + reach <= side; a += block_side)
-                for (int b = 0; b + block_side <= patch.side(path.across()); b += block_side)
-                    add_block(patch, path, reach, a, b, view, patch.side(path.other()) / 2);
+                for (int b = 0; b + block_side <= patch.side(path_.across()); b += block_side)
+                    add_block(patch, reach, a, b, view);
     }
-    // Of all blocks where they fit best.
+    // The sum of all blocks' differences from their best matches.
     double difference() const { return difference_; }
-    // What is left to move, times its detail, where views are moved by so much.
+    // The motion that is left, weighted by detail, if views are moved by this many texels.
     double left(int by) const {
         double sum = 0;
         for (int d = -farthest; d <= farthest; ++d)
-            sum += weight_[static_cast<std::size_t>(d + farthest)] * std::abs(d + by);
+            sum += weight_[d + farthest] * std::abs(d + by);
         return sum;
     }
 
 private:
-    void add_block(const MotionPatch& patch, const Path& path, int reach, int along, int across,
-                   int view, int other_view) {
-        for (int a = along; a < along + block_side; ++a)
-            for (int b = across; b < across + block_side; ++b)
-                if (patch.is_free(path.place(a, b, view, other_view)))
-                    return;
-        std::int64_t least = -1, detail = 0;
-        int best = 0;
-        for (int d = -reach; d <= reach; ++d) {
-            std::int64_t difference = 0;
+    void add_block(const MotionPatch& patch, int reach, int along, int across, int view) {
+        const int other_view = patch.side(path_.other()) / 2;
+        // The sum of visit(a, b) over the block's texels.
+        const auto sum_over = [&](const auto& visit) {
+            std::int64_t sum = 0;
             for (int a = along; a < along + block_side; ++a)
                 for (int b = across; b < across + block_side; ++b)
-                    difference += std::abs(patch.at(path.place(a, b, view, other_view)) -
-                                           patch.at(path.place(a + d, b, view + 1, other_view)));
-            // Of those that fit alike the shortest.
+                    sum += visit(a, b);
+            return sum;
+        };
+        const auto at = [&](int a, int b, int of_view) {
+            return patch.at(path_.place(a, b, of_view, other_view));
+        };
+        if (sum_over([&](int a, int b) {
+                return patch.is_free(path_.place(a, b, view, other_view));
+            }) > 0)
+            return;
+        std::int64_t least = -1;
+        int best = 0;
+        for (int d = -reach; d <= reach; ++d) {
+            const std::int64_t difference = sum_over(
+                [&](int a, int b) { return std::abs(at(a, b, view) - at(a + d, b, view + 1)); });
+            // Of equal matches the shortest.
             if (least < 0 || difference < least ||
                 (difference == least && std::abs(d) < std::abs(best))) {
                 least = difference;
@@ -88,36 +110,24 @@ private:
         }
         difference_ += static_cast<double>(least);
         if (std::abs(best) == reach)
-            return;
-        for (int a = along; a < along + block_side; ++a)
-            for (int b = across; b < across + block_side; ++b)
-                detail += std::abs(patch.at(path.place(a, b, view, other_view)) -
-                                   patch.at(path.place(a - 1, b, view, other_view)));
-        weight_[static_cast<std::size_t>(best + farthest)] += static_cast<double>(detail);
+            return; // the true match may lie farther away
+        weight_[best + farthest] += static_cast<double>(
+            sum_over([&](int a, int b) { return std::abs(at(a, b, view) - at(a - 1, b, view)); }));
     }
 
+    Path path_;
     std::array<double, 2 * farthest + 1> weight_{};
     double difference_ = 0;
 };
 
-bool may_be_aligned(const EncodePlan& plan) {
-    const TextureDesc& desc = plan.colour.desc;
-    return plan.effort.try_alignment && !plan.options.layers &&
-           plan.options.description.proxy == Proxy::none &&
-           (desc.size[axis_s] > 1 || desc.size[axis_t] > 1) &&
-           (plan.source.locality() == Locality::any ||
-            desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
-}
-
-// What is along s and what is along t.
+// Motion along s and along t.
 struct ViewMotions {
-    Path path_s, path_t;
-    Motion of_s{}, of_t{};
+    Motion of_s, of_t;
 
     void add(std::span<const MotionPatch> patches) {
         for (const MotionPatch& patch : patches) {
-            of_s.add(patch, path_s);
-            of_t.add(patch, path_t);
+            of_s.add(patch);
+            of_t.add(patch);
         }
     }
     double difference() const { return of_s.difference() + of_t.difference(); }
@@ -136,36 +146,21 @@ ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     return best;
 }
 
-} // namespace
-
-Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
-    ViewMotion motion;
-    const bool aligns = may_be_aligned(plan), has_bases = may_have_base_pictures(plan);
-    if (!aligns && !has_bases)
-        return motion;
-    TESSERA_TRY_ASSIGN(const std::vector<MotionPatch> patches, read_motion_patches(plan));
-    if (aligns) {
-        const auto few = std::span(patches).first(std::min(patches.size(), patches_of_order));
-        ViewMotions straight{{axis_u, axis_s}, {axis_v, axis_t}};
-        ViewMotions transposed{{axis_v, axis_s}, {axis_u, axis_t}};
-        straight.add(few);
-        transposed.add(few);
-        motion.looks_transposed =
-            transposed.difference() < least_difference_transposed * straight.difference();
-        straight.add(std::span(patches).subspan(few.size()));
-        motion.alignment = alignment_by(straight.of_s, straight.of_t);
-    }
-    if (has_bases)
-        motion.parallax = parallax_in(patches, motion.alignment);
-    return motion;
+// Surfaces have no views that differ by parallax only.
+bool may_be_views(const EncodePlan& plan) {
+    const Extent4& size = plan.colour.desc.size;
+    return plan.options.description.proxy == Proxy::none && (size[axis_s] > 1 || size[axis_t] > 1);
 }
 
-namespace {
+bool may_be_aligned(const EncodePlan& plan) {
+    const TextureDesc& desc = plan.colour.desc;
+    return plan.effort.try_alignment && !plan.options.layers && may_be_views(plan) &&
+           (plan.source.locality() == Locality::any ||
+            desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
+}
 
-constexpr std::uint64_t parts_of_trial = 12;
-
-// What parts of the texture cost, a texel that matters. `boxes` are of the texture: aligned, they are those that
-// show the same in the middle of their views.
+// The cost of parts of the texture per texel that matters. `boxes` are of the texture; in aligned
+// views they move with the middle of their views.
 Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const AlignedViews& views,
                              const std::vector<Box4>& boxes) {
     const auto texels = texels_in_grid(source, views), mask = mask_of_grid(plan.mask, views);
@@ -191,6 +186,29 @@ Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const 
 }
 
 } // namespace
+
+Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
+    ViewMotion motion;
+    const bool aligns = may_be_aligned(plan);
+    const bool has_bases = plan.effort.try_base && !plan.colour.corrections && may_be_views(plan);
+    if (!aligns && !has_bases)
+        return motion;
+    TESSERA_TRY_ASSIGN(const std::vector<MotionPatch> patches, read_motion_patches(plan));
+    if (aligns) {
+        const auto few = std::span(patches).first(std::min(patches.size(), patches_of_order));
+        ViewMotions straight{Motion({axis_u, axis_s}), Motion({axis_v, axis_t})};
+        ViewMotions transposed{Motion({axis_v, axis_s}), Motion({axis_u, axis_t})};
+        straight.add(few);
+        transposed.add(few);
+        motion.looks_transposed =
+            transposed.difference() < least_difference_transposed * straight.difference();
+        straight.add(std::span(patches).subspan(few.size()));
+        motion.alignment = alignment_by(straight.of_s, straight.of_t);
+    }
+    if (has_bases)
+        motion.parallax = parallax_in(patches, motion.alignment);
+    return motion;
+}
 
 Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAlignment alignment) {
     const Extent4& size = plan.colour.desc.size;

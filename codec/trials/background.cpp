@@ -1,8 +1,6 @@
 #include "codec/trials/background.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,10 +8,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t stride = 16; // texels
-
-// How often each texel is there. Noise has as many as there are texels: a node of memory for each would take
-// longer than a quick effort's trials.
+// Counts texels in an open hash table: noise has as many different ones as there are texels, and a
+// node of memory for each would take longer than the trials of a quick effort.
 class TexelCounts {
 public:
     struct Entry {
@@ -28,7 +24,7 @@ public:
         entry.texel = texel;
         entry.count += count;
     }
-    // Of equals the smallest; count 0 if there are none.
+    // The most frequent texel, the smallest of equals; count 0 if there is none.
     Entry most() const {
         return *std::ranges::max_element(entries_, [](const Entry& a, const Entry& b) {
             return std::pair(a.count, b.texel) < std::pair(b.count, a.texel);
@@ -53,62 +49,35 @@ private:
 
     static constexpr int first_bits = 10;
     std::vector<Entry> entries_ = std::vector<Entry>(std::size_t{1} << first_bits);
-    int shift_ = 64 - first_bits; // entries_ has 2^(64 - shift_)
+    int shift_ = 64 - first_bits; // there are 2^(64 - shift_) entries
     std::size_t used_ = 0;
 };
 
-// A tile's texels as numbers, the first byte lowest.
-class TexelNumbers {
-public:
-    TexelNumbers(std::span<const std::byte> texels, std::size_t size)
-        : texels_(texels), size_(size), mask_(~std::uint64_t{0} >> (64 - 8 * size)) {}
+// A texel as a number, its first byte lowest on every machine.
+std::uint64_t number_of(const std::byte* texel, std::size_t size) {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        number |= std::to_integer<std::uint64_t>(texel[i]) << (8 * i);
+    return number;
+}
 
-    std::uint64_t at(std::size_t texel) const {
-        const std::byte* const from = texels_.data() + texel * size_;
-        std::uint64_t number = 0;
-        if (texel * size_ + sizeof number <= texels_.size()) {
-            std::memcpy(&number, from, sizeof number);
-            if constexpr (std::endian::native == std::endian::little)
-                return number & mask_;
-            number = 0;
-        }
-        for (std::size_t i = 0; i < size_; ++i)
-            number |= std::to_integer<std::uint64_t>(from[i]) << (8 * i);
-        return number;
-    }
-    // Whether `stride` texels from there on are all like the one before.
-    bool goes_on(std::size_t texel) const {
-        return std::memcmp(texels_.data() + (texel - 1) * size_, texels_.data() + texel * size_,
-                           stride * size_) == 0;
-    }
-
-private:
-    std::span<const std::byte> texels_;
-    std::size_t size_;
-    std::uint64_t mask_;
-};
-
-// Adds how often each texel that matters is there.
-void count_runs(const TileTexels& tile, std::size_t size, TexelCounts& counts) {
-    const TexelNumbers texels(tile.texels, size);
-    const std::size_t count = tile.texels.size() / size;
-    const bool all_matter = tile.matters.empty();
+// Adds the texels that matter, run by run.
+void count_texels(const TileTexels& tile, std::size_t size, TexelCounts& counts) {
+    const std::span<const std::byte> texels = tile.texels;
+    const std::size_t count = texels.size() / size;
     for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
         end = begin + 1;
-        if (!all_matter && tile.is_free(begin))
+        if (tile.is_free(begin))
             continue;
-        const std::uint64_t texel = texels.at(begin);
-        const auto goes_on = [&] {
-            return end < count && (all_matter || !tile.is_free(end)) && texels.at(end) == texel;
-        };
-        if (goes_on()) {
-            // Long runs in strides.
-            while (all_matter && end + stride <= count && texels.goes_on(end))
-                end += stride;
-            while (goes_on())
-                ++end;
-        }
-        counts.add(texel, end - begin);
+        const auto from = texels.subspan(begin * size), next = from.subspan(size);
+        const auto same =
+            std::mismatch(next.begin(), next.end(), from.begin()).first - next.begin();
+        end += static_cast<std::size_t>(same) / size;
+        if (!tile.matters.empty())
+            end = static_cast<std::size_t>(
+                std::find(tile.matters.begin() + begin, tile.matters.begin() + end, std::byte{0}) -
+                tile.matters.begin());
+        counts.add(number_of(from.data(), size), end - begin);
     }
 }
 
@@ -116,15 +85,13 @@ void count_runs(const TileTexels& tile, std::size_t size, TexelCounts& counts) {
 
 std::array<std::uint16_t, 4> find_background(const Sample& sample, const TextureDesc& desc) {
     TexelCounts counts;
-    const std::size_t size = desc.texel_bytes();
     for (const TileTexels& tile : sample.tiles)
-        count_runs(tile, size, counts);
+        count_texels(tile, desc.texel_bytes(), counts);
     const TexelCounts::Entry most = counts.most();
     std::array<std::uint16_t, 4> background{};
     const int bits = 8 * static_cast<int>(sample_bytes(desc.type));
     for (int c = 0; c < desc.channels && most.count > 0; ++c)
-        background[static_cast<std::size_t>(c)] =
-            static_cast<std::uint16_t>(most.texel >> (bits * c) & ((1u << bits) - 1));
+        background[c] = static_cast<std::uint16_t>(most.texel >> (bits * c) & ((1u << bits) - 1));
     return background;
 }
 

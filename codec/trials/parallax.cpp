@@ -1,27 +1,30 @@
 #include "codec/trials/parallax.h"
 
 #include "codec/tile_encoder/base_matches.h"
+#include "format/samples.h"
 
 #include <algorithm>
-#include <array>
+#include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace tessera {
 namespace {
 
 constexpr int cell_side = 8;                        // texels
-constexpr int unit_bits = 2, unit = 1 << unit_bits; // of displacements: a quarter of a texel a view
-constexpr int farthest_copied = farthest_base_copy * unit / base_unit;
-constexpr int weights = unit * unit; // of a texel between others
-// What is left of a middle view's neighbours where each cell is displaced as fits them best, over what the cells
-// vary by: 0.02 to 0.12 of light fields (0.48 with noise of 12 codes), 0.76 to 1.6 of baked textures.
+constexpr int unit_bits = 2, unit = 1 << unit_bits; // of displacements: 1/4 texel per view
+constexpr int farthest = farthest_base_copy * unit / base_unit;
+constexpr int weights = unit * unit; // sum of the weights of bilinear interpolation
+// Parallax is assumed if the middle view's neighbours, predicted with the best displacement of each
+// cell, keep less than this share of the cells' variation: 0.02 to 0.12 for light fields (0.48 with
+// noise of 12 codes), 0.76 to 1.6 for baked textures.
 constexpr double most_left = 0.5;
 
-// Views that are away from the middle one along both axes, where there are such.
+// A view's position relative to the middle one.
 struct Neighbour {
     int s, t;
 };
+
+// Views beside the middle one along all axes that have several.
 std::vector<Neighbour> neighbours_of(const MotionPatch& patch) {
     const auto along = [&](Axis axis) {
         return patch.side(axis) == 1   ? std::vector<int>{0}
@@ -36,7 +39,7 @@ std::vector<Neighbour> neighbours_of(const MotionPatch& patch) {
     return neighbours;
 }
 
-// What is left of all cells, by direction, and what they vary by.
+// Sums over all cells of all patches.
 class ParallaxSums {
 public:
     explicit ParallaxSums(ViewAlignment alignment) : alignment_(alignment) {}
@@ -55,22 +58,22 @@ public:
             for (int u = 0; u + cell_side <= width_; u += cell_side)
                 add_cell(u, v);
     }
-    // Of the direction that leaves less.
+    // Squared error of the neighbours in the direction that predicts them better.
     double left() const { return std::min(left_[0], left_[1]); }
     bool v_against_u() const { return left_[1] < left_[0]; }
     double variation() const { return variation_; }
 
 private:
     struct View {
-        Neighbour of_middle;
-        std::vector<std::int32_t> codes; // free_code where they do not matter
+        Neighbour position;
+        std::vector<std::int32_t> codes; // free_code where masked
     };
     static constexpr std::int32_t free_code = -1;
 
-    View view_of(const MotionPatch& patch, const Neighbour& which) const {
-        const int s = (patch.side(axis_s) - 1) / 2 + which.s,
-                  t = (patch.side(axis_t) - 1) / 2 + which.t;
-        View view{which, {}};
+    View view_of(const MotionPatch& patch, const Neighbour& position) const {
+        const int s = (patch.side(axis_s) - 1) / 2 + position.s,
+                  t = (patch.side(axis_t) - 1) / 2 + position.t;
+        View view{position, {}};
         for (int v = 0; v < height_; ++v)
             for (int u = 0; u < width_; ++u)
                 view.codes.push_back(patch.is_free({u, v, s, t}) ? free_code
@@ -81,6 +84,7 @@ private:
         return view.codes.data() + std::clamp(v, 0, height_ - 1) * width_;
     }
 
+    // Cells with masked texels are left out.
     void add_cell(int u, int v) {
         double sum = 0, squares = 0;
         const auto add_view = [&](const View& view) {
@@ -101,7 +105,7 @@ private:
         variation_ += (squares - sum * sum / texels) * neighbours / (neighbours + 1);
         for (const bool against : {false, true}) {
             auto least = std::numeric_limits<std::int64_t>::max();
-            for (int d = -farthest_copied; d <= farthest_copied; ++d) {
+            for (int d = -farthest; d <= farthest; ++d) {
                 std::int64_t error = 0;
                 for (const View& view : views_)
                     if (error < least)
@@ -112,24 +116,23 @@ private:
         }
     }
 
-    // Squared differences, times weights^2, of a view's cell and what the middle one shows so many units away,
-    // beside what views are aligned by.
+    // Squared error, times weights^2, of a cell of a view that copies the middle one, displaced by
+    // (along_u, along_v) units a view in addition to the alignment.
     std::int64_t displaced_error(int u, int v, const View& view, int along_u, int along_v) const {
-        const int x = (alignment_.u * unit - along_u) * view.of_middle.s,
-                  y = (alignment_.v * unit - along_v) * view.of_middle.t;
+        const int x = (alignment_.u * unit - along_u) * view.position.s,
+                  y = (alignment_.v * unit - along_v) * view.position.t;
         const std::int32_t x_part = x & (unit - 1), y_part = y & (unit - 1);
         std::array<std::array<int, 2>, cell_side> columns;
         for (int a = 0; a < cell_side; ++a)
             for (int next : {0, 1})
-                columns[static_cast<std::size_t>(a)][static_cast<std::size_t>(next)] =
-                    std::clamp(u + a + (x >> unit_bits) + next, 0, width_ - 1);
+                columns[a][next] = std::clamp(u + a + (x >> unit_bits) + next, 0, width_ - 1);
         std::int64_t error = 0;
         for (int b = v; b < v + cell_side; ++b) {
             const std::int32_t* const above = row(middle_, b + (y >> unit_bits));
             const std::int32_t* const below = row(middle_, b + (y >> unit_bits) + 1);
             const std::int32_t* const wanted = row(view, b) + u;
             for (int a = 0; a < cell_side; ++a) {
-                const auto [left, right] = columns[static_cast<std::size_t>(a)];
+                const auto [left, right] = columns[a];
                 const std::int32_t between =
                     (unit - y_part) * ((unit - x_part) * above[left] + x_part * above[right]) +
                     y_part * ((unit - x_part) * below[left] + x_part * below[right]);
@@ -143,12 +146,20 @@ private:
     ViewAlignment alignment_;
     int width_ = 0, height_ = 0; // of the patch
     View middle_{};
-    std::vector<View> views_;      // beside it
-    std::array<double, 2> left_{}; // by direction: v with u, v against u
+    std::vector<View> views_;      // its neighbours
+    std::array<double, 2> left_{}; // v with u, v against u
     double variation_ = 0;
 };
 
 } // namespace
+
+MotionPatch::MotionPatch(const Box4& box, const TileTexels& tile, const TextureDesc& desc)
+    : extent_(box.extent()), matters_(tile.matters) {
+    const std::span<const std::byte> texels = tile.texels;
+    const std::size_t green = desc.channels >= 3 ? 1 : 0, bytes = sample_bytes(desc.type);
+    for (std::size_t at = green * bytes; at < texels.size(); at += desc.texel_bytes())
+        codes_.push_back(sample_code(load_sample(texels.data() + at, desc.type), desc.type));
+}
 
 BasePictures parallax_in(std::span<const MotionPatch> patches, ViewAlignment alignment) {
     ParallaxSums sums(alignment);

@@ -8,13 +8,13 @@
 namespace tessera {
 namespace {
 
-// Below this the usual start is the better one everywhere.
+// Below this rate the usual start was better on every texture.
 constexpr double dense_bits_per_texel = 0.25;
-// Tables and quantiser settle slowly, the trees of the first pass serve all rounds. In the first of them tables
-// go twice as far as the counts say: five such rounds end where eleven without do.
+// Rounds of fitting tables to levels that were chosen with the tables before. In the first rounds
+// tables change by twice as much as was fitted: these five rounds end where eleven plain ones do.
 constexpr int settling_rounds = 5, hasty_rounds = 3;
 
-// As far beyond `to` as that is from `from`.
+// Twice the change from `from` to `to`.
 Parameters overshoot(const Parameters& from, const Parameters& to) {
     Parameters beyond = to;
     for (std::size_t i = 0; i < to.size(); ++i)
@@ -23,13 +23,14 @@ Parameters overshoot(const Parameters& from, const Parameters& to) {
     return beyond;
 }
 
-// The sample coded from the dense start, each time with the tables that the time before led to.
+// Codes the sample with tables that settle from the dense start. All rounds use the trees of
+// `first`.
 Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
                                   const Sample& sample, const PassResult& first) {
     parameters.parameters = dense_parameters();
     for (int round = 0; round < settling_rounds; ++round) {
         TESSERA_TRY_ASSIGN(const Statistics counts,
-                           count_symbols_as(plan, parameters, sample, first.trees));
+                           count_symbols(plan, parameters, sample, first.trees));
         const Parameters fitted = fit_parameters(counts);
         parameters.parameters =
             round < hasty_rounds ? overshoot(parameters.parameters, fitted) : fitted;

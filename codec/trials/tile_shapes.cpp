@@ -8,33 +8,33 @@ namespace tessera {
 namespace {
 
 constexpr auto most_views = std::uint32_t{max_angular_side};
-constexpr std::uint32_t fewest_views = 3; // along an axis; fewer a tile were never the best
-constexpr std::uint32_t usual_views = 7;  // at least, where there are as many
-// Of large tiles: 9x9, 13x13 and 15x15 views were best all together, 17x17 and 27x27 in parts of 9x9. A trial of
-// the one against the other, on parts of the texture, was wrong by up to 8 % of the costs.
+constexpr std::uint32_t fewest_views = 3; // along an axis; tiles with fewer were never the best
+constexpr std::uint32_t usual_views = 7;  // the default has at least these if the texture has them
+// In large tiles, grids of up to 15x15 views were best in one piece, 17x17 and 27x27 in parts of
+// 9x9. A trial between the two, on parts of the texture, erred by up to 8 % of the costs.
 constexpr std::uint32_t most_large_views = 16, usual_large_views = 10;
 
 std::uint32_t parts_of(std::uint32_t side, std::uint32_t most) {
     return (side - 1) / most + 1;
 }
 
-// The longest of `parts` nearly equal parts, of which a grid of tiles makes.
+// The longest of `parts` nearly equal parts.
 std::uint32_t part_of(std::uint32_t side, std::uint32_t parts) {
     return (side - 1) / std::min(side, parts) + 1;
 }
 
-// Of tiles with s x t views and at most so many texels the fewest that cover all places. Which way round a
-// tile is longer costs nothing (32x24x9x9 as 26x26x9x9), but its blocks are as long as it is: only up to
-// 3 : 2, where 2 : 1 costs 2 to 4 %, more than tiles that are a third smaller. Squares win a draw.
+// The tile with s x t views and at most `most_texels` of which the fewest cover the surface. Ties
+// go to the most square one. Sides up to 3 : 2 cost nothing (32x24x9x9 against 26x26x9x9), but at 2
+// : 1 the longer blocks cost 2 to 4 %, more than tiles that are a third smaller.
 Extent4 largest_tile(const Extent4& size, std::uint32_t s, std::uint32_t t,
                      std::uint32_t most_texels) {
     constexpr auto most_side = std::uint32_t{max_tile_side};
-    const std::uint32_t places = most_texels / (s * t);
+    const std::uint32_t per_view = most_texels / (s * t);
     Extent4 best{1, 1, s, t};
     std::uint64_t fewest = 0;
     double best_excess = 0;
     for (std::uint32_t u = most_side; u >= 1; --u) {
-        const std::uint32_t v = std::min({most_side, places / u, 3 * u / 2});
+        const std::uint32_t v = std::min({most_side, per_view / u, 3 * u / 2});
         if (3 * v < 2 * u)
             continue;
         const std::uint32_t parts_u = parts_of(size[axis_u], u),

@@ -5,12 +5,6 @@
 
 namespace tessera {
 
-namespace {
-
-constexpr double quality_of_trial = 58; // where the rate is a target, not a step
-
-} // namespace
-
 EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& sample, int effort) {
     EncodePlan trial = plan;
     trial.colour.background = find_background(sample, plan.colour.desc);
@@ -19,11 +13,10 @@ EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& sample, int effor
 }
 
 CodingParameters parameters_of_trial(const EncodePlan& trial) {
+    constexpr double typical_quality = 58;
     const RateTarget& rate = trial.options.rate;
-    return coding_parameters(
-        step_of_quality(rate.kind == RateTarget::Kind::quality ? rate.value : quality_of_trial,
-                        trial.colour.desc.type),
-        trial);
+    const double quality = rate.kind == RateTarget::Kind::quality ? rate.value : typical_quality;
+    return coding_parameters(step_of_quality(quality, trial.colour.desc.type), trial);
 }
 
 } // namespace tessera

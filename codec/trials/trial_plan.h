@@ -1,15 +1,15 @@
-// How trials code parts of a texture before anything is known of it.
+// How trials code parts of a texture before its plan is complete.
 #pragma once
 
-#include "codec/pass/encode_pass.h"
+#include "codec/pass/sample_pass.h"
 
 namespace tessera {
 
 inline constexpr int quick_effort_of_trial = 2;
 
-// A plan for `sample` at an effort.
+// The plan with the background of `sample` and an effort of the trial's choice.
 EncodePlan plan_of_trial(const EncodePlan& plan, const Sample& sample, int effort);
-// At the quality that is asked for, or at a usual one where the rate is a target.
+// Parameters at the caller's quality, or at a typical one if the rate is another target.
 CodingParameters parameters_of_trial(const EncodePlan& trial);
 
 } // namespace tessera

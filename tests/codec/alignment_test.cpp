@@ -10,6 +10,7 @@
 #include "tests/support/moving_views.h"
 #include "tests/support/random_box.h"
 #include "tests/support/rewritten_file.h"
+#include "tests/support/tool_words.h"
 
 #include <atomic>
 #include <gtest/gtest.h>
@@ -24,8 +25,8 @@ using Kind = RateTarget::Kind;
 constexpr Extent4 views_size{48, 40, 4, 3};
 const TextureDesc views_colour{views_size, SampleType::unorm8, 3};
 
-EncodeOptions views_options(RateTarget rate = {Kind::quality, 60}) {
-    EncodeOptions options;
+SwitchedOptions views_options(RateTarget rate = {Kind::quality, 60}) {
+    SwitchedOptions options;
     options.rate = rate;
     options.effort = copies_effort;
     options.threads = 2;
@@ -40,7 +41,7 @@ struct OpenViews {
     Decoder decoder;
 };
 
-ViewAlignment alignment_of(TexelSource& source, const EncodeOptions& options) {
+ViewAlignment alignment_of(TexelSource& source, const SwitchedOptions& options) {
     Bytes file;
     const auto report = encode_memory(source, file, options);
     EXPECT_TRUE(report) << report.status().message();
@@ -96,7 +97,7 @@ TEST(Alignment, DetectsTransposedViews) {
 
 TEST(Alignment, IsOffForLayersAndSpheres) {
     MemoryTexture texture = moving_views(views_colour, 2, 2);
-    EncodeOptions options = views_options();
+    SwitchedOptions options = views_options();
     options.layers = true;
     EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
     options = views_options();
@@ -295,7 +296,7 @@ TEST(Alignment, EmptyTilesAreTheBackground) {
 
 TEST(Alignment, SavesBytes) {
     MemoryTexture texture = moving_views(views_colour, 2, 2);
-    EncodeOptions options = views_options();
+    SwitchedOptions options = views_options();
     const EncodedFile aligned = encode_file_of(texture, options);
     options.tools = "-align";
     const EncodedFile plain = encode_file_of(texture, options);

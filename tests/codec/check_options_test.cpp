@@ -120,13 +120,13 @@ TEST(CheckOptions, RefuseInvalidDescriptions) {
 TEST(CheckOptions, RefuseInvalidMeshes) {
     EncodeOptions options;
     options.description.proxy = Proxy::mesh;
-    EXPECT_EQ(objection(options), "the proxy is a mesh, and no mesh is given");
+    EXPECT_EQ(objection(options), "the proxy is a mesh, but no mesh is given");
     options.mesh = *encode_mesh(test::six_charts(1, false), {});
     EXPECT_EQ(objection(options), "");
     options.mesh.pop_back();
     EXPECT_TRUE(contains(objection(options), "mesh"));
     options.description.proxy = Proxy::none;
-    EXPECT_EQ(objection(options), "a mesh is given, and the proxy is not a mesh");
+    EXPECT_EQ(objection(options), "a mesh is given, but the proxy is not a mesh");
 }
 
 TEST(CheckOptions, RefuseInvalidMetadata) {
@@ -146,35 +146,6 @@ TEST(CheckOptions, RefuseInvalidMetadata) {
     for (int i = 0; i < 17; ++i)
         much.metadata[std::to_string(i)] = std::string(1u << 20, 'x');
     EXPECT_TRUE(contains(objection(much), "2^24"));
-}
-
-TEST(CheckOptions, RefuseToolsThatDoNotExist) {
-    EncodeOptions options;
-    for (const char* tools : {"", "none", "all", "-copies", "-copies,+copies", "none,+grids"}) {
-        options.tools = tools;
-        EXPECT_EQ(objection(options), "") << tools;
-        EXPECT_TRUE(check_coding_tools(tools).ok()) << tools;
-    }
-    options.tools = "-copeis";
-    EXPECT_TRUE(contains(objection(options), "did you mean 'copies'"));
-    EXPECT_TRUE(contains(objection(options), "fitted-tables"));
-    EXPECT_EQ(check_coding_tools("-copeis").message(), objection(options));
-    options.tools = "copies";
-    EXPECT_TRUE(contains(objection(options), "sign"));
-    options.tools = "+nonsense";
-    EXPECT_FALSE(contains(objection(options), "did you mean"));
-}
-
-TEST(CheckOptions, AcceptEveryToolOfTheHelp) {
-    const std::string help = coding_tools_help();
-    std::size_t count = 0;
-    for (std::size_t line = 0; line < help.size(); ++count) {
-        const std::size_t colon = help.find(": ", line), end = help.find('\n', line);
-        ASSERT_LT(colon, end) << help;
-        EXPECT_TRUE(check_coding_tools("-" + help.substr(line, colon - line)).ok());
-        line = end == std::string::npos ? help.size() : end + 1;
-    }
-    EXPECT_GE(count, 10u);
 }
 
 TEST(CheckOptions, RefuseMasksOfTheWrongSize) {

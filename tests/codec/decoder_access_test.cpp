@@ -2,7 +2,6 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/reconstruct/tile_decoder.h"
-#include "codec/tile_encoder/tool_switches.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 #include "tests/support/random_box.h"

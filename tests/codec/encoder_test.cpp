@@ -12,6 +12,7 @@
 #include "tests/support/random_box.h"
 #include "tests/support/round_trips.h"
 #include "tests/support/test_folder.h"
+#include "tests/support/tool_words.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -352,7 +353,7 @@ TEST(Metadata, RoundTripsWithTheDescription) {
 
 TEST(Metadata, RecordsTheSettingsThatDetermineTheFile) {
     MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
-    EncodeOptions options;
+    SwitchedOptions options;
     options.effort = 1;
     // Metadata of an earlier encode, as copied from a file that is encoded again.
     options.metadata = {{"Software", "other"}, {"tessera:tools", "-half"}, {"tessera:x", "y"}};

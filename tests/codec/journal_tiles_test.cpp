@@ -24,9 +24,13 @@ protected:
             payload[i] = static_cast<std::byte>(7 * i + bytes);
         return payload;
     }
+    Result<std::unique_ptr<JournalTiles>> open(std::size_t tiles) const {
+        std::vector<CodedTile> figures(tiles);
+        return JournalTiles::resume(path_, pass_, figures);
+    }
     // Writes tile 2, then tile 0, of 3 tiles.
     void write() const {
-        const auto store = JournalTiles::create(path_, 3, pass_);
+        const auto store = open(3);
         ASSERT_TRUE(store) << store.status().message();
         EXPECT_TRUE((*store)->put(2, large_, payload_of(300)));
         EXPECT_TRUE((*store)->put(0, small_, payload_of(1)));
@@ -106,7 +110,7 @@ TEST_F(JournalFile, RefusesTilesAbove16MiB) {
     Payload payload(longest + 1);
     std::vector<CodedTile> figures(1);
     {
-        const auto store = JournalTiles::create(path_, 1, pass_);
+        const auto store = open(1);
         ASSERT_TRUE(store) << store.status().message();
         EXPECT_EQ((*store)->put(0, {}, payload).code(), ErrorCode::unsupported);
         EXPECT_FALSE((*store)->has(0));
@@ -121,7 +125,7 @@ TEST_F(JournalFile, RefusesTilesAbove16MiB) {
 
 TEST_F(JournalFile, HoldsTilesOnlyIfOneHasAPayload) {
     EXPECT_FALSE(JournalTiles::holds_any(path_));
-    ASSERT_TRUE(JournalTiles::create(path_, 3, pass_));
+    ASSERT_TRUE(open(3));
     EXPECT_FALSE(JournalTiles::holds_any(path_));
     const std::string head = test::slurp(path_);
     test::spit(path_, head + std::string(44, 'x')); // a record without payload

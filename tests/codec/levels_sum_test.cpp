@@ -1,4 +1,4 @@
-#include "codec/pass/levels_sum.h"
+#include "codec/pass/tile_figures.h"
 
 #include <functional>
 #include <vector>

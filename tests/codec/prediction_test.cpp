@@ -6,6 +6,7 @@
 #include "tests/support/efforts.h"
 #include "tests/support/encoded_file.h"
 #include "tests/support/random_predictions.h"
+#include "tests/support/tool_words.h"
 
 #include <gtest/gtest.h>
 
@@ -175,7 +176,7 @@ test::MemoryTexture noisy_moving_picture(std::uint32_t side = 32) {
 TEST(EncodeCopies, AreSmoothedIfATrialShowsAGain) {
     test::MemoryTexture source =
         noisy_moving_picture(48); // with a side of 32 the size of the tables varies as much
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.rate = {RateTarget::Kind::quality, 48}; // at a much higher quality the noise dominates
     options.tile_extent = {16, 16, 4, 4};
     options.effort = usual_effort;
@@ -195,7 +196,7 @@ TEST(EncodeCopies, AreSmoothedIfATrialShowsAGain) {
 
 TEST(EncodeCopies, StayPlainWhereSmoothingDoesNotPay) {
     test::MemoryTexture fine = moving_picture({4, 0}, {0, 4}), noisy = noisy_moving_picture();
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = usual_effort;
     options.tools = "-base,-align";
@@ -213,7 +214,7 @@ TEST(EncodeCopies, MovingPicturesCostLessAtTheSamePsnr) {
         std::array<EncodeReport, 2> report;
         for (const bool copies : {false, true}) {
             test::MemoryTexture source = moving_picture(along_s, along_t);
-            EncodeOptions options;
+            test::SwitchedOptions options;
             options.effort = copies ? effort : test::quick_effort;
             options.tile_extent = {32, 32, 8, 8};
             options.tools = "-align"; // aligned views would leave nothing to copy
@@ -239,7 +240,7 @@ TEST(EncodeCopies, UseBasePicturesInTheDirectionOfTheParallax) {
     for (const bool against : {false, true}) {
         // The picture moves by half a texel per view. `against` reverses the motion along t.
         test::MemoryTexture source = moving_picture({1, 0}, {0, against ? -1 : 1}, {24, 24, 5, 5});
-        EncodeOptions options;
+        test::SwitchedOptions options;
         options.rate = {RateTarget::Kind::quality, 60};
         options.tile_extent = {24, 24, 5, 5};
         options.effort = usual_effort;
@@ -259,7 +260,7 @@ TEST(EncodeCopies, UseBasePicturesInTheDirectionOfTheParallax) {
 
 TEST(EncodeCopies, AreOffUnderAnErrorBound) {
     test::MemoryTexture source = moving_picture({4, 0}, {0, 4}, {16, 16, 8, 8});
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.effort = most_effort;
     options.tools = "-align";
     options.rate = {RateTarget::Kind::max_error, 1};

@@ -3,6 +3,7 @@
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
+#include "tests/support/tool_words.h"
 
 #include <cmath>
 #include <cstdio>
@@ -30,7 +31,7 @@ test::MemoryTexture white_noise() {
 // Bits per texel above Shannon's bound for a Gaussian source at the measured error.
 double excess(bool dense_tables, double quality) {
     test::MemoryTexture texture = white_noise();
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.effort = test::quick_effort; // a longer search gains nothing on noise
     options.tools = dense_tables ? "+dependent,+dense-tables" : "+dependent,-dense-tables";

@@ -11,6 +11,7 @@
 #include "tests/support/efforts.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
+#include "tests/support/tool_words.h"
 
 #include <cmath>
 
@@ -37,13 +38,16 @@ Extent4 tile_of_file(MemoryTexture& texture, EncodeOptions options = {}) {
 }
 
 // Only chooses the tile extent, because a whole encode takes ten times as long.
-Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = quick_effort) {
+Extent4 chosen_tile(MemoryTexture& texture, EncodeOptions options = {}, int effort = quick_effort,
+                    const std::string& tools = "") {
     options.rate = {RateTarget::Kind::quality, 60};
     options.effort = effort;
-    const auto tools = parse_tool_switches(options.tools);
-    EXPECT_TRUE(tools) << tools.status().message();
-    EncodePlan plan{texture, options, {}, {texture.desc()}, EffortSettings::of(effort, *tools)};
-    plan.tools = *tools;
+    const ToolSwitches switches = tool_switches(tools);
+    EncodePlan plan{.source = texture,
+                    .options = options,
+                    .colour = {texture.desc()},
+                    .effort = EffortSettings::of(effort, switches),
+                    .tools = switches};
     const auto motion = motion_between_views(plan);
     EXPECT_TRUE(motion) << motion.status().message();
     if (motion)
@@ -182,8 +186,7 @@ TEST(TileChoice, CameraGridsGetLargeTilesWithBasePictures) {
     EncodeOptions on_a_sphere = options;
     on_a_sphere.description.proxy = Proxy::sphere;
     EXPECT_EQ(chosen_tile(texture, on_a_sphere, usual_effort), many_views);
-    options.tools = "-base";
-    EXPECT_EQ(chosen_tile(texture, options, usual_effort), many_views);
+    EXPECT_EQ(chosen_tile(texture, options, usual_effort, "-base"), many_views);
 }
 
 TEST(TileChoice, LayersUseTheirOwnCandidates) {

@@ -6,6 +6,7 @@
 #include "codec/tile/padded_plane.h"
 #include "tests/support/encoded_file.h"
 #include "tests/support/format_values.h"
+#include "tests/support/tool_words.h"
 
 #include <gtest/gtest.h>
 
@@ -213,7 +214,7 @@ TEST(FilterFit, IsOffWhereFilteringCannotHelp) {
     EXPECT_FALSE(fit_filter({}).is_on());
 }
 
-test::EncodedFile encode(const EncodeOptions& options) {
+test::EncodedFile encode(const test::SwitchedOptions& options) {
     test::MemoryTexture source(
         {{32, 32, 8, 8}, SampleType::unorm8, 3}, [](int u, int v, int s, int t, int c) {
             return 0.5 + 0.3 * std::sin(0.2 * u + 0.1 * s + c) * std::cos(0.17 * v + 0.15 * t);
@@ -222,7 +223,7 @@ test::EncodedFile encode(const EncodeOptions& options) {
 }
 
 TEST(EncodeFilter, ImprovesCoarseQuantisation) {
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.rate = {RateTarget::Kind::quality, 40};
     options.tools = "-base"; // base pictures alone would code this texture
     options.threads = 1;
@@ -238,7 +239,7 @@ TEST(EncodeFilter, ImprovesCoarseQuantisation) {
 }
 
 TEST(EncodeFilter, IsOffAtLowEffortsAndUnderErrorBounds) {
-    EncodeOptions options;
+    test::SwitchedOptions options;
     options.effort = 1; // this effort neither copies nor filters
     EXPECT_FALSE(encode(options).parameters.filter.is_on());
     options.effort = usual_effort;

@@ -1,10 +1,10 @@
 // The switches of the coding tools.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
-#include "codec/tile_encoder/tool_switches.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 #include "tests/support/round_trips.h"
+#include "tests/support/tool_words.h"
 
 #include <gtest/gtest.h>
 
@@ -55,13 +55,13 @@ Bytes data_of(const Bytes& file) {
 TEST(Tools, EachChangesTheFileAndItStillDecodes) {
     for (const SampleType type : types) {
         MemoryTexture texture = texture_with_parallax(type);
-        EncodeOptions all = options_for({Kind::quality, 70}, usual_effort);
+        SwitchedOptions all{options_for({Kind::quality, 70}, usual_effort), {}};
         all.tile_extent = {16, 16, 4, 4};
         // Trials of dense tables take most of the time. Aligned views would have nothing to copy.
         all.tools = "-dense-tables,-align";
         const Encoded full = encode(texture, all);
         const auto check = [&](const std::string& name) {
-            EncodeOptions options = all;
+            SwitchedOptions options = all;
             options.tools =
                 name == "-dense-tables" ? "+dense-tables,-align" : all.tools + "," + name;
             const Encoded encoded = encode(texture, options);
@@ -79,47 +79,40 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             options.threads = 3;
             EXPECT_EQ(encode(texture, options).file, encoded.file) << name;
         };
-        for (const CodingToolInfo& info : coding_tools)
-            if (info.tool != CodingTool::align) // alignment_test.cpp
-                check(std::string("-") + info.name);
+        for (const std::string name : coding_tool_names)
+            if (name != "align") // alignment_test.cpp
+                check("-" + name);
         check("none");
     }
 }
 
-TEST(Tools, AreSwitchedByName) {
-    const auto is_on = [](const std::string& words, CodingTool tool, bool of_effort) {
-        const Result<ToolSwitches> switches = parse_tool_switches(words);
-        EXPECT_TRUE(switches) << switches.status().message();
-        return switches && switches->is_on(tool, of_effort);
-    };
-    for (const CodingToolInfo& info : coding_tools)
+TEST(Tools, SwitchesOverrideTheEffort) {
+    for (std::size_t i = 0; i < coding_tool_names.size(); ++i)
         for (const bool of_effort : {false, true}) {
-            const std::string name = info.name;
-            EXPECT_EQ(is_on("", info.tool, of_effort), of_effort) << name;
-            EXPECT_TRUE(is_on("all", info.tool, of_effort)) << name;
-            EXPECT_FALSE(is_on("none", info.tool, of_effort)) << name;
-            EXPECT_TRUE(is_on("none,+" + name, info.tool, of_effort)) << "the last word counts";
-            EXPECT_FALSE(is_on("+" + name + ",-" + name, info.tool, of_effort)) << name;
+            const auto tool = static_cast<CodingTool>(i);
+            const std::string name = coding_tool_names[i];
+            const auto is_on = [&](const std::string& words) {
+                return tool_switches(words).is_on(tool, of_effort);
+            };
+            EXPECT_EQ(is_on(""), of_effort) << name;
+            EXPECT_TRUE(is_on("all")) << name;
+            EXPECT_FALSE(is_on("none")) << name;
+            EXPECT_TRUE(is_on("none,+" + name)) << "the last word counts";
+            EXPECT_FALSE(is_on("+" + name + ",-" + name)) << name;
         }
-    EXPECT_FALSE(is_on("none,+copies", CodingTool::half, true));
-    EXPECT_EQ(parse_tool_switches("copies").status().code(), ErrorCode::bad_argument) << "no sign";
-    const Status misspelt = parse_tool_switches("+copie").status();
-    EXPECT_NE(misspelt.message().find("did you mean 'copies'"), std::string::npos)
-        << misspelt.message();
+    EXPECT_FALSE(tool_switches("none,+copies").is_on(CodingTool::half, true));
 }
 
 TEST(Tools, WorkAtAnyEffort) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
     const auto without = [&](int effort) {
-        EncodeOptions options = options_for({Kind::quality, 70}, effort);
-        options.tools = "none";
+        const SwitchedOptions options{options_for({Kind::quality, 70}, effort), "none"};
         return data_of(encode(texture, options).file);
     };
     EXPECT_TRUE(without(0) == without(most_effort)); // nothing is left for an effort to choose
     const Encoded fastest = encode(texture, options_for({Kind::quality, 70}, 0));
     for (const char* tools : {"+copies", "+rotation", "+dependent", "+fitted-tables", "+grids"}) {
-        EncodeOptions options = options_for({Kind::quality, 70}, 0);
-        options.tools = tools;
+        const SwitchedOptions options{options_for({Kind::quality, 70}, 0), tools};
         const Encoded encoded = encode(texture, options);
         EXPECT_FALSE(data_of(encoded.file) == data_of(fastest.file)) << tools;
         const Bytes texels = decode_all(encoded.file, texture.desc());
@@ -130,8 +123,7 @@ TEST(Tools, WorkAtAnyEffort) {
 
 TEST(Tools, KeepTheMaximumError) {
     MemoryTexture texture = texture_with_parallax(SampleType::unorm8);
-    EncodeOptions options = options_for({Kind::max_error, 2}, 3);
-    options.tools = "none";
+    const SwitchedOptions options{options_for({Kind::max_error, 2}, 3), "none"};
     const Encoded encoded = encode(texture, options);
     EXPECT_LE(
         difference(texture.texels, decode_all(encoded.file, texture.desc()), SampleType::unorm8)

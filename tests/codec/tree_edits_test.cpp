@@ -9,6 +9,7 @@
 #include "tests/support/random.h"
 #include "tests/support/random_predictions.h"
 #include "tests/support/random_tile.h"
+#include "tests/support/tool_words.h"
 
 #include <algorithm>
 #include <cmath>
@@ -127,7 +128,7 @@ test::MemoryTexture discs() {
 TEST(RefinedTrees, CostLessAtTheSamePsnr) {
     test::MemoryTexture texture = discs();
     const auto encode = [&](bool refined, test::Bytes& file) {
-        EncodeOptions options;
+        test::SwitchedOptions options;
         options.rate = {RateTarget::Kind::quality, 70};
         options.effort = usual_effort;
         // On a small texture balancing the mean varies the size more than refinement saves.

@@ -7,6 +7,7 @@
 // measures each tool, and an encoder without any tools. --efforts compares the efforts with the
 // first one instead, and has marks of its own.
 #include "codec/decoder.h"
+#include "codec/encode/encode_with_tools.h"
 #include "codec/encoder.h"
 #include "codec/tile_encoder/tool_switches.h"
 #include "format/texture.h"
@@ -44,7 +45,7 @@ struct Task {
 
 struct Experiment {
     std::string name;
-    std::string tools{};
+    ToolSwitches tools{};
     int effort = EncodeOptions().effort;
 };
 
@@ -61,11 +62,10 @@ Result<Curve> measure(const Task& task, const Experiment& experiment) {
         EncodeOptions options;
         options.rate = {RateTarget::Kind::quality, quality};
         options.effort = experiment.effort;
-        options.tools = experiment.tools;
         options.threads = threads;
         std::vector<std::byte> file;
         const double begun = seconds();
-        const auto report = encode_memory(source, file, options);
+        const auto report = encode_memory(source, file, options, experiment.tools);
         if (!report)
             return report.status();
         curve.points.push_back({static_cast<double>(report->file_bytes), report->psnr});
@@ -110,14 +110,17 @@ std::vector<Experiment> experiments(const Request& request) {
         all.push_back({std::to_string(request.efforts[i]), {}, request.efforts[i]});
     if (!request.efforts.empty())
         return all;
-    for (const CodingToolInfo& info : coding_tools) {
-        if (!is_wanted(request.tools, info.name))
+    for (std::size_t i = 0; i < coding_tool_names.size(); ++i) {
+        const std::string name = coding_tool_names[i];
+        if (!is_wanted(request.tools, name))
             continue;
-        const std::string without = std::string("-") + info.name;
-        all.push_back({without, without});
+        all.push_back({"-" + name, {}});
+        all.back().tools.set(static_cast<CodingTool>(i), false);
     }
-    if (request.tools.empty())
-        all.push_back({"none", "none"});
+    if (request.tools.empty()) {
+        all.push_back({"none", {}});
+        all.back().tools.set_all(false);
+    }
     return all;
 }
 
@@ -250,8 +253,7 @@ Result<Request> parse(int argc, char** argv) {
         } else if (std::strcmp(argv[i], "--tools") == 0 && has_value) {
             request.tools = split_at_commas(argv[++i]);
             for (const std::string& name : request.tools)
-                if (std::none_of(coding_tools.begin(), coding_tools.end(),
-                                 [&](const CodingToolInfo& info) { return name == info.name; }))
+                if (std::ranges::find(coding_tool_names, name) == coding_tool_names.end())
                     return Status(ErrorCode::bad_argument, "--tools: unknown tool " + name);
         } else if (std::strcmp(argv[i], "--efforts") == 0 && has_value) {
             for (const std::string& effort : split_at_commas(argv[++i]))

@@ -17,7 +17,8 @@ struct EncodedFile {
     CodingParameters parameters;
 };
 
-inline EncodedFile encode_file_of(MemoryTexture& source, const EncodeOptions& options) {
+// Options: EncodeOptions or SwitchedOptions (tool_words.h).
+template <class Options> EncodedFile encode_file_of(MemoryTexture& source, const Options& options) {
     EncodedFile encoded;
     const auto report = encode_memory(source, encoded.file, options);
     EXPECT_TRUE(report.ok()) << report.status().message();

@@ -27,7 +27,8 @@ inline EncodeOptions options_for(RateTarget rate, int effort = copies_effort) {
     return options;
 }
 
-inline Encoded encode(TexelSource& source, const EncodeOptions& options) {
+// Options: EncodeOptions or SwitchedOptions (tool_words.h).
+template <class Options> Encoded encode(TexelSource& source, const Options& options) {
     Encoded encoded;
     const Result<EncodeReport> report = encode_memory(source, encoded.file, options);
     EXPECT_TRUE(report) << report.status().message();

@@ -102,6 +102,7 @@ TEST_F(CliJson, AFileSaysHowItWasMade) {
     EXPECT_EQ(again["tessera:rate"], "quality 50");
     EXPECT_EQ(again["tessera:effort"], "1");
     EXPECT_EQ(again["Scene"], "composed");
+    EXPECT_FALSE(again.contains("tessera:tools"));
     succeed("encode y.tess -q -o z.tess --quality 50 --effort 1");
     // Neither the name nor the number of threads changes the bytes.
     succeed("encode y.tess -q -o elsewhere/z.tess --quality 50 --effort 1 --threads 3");

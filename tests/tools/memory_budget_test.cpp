@@ -100,7 +100,7 @@ TEST_F(Memory, CutsOfSlabsDoNotChangeWhatIsEncoded) {
             options.tile_extent = {16, 16, 8, 8};
             options.slab_bytes = slab_bytes;
             options.threads = 2;
-            options.source_name = kind.name;
+            options.labels.source = kind.name;
             return encode_memory(*opened->source, out, options).status();
         };
         std::vector<std::byte> whole, cut;

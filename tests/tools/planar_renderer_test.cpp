@@ -3,6 +3,7 @@
 #include "codec/encoder.h"
 #include "tests/support/moving_views.h"
 #include "tests/support/rendering.h"
+#include "tests/support/tool_words.h"
 #include "tools/view/planar_renderer.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ protected:
     std::string views_file(const std::string& name, const TextureDesc& desc, int u, int v,
                            const std::string& tools) {
         test::MemoryTexture texture = test::moving_views(desc, u, v);
-        EncodeOptions options;
+        test::SwitchedOptions options;
         options.rate = {RateTarget::Kind::max_error, 0};
         options.effort = test::copies_effort;
         options.threads = 1;
@@ -32,7 +33,11 @@ protected:
         options.tools = tools;
         options.description.angular_map = AngularMap::planar_views;
         options.metadata = {{"Cameras", "0.3,0.2,3,2"}};
-        EXPECT_TRUE(encode_file(texture, at(name), options));
+        test::Bytes file;
+        EXPECT_TRUE(encode_memory(texture, file, options));
+        std::ofstream(at(name), std::ios::binary)
+            .write(reinterpret_cast<const char*>(file.data()),
+                   static_cast<std::streamsize>(file.size()));
         const auto bytes = open_file(at(name));
         EXPECT_EQ(ContainerReader::open(**bytes)->alignment().any(), tools.empty()) << name;
         return at(name);

@@ -138,7 +138,7 @@ Result<EncodeOptions> make_encode_options(const EncodeArguments& a, unsigned thr
     EncodeOptions options;
     TESSERA_TRY(check_rates(a));
     options.rate = make_rate(a);
-    options.rate_name = rate_option(a);
+    options.labels.rate = rate_option(a);
     if (a.lossless_fallback && !a.target_psnr)
         return Status(ErrorCode::bad_argument, "--lossless-fallback: belongs to --target-psnr");
     options.lossless_fallback = a.lossless_fallback;

@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// For EncodeOptions::source_facts: length and modification time of the file at `path`; for a
+// For EncodeLabels::facts: length and modification time of the file at `path`; for a
 // folder, the number of its files and a checksum of their names, lengths and times. The path is not
 // included. Files that cannot be read are left out, since opening them reports why. `what` is part
 // of the facts' names, such as "input".

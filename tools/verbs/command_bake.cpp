@@ -63,8 +63,8 @@ Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
     TESSERA_TRY(check_for(a.encode, options, desc));
     TESSERA_TRY(compressed ? check_tess_output(a.encode, a.output)
                            : check_texture_output(a.output, desc));
-    options.source_facts = baking.facts;
-    options.source_facts.insert(options.source_facts.end(), baking.input_facts.begin(),
+    options.labels.facts = baking.facts;
+    options.labels.facts.insert(options.labels.facts.end(), baking.input_facts.begin(),
                                 baking.input_facts.end());
     return options;
 }

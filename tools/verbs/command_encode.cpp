@@ -166,10 +166,10 @@ Result<EncodeOptions> options_for(const EncodeCommand& a, const Decoder* reused,
         options.effort = a.encode.effort.value_or(effort_of(*old));
     }
     TESSERA_TRY(check_for(a.encode, options, input.source->desc()));
-    options.source_name = name_of_input(a, input);
-    options.source_facts = facts_of(a);
-    options.confirm = [&a, name = options.source_name, before = options.source_facts] {
-        return check_unchanged(a, name, before);
+    options.labels.source = name_of_input(a, input);
+    options.labels.facts = facts_of(a);
+    options.confirm = [&a, labels = options.labels] {
+        return check_unchanged(a, labels.source, labels.facts);
     };
     return options;
 }

@@ -1,4 +1,4 @@
-#include "codec/pass/encode_facts.h"
+#include "codec/encode/encode_facts.h"
 
 #include "codec/decoder.h"
 #include "format/container/syntax.h"
@@ -9,68 +9,52 @@
 #include <cstdio>
 
 namespace tessera {
-
 namespace {
 
 constexpr std::size_t longest_value = 100;
 
-// Exact, unlike "%f": two targets that differ at all are different.
-std::string exact(double value) {
-    char text[40];
-    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-    return {text, end};
+std::string checksum_text(std::uint32_t crc) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%08x", crc);
+    return text;
 }
 
-std::string checksum(std::span<const std::byte> bytes, std::uint32_t previous = 0) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%08x", crc32c(bytes, previous));
-    return text;
+std::string checksum_of(std::span<const std::byte> bytes) {
+    return std::to_string(bytes.size()) + " bytes of checksum " + checksum_text(crc32c(bytes));
 }
 
 std::string shortened(const std::string& value) {
-    return value.size() <= longest_value ? value
-                                         : std::to_string(value.size()) + " bytes of checksum " +
-                                               checksum(std::as_bytes(std::span(value)));
+    return value.size() <= longest_value ? value : checksum_of(std::as_bytes(std::span(value)));
 }
 
-const char* name_of(RateTarget::Kind kind) {
-    switch (kind) {
-    case RateTarget::Kind::quality:
-        return "quality";
-    case RateTarget::Kind::psnr:
-        return "target PSNR";
-    case RateTarget::Kind::bpt:
-        return "target bits per texel";
-    case RateTarget::Kind::bytes:
-        return "target bytes";
-    case RateTarget::Kind::max_error:
-        return "maximum error";
-    }
-    return "?";
+// The fewest digits from which the same number is read again.
+std::string exact(double value) {
+    char text[400]; // of any double without an exponent
+    const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed).ptr;
+    return {text, end};
 }
 
-std::string tools_text(const ToolSwitches& tools) {
-    std::string text;
-    for (const CodingToolInfo& info : coding_tools) {
-        const bool on = tools.is_on(info.tool, false), off = !tools.is_on(info.tool, true);
-        if (on || off)
-            text += std::string(text.empty() ? "" : ",") + (on ? "+" : "-") + info.name;
-    }
-    return text;
-}
-
-// How the rate was asked for, such as "psnr 40"; shortest digits that give the same number again.
+// "psnr 40".
 std::string rate_text(const RateTarget& rate) {
     using Kind = RateTarget::Kind;
-    const char* kind = rate.kind == Kind::quality ? "quality"
-                       : rate.kind == Kind::psnr  ? "psnr"
-                       : rate.kind == Kind::bpt   ? "bpt"
-                       : rate.kind == Kind::bytes ? "bytes"
-                                                  : "max-error";
-    char text[400]; // of any double without an exponent
-    const auto end =
-        std::to_chars(text, text + sizeof text, rate.value, std::chars_format::fixed).ptr;
-    return std::string(kind) + " " + std::string(text, end);
+    const char* kind = rate.kind == Kind::quality ? "quality "
+                       : rate.kind == Kind::psnr  ? "psnr "
+                       : rate.kind == Kind::bpt   ? "bpt "
+                       : rate.kind == Kind::bytes ? "bytes "
+                                                  : "max-error ";
+    return kind + exact(rate.value);
+}
+
+// "-copies,+grids".
+std::string tools_text(const ToolSwitches& tools) {
+    std::string text;
+    for (std::size_t i = 0; i < coding_tool_names.size(); ++i) {
+        const auto tool = static_cast<CodingTool>(i);
+        const bool on = tools.is_on(tool, false), off = !tools.is_on(tool, true);
+        if (on || off)
+            text += std::string(text.empty() ? "" : ",") + (on ? "+" : "-") + coding_tool_names[i];
+    }
+    return text;
 }
 
 std::string description_text(const Description& d) {
@@ -93,16 +77,14 @@ JournalFacts facts_of(const EncodePlan& plan) {
         {"size", to_string(plan.views.texture_size())},
         {"sample type", desc.type == SampleType::unorm8 ? "unorm8" : "half16"},
         {"number of channels", std::to_string(desc.channels)},
-        {"rate", std::string(name_of(o.rate.kind)) + " " + exact(o.rate.value)},
+        {"rate", rate_text(o.rate)},
         {"effort", std::to_string(o.effort)},
-        {"list of tools", tools_text(plan.tools)},
         {"layers", o.layers ? "coarse levels" : "none"},
         {"strictness", o.strict ? "strict" : "lenient"},
         {"description", description_text(o.description)},
     };
     if (!o.mesh.empty())
-        facts.emplace_back("mesh", std::to_string(o.mesh.size()) + " bytes of checksum " +
-                                       checksum(o.mesh));
+        facts.emplace_back("mesh", checksum_of(o.mesh));
     if (o.reuse != nullptr) {
         const ContainerReader& reused = o.reuse->container();
         facts.emplace_back("file to reuse", std::to_string(reused.file_bytes()) +
@@ -111,7 +93,7 @@ JournalFacts facts_of(const EncodePlan& plan) {
     }
     if (o.mask != nullptr)
         facts.emplace_back("size of the mask", to_string(o.mask->desc().size));
-    for (const auto& [name, value] : o.source_facts)
+    for (const auto& [name, value] : o.labels.facts)
         facts.emplace_back(name, shortened(value));
     for (const auto& [key, value] : o.metadata)
         facts.emplace_back("metadata " + key, shortened(value));
@@ -127,7 +109,7 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
     std::uint32_t crc = 0;
     for (const TileTexels& tile : sample.tiles)
         crc = crc32c(tile.matters, crc32c(tile.texels, crc));
-    facts.emplace_back("checksum of sampled texels", checksum({}, crc));
+    facts.emplace_back("checksum of sampled texels", checksum_text(crc));
     return facts;
 }
 
@@ -136,7 +118,7 @@ Metadata recorded_metadata(const EncodePlan& plan) {
     Metadata metadata = options.metadata;
     metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
     std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
-    if (options.reuse != nullptr) { // as the tiles were made that set the quantiser
+    if (options.reuse != nullptr) { // its tiles decide the quantiser
         for (const auto& entry : options.reuse->container().metadata())
             if (entry.first.starts_with(made_prefix))
                 metadata.insert(entry);

@@ -1,0 +1,55 @@
+// Codes one block: on the file's colour axes or on rotated ones, whichever costs less.
+#pragma once
+
+#include "codec/tile_encoder/block_quantizer.h"
+#include "codec/tile_encoder/block_search.h"
+#include "codec/tile_encoder/coded_blocks.h"
+#include "codec/tile_encoder/effort_settings.h"
+
+namespace tessera {
+
+// Holds scratch memory: one per thread.
+class BlockEncoder {
+public:
+    // All outlive this.
+    BlockEncoder(const TileCoding& coding, const BitCosts& costs, const EffortSettings& settings)
+        : coding_(&coding), costs_(&costs), settings_(&settings),
+          quantizer_(coding, costs, settings.quantizer) {}
+
+    // Forgets the tile before. keeps: blocks of the tile will be met again. compares: costs of
+    // different ways to code the tile will be compared.
+    void begin_tile(bool keeps, bool compares) {
+        coded_.begin(keeps);
+        compares_ = compares;
+    }
+
+    // Appends colour, planes and levels of a block of the tile in `search` to `out`. `decoded` is
+    // what it may copy. Returns its cost: squared steps, plus lambda for every bit. A block that
+    // clearly costs more than `limit` is not coded: returns unreachable_cost and leaves `out`
+    // alone.
+    float encode(BlockSearch& search, const Block& block, const BlockPrediction& prediction,
+                 const TilePlanes& decoded, TileLevels& out, float limit = unreachable_cost);
+    // Replaces `out` by the given coefficients, coded with that colour if its first plane is not
+    // empty then, otherwise with none.
+    void encode_as(const BlockCoefficients& block, int colour, TileLevels& out);
+
+    // The coefficients of the block that was coded last, with its colour.
+    const BlockCoefficients& coefficients(int colour) const {
+        return colour != 0 ? rotated_ : plain_;
+    }
+    // The rotation of the block before, as ColourMemory in tile_syntax.h. A tree begins with 1.
+    int last_rotation = 1;
+
+private:
+    class CurrentBlock;
+
+    const TileCoding* coding_;
+    const BitCosts* costs_;
+    const EffortSettings* settings_;
+    bool compares_ = true;
+    BlockQuantizer quantizer_;
+    CodedBlocks coded_;
+    BlockCoefficients plain_, rotated_;
+};
+
+} // namespace tessera
