@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t searched_in_full =
     4; // one angular cell in so many, to find likely candidates
-constexpr float infinite = std::numeric_limits<float>::infinity();
+constexpr float infinite_error = std::numeric_limits<float>::infinity();
 
 std::size_t count_of(const DisplacementSearch::Axes& cells) {
     return cells[0].size() * cells[1].size();
@@ -260,7 +260,7 @@ void DisplacementSearch::match(int direction, const Cells& cells, float bit_cost
     for (std::size_t depth = 0; depth < cells.spatial.size(); ++depth) {
         const std::size_t count = count_of(cells.spatial[depth]);
         all_cells += count;
-        matches[depth].assign(count * count_of(cells.angular), {{}, infinite, 0});
+        matches[depth].assign(count * count_of(cells.angular), {{}, infinite_error, 0});
     }
     errors_.resize(all_cells * candidates_.size());
     // Matches every angular cell whose number is, or is not, a multiple of `step`.
@@ -296,7 +296,7 @@ void DisplacementSearch::match_again(int direction, const Cells& cells, float bi
                               .known = known,
                               .bit_cost = bit_cost,
                               .match = {},
-                              .cost = infinite};
+                              .cost = infinite_error};
                     attempt(before, best);
                     for (const Displacement& d : known)
                         if (d != before)

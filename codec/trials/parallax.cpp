@@ -12,7 +12,7 @@ namespace {
 
 constexpr int cell_side = 8;                        // texels
 constexpr int unit_bits = 2, unit = 1 << unit_bits; // of displacements: 1/4 texel per view
-constexpr int farthest = farthest_base_copy * unit / base_unit;
+constexpr int farthest_match = farthest_base_copy * unit / base_unit;
 constexpr int weights = unit * unit; // sum of the weights of bilinear interpolation
 // Parallax is assumed if the middle view's neighbours, predicted with the best displacement of each
 // cell, keep less than this share of the cells' variation: 0.02 to 0.12 for light fields (0.48 with
@@ -105,7 +105,7 @@ private:
         variation_ += (squares - sum * sum / texels) * neighbours / (neighbours + 1);
         for (const bool against : {false, true}) {
             auto least = std::numeric_limits<std::int64_t>::max();
-            for (int d = -farthest; d <= farthest; ++d) {
+            for (int d = -farthest_match; d <= farthest_match; ++d) {
                 std::int64_t error = 0;
                 for (const View& view : views_)
                     if (error < least)

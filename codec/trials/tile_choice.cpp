@@ -15,7 +15,7 @@ namespace {
 // With more short tiles, the root of the index would not fit into the first 8 KiB of a file, and a
 // texel could no longer be read in three reads: the head, a record of the index and a page.
 constexpr std::uint64_t most_short_tiles = std::uint64_t{1} << 17;
-constexpr std::uint64_t fewest_patches = 2, most_patches = 16;
+constexpr std::uint64_t fewest_patches = 2, most_compared_patches = 16;
 constexpr std::uint64_t fewest_patches_by_estimate = 1;
 constexpr std::uint64_t most_patch_bytes = 24u << 20; // of those that are read
 constexpr std::uint32_t smallest_side = 32;           // smaller textures are not worth a trial
@@ -69,7 +69,7 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     const bool quick = plan.effort.quick;
     const std::uint64_t fewest = quick ? fewest_patches_by_estimate : fewest_patches;
     const std::uint64_t wanted = std::clamp(cut.grid.tiles() / (quick ? 32 : 16), fewest,
-                                            std::clamp(affordable, fewest, most_patches));
+                                            std::clamp(affordable, fewest, most_compared_patches));
     TESSERA_TRY_ASSIGN(Sample sample, read_sample(cut, 2 * wanted));
     std::vector<std::uint64_t> lively;
     for (const TileTexels& tile : sample.tiles)

@@ -64,7 +64,7 @@ TEST(CheckOptions, RefuseRatesOutOfRange) {
 TEST(CheckOptions, RefuseSizesBelowTheSmallestFile) {
     test::MemoryTexture black(rgb, [](int, int, int, int, int) { return 0.0; });
     std::vector<std::byte> file;
-    const auto report = encode_memory(black, file, {});
+    const auto report = encode_memory(black, file, EncodeOptions());
     ASSERT_TRUE(report) << report.status().message();
     double least = 1;
     while (rate_objection({Kind::bytes, least}) != "")

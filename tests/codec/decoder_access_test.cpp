@@ -82,7 +82,7 @@ TEST(Access, ThreadsShareADecoder) {
 
 TEST(Access, BadBoxesAndBuffersAreRefused) {
     MemoryTexture texture = named_texture(describe({7, 5, 3, 2}), "smooth");
-    const Encoded encoded = encode(texture, {});
+    const Encoded encoded = encode(texture, EncodeOptions());
     const auto source = wrap_memory(encoded.file);
     const Result<Decoder> decoder = Decoder::open(*source);
     ASSERT_TRUE(decoder);

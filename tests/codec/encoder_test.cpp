@@ -3,6 +3,7 @@
 #include "codec/encoder.h"
 #include "codec/pass/steps.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "codec/tile_encoder/tile_encoder.h"
 #include "format/container_reader.h"
 #include "format/tile/features.h"
 #include "tests/support/efforts.h"

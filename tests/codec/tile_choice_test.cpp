@@ -1,6 +1,7 @@
 // The tile extent that the encoder chooses if none is requested.
 #include "codec/decoder.h"
 #include "codec/encoder.h"
+#include "codec/pass/sample_pass.h"
 #include "codec/pass/steps.h"
 #include "codec/trials/alignment_choice.h"
 #include "codec/trials/tile_choice.h"

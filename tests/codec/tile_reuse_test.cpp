@@ -172,7 +172,7 @@ TEST(TileReuse, RefusesFilesThatCannotBeReused) {
     const auto part = wrap_memory(beginning);
     const auto partial = Decoder::open(*part, {.allow_partial = true});
     ASSERT_TRUE(partial) << partial.status().message();
-    options = reusing(old);
+    EncodeOptions options = reusing(old);
     options.reuse = &*partial;
     EXPECT_EQ(encode_memory(old.texels, file, options).status().code(), ErrorCode::bad_argument);
     // A damaged tile.

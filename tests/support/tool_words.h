@@ -31,7 +31,9 @@ inline ToolSwitches tool_switches(const std::string& words) {
 }
 
 struct SwitchedOptions : EncodeOptions {
-    std::string tools;
+    SwitchedOptions(const EncodeOptions& options = {}, std::string words = {})
+        : EncodeOptions(options), tools(std::move(words)) {}
+    std::string tools; // as tool_switches() reads them
 };
 
 inline Result<EncodeReport> encode_memory(TexelSource& source, std::vector<std::byte>& out,
