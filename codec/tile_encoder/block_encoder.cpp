@@ -20,7 +20,7 @@ constexpr float colours_apart = 1.15f;
 class BlockEncoder::CurrentBlock {
 public:
     CurrentBlock(BlockEncoder& encoder, BlockSearch& search, const Block& block,
-                const BlockPrediction& prediction, const TilePlanes& decoded)
+                 const BlockPrediction& prediction, const TilePlanes& decoded)
         : encoder_(encoder), search_(search), block_(block), prediction_(prediction),
           decoded_(decoded), known_(encoder.coded_.at(block, prediction)) {
         if (!prediction.copies())
