@@ -60,7 +60,7 @@ std::uint32_t BatchBuilder::value_words(const Entry& entry, std::uint64_t texels
     return keeps ? static_cast<std::uint32_t>(texels) * tables_.value_words() : 0;
 }
 
-// What a tile adds to the sizes of a batch.
+// The words and coefficients that a tile adds to a batch.
 BatchBuilder::Size BatchBuilder::size_of(const Entry& entry, std::size_t bytes,
                                          std::uint64_t texels) const {
     const PayloadParts& parts = entry.parts;
@@ -208,8 +208,7 @@ void BatchBuilder::add_tile(const Entry& entry, std::span<const std::byte> paylo
     c.payloads.resize((c.payloads.size() + 3) / 4 * 4);
 }
 
-// The fields of the header that place nothing in the batch buffer. Sets the size of the work
-// buffer.
+// Fills the header, except for the positions of records, and sets the size of the work buffer.
 void BatchBuilder::put_header(DecodeBatch& batch) const {
     const Content& c = content_;
     const auto tiles = static_cast<std::uint32_t>(c.tiles.size());

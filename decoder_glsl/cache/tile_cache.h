@@ -91,9 +91,9 @@ private:
     std::vector<std::uint32_t> slot_of_; // by tile
     std::vector<std::uint8_t> flags_;    // by tile
 
-    // By slot. Occupied slots form a ring through index slots_: next_[slots_] was touched last, and
-    // previous_[slots_] is evicted next. Free slots form a chain of next_ from first_free_ to
-    // slots_.
+    // Indexed by slot. Occupied slots form a ring through index slots_: next_[slots_] was touched
+    // last, and previous_[slots_] is evicted next. Free slots form a chain of next_ from
+    // first_free_ to slots_.
     std::vector<std::uint32_t> tile_of_, next_, previous_;
     std::vector<std::uint64_t> touched_; // frame
     std::uint32_t first_free_ = 0;

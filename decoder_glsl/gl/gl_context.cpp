@@ -119,7 +119,7 @@ std::vector<Candidate> list_devices(const char* client_extensions) {
     return candidates;
 }
 
-// In the order in which they are tried.
+// Lists the displays in the order in which they are tried.
 std::vector<Candidate> list_candidates() {
     const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     std::vector<Candidate> candidates = list_devices(extensions);
@@ -140,7 +140,8 @@ std::vector<Candidate> list_candidates() {
     return candidates;
 }
 
-// With `version` false, a context of any version, to find out which one the device has.
+// Creates a context of OpenGL 4.5. If `version` is false, the context has any version, which tells
+// what the device offers.
 Result<Context> create_context(EGLDisplay display, bool version) {
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
     if (!lists(extensions, "EGL_KHR_surfaceless_context"))

@@ -11,7 +11,8 @@ public:
     // Errors: those of the program.
     static Result<GlCoarseMeans> create(const TextureFile& file);
 
-    // Adds a tile. `page`: of its slot; `word`: of its coarse texels in the sampler's buffer.
+    // Adds a tile. `page` is that of its slot, `word` that of its coarse texels in the sampler's
+    // buffer.
     void add(std::uint32_t page, std::uint32_t word, const Extent4& extent);
     // Computes the coarse texels of all tiles that were added. `parameters`: the sampler's buffer.
     Status compute(const GlTexture& texels, const GlBuffer& parameters);

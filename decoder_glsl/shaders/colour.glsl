@@ -1,4 +1,4 @@
-// From transform outputs to samples (FORMAT.md 4.5).
+// Converts transform outputs to samples (FORMAT.md 4.5).
 #ifndef TSR_COLOUR
 #define TSR_COLOUR
 #include "buffers.glsl"

@@ -14,8 +14,8 @@ vec4 tsr_view_colour(ivec2 pixel) {
                   vec2(float(tsr_pixels.x), float(tsr_pixels.y)) * 2.0 -
               vec2(1.0);
     vec3 ray = normalize(tsr_forward.xyz + at.x * tsr_right.xyz - at.y * tsr_up.xyz);
-    // From the ray's point nearest to the centre. The usual quadratic formula is inexact from far
-    // away.
+    // Starts at the ray's point nearest to the centre, because the usual quadratic formula is
+    // inexact from far away.
     float along = -dot(tsr_eye.xyz, ray);
     vec3 nearest = tsr_eye.xyz + along * ray;
     float rest = tsr_eye.w * tsr_eye.w - dot(nearest, nearest);
