@@ -813,7 +813,8 @@ static int test_box_bytes(void) {
     CHECK(bytes == (uint64_t)8 << 60 || sizeof(size_t) < 8);
     end[0] *= 2; /* 2^64 */
     bytes = 7;
-    REFUSED(tessera_box_bytes(&texture, origin, end, &bytes), TESSERA_UNSUPPORTED, "count");
+    REFUSED(tessera_box_bytes(&texture, origin, end, &bytes), TESSERA_UNSUPPORTED,
+            "too many bytes for a size_t");
     CHECK(bytes == 7);
     CHECK(tessera_box_bytes(&texture, one, one, &bytes) == TESSERA_BAD_ARGUMENT);
     CHECK(tessera_box_bytes(&texture, one, origin, &bytes) == TESSERA_BAD_ARGUMENT);
@@ -858,7 +859,7 @@ static int test_structures_that_grow(void) {
     CHECK(tessera_check_options(&small_texture, &newer.now) == 0);
     newer.later[1] = 1;
     REFUSED(tessera_check_options(&small_texture, &newer.now), TESSERA_UNSUPPORTED,
-            "later version");
+            "is not known to this library");
     newer.now.struct_size = 0;
     REFUSED(tessera_check_options(&small_texture, &newer.now), TESSERA_BAD_ARGUMENT,
             "tessera_encode_options_init");
