@@ -53,7 +53,7 @@ $T sheet "$OUT/original.rgb" "$OUT/composed.tess" --size "$SIZE" -o "$OUT/sheet.
 # The views on the GPU (Mesa's software one will do), or on the CPU where OpenGL 4.5 is missing.
 views() {
     $T render "$OUT/composed.tess" -o "$OUT/view.png" --views paper --truth composed \
-        --original "$OUT/original.rgb" --sheet "$OUT/views.png" --size 480x360 --via "$1"
+        --original "$OUT/original.rgb" --sheet "$OUT/views.png" --pixels 480x360 --via "$1"
 }
 say "Drawing the paper's five views: truth, uncompressed, compressed, difference"
 code=0

@@ -115,7 +115,7 @@ for size in 512x256x32x32 64x32x256x256; do
     n=0
     for eye in 6,0,0 0,0,6 0,6,0 0.01,-6,0; do
         n=$((n + 1))
-        uncompressed composed $size close-$n-$size --eye $eye --fov 30 --size 320x320 --write-all
+        uncompressed composed $size close-$n-$size --eye $eye --fov 30 --pixels 320x320 --write-all
         cat "$OUT/close-$n-$size.txt" >>"$OUT/both.txt"
     done
     row $size "2 3" "$OUT/both.txt" | tee -a "$TABLES"
@@ -144,7 +144,7 @@ pictures=()
 labels=()
 add() { pictures+=("$1"); labels+=(--label "$2"); }
 for size in 1024x512x128x128 512x256x64x64 512x256x32x32 64x32x256x256; do
-    uncompressed composed $size small-$size --views paper --size 256x192 --write-all
+    uncompressed composed $size small-$size --views paper --pixels 256x192 --write-all
 done
 $T render "$OUT/512x256x32x32.tess" --views paper --pixels 256x192 -q -o "$OUT/small-compressed.png"
 for n in 1 2 3 4 5; do add "$OUT/small-1024x512x128x128-$n-truth.png" "truth, view $n"; done
