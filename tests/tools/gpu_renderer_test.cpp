@@ -193,7 +193,7 @@ TEST_F(GpuRender, DrawsCoarselyWhatFindsNoPlace) {
     EXPECT_LE((*tiny)->device_use()->bytes, (5u << 20) + camera.width * camera.height * 16 + 4096);
     unsigned missing = 0, touched = 0, budget = 0, advice = 0;
     ASSERT_EQ(std::sscanf(coarse.remark.c_str(),
-                          "%u of the %u tiles that it touches found no place within --budget %uM "
+                          "%u of the %u tiles in view do not fit into --budget %uM "
                           "and are drawn coarsely; --budget %uM",
                           &missing, &touched, &budget, &advice),
               4)

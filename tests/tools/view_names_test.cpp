@@ -1,4 +1,4 @@
-// What the names of views are taken for.
+// Recognising and ordering views by their file names.
 #include "tools/texture_io/view_layout.h"
 #include "tools/texture_io/view_names.h"
 
@@ -34,7 +34,7 @@ TEST(ViewPattern, ReadsAndWritesNames) {
     for (const char* name : {"view_t1_s2.jpg", "view_t_s2.png", "view_t1_s.png", "view_t1.png",
                              "xview_t1_s2.png", "view_t1_s2.png.png", "view_t9999999999_s1.png"})
         EXPECT_FALSE(usual->match(name).has_value()) << name;
-    // Ways through the stars: 160 million.
+    // Matching must not backtrack: the stars can be matched in 160 million ways.
     const auto stars = ViewPattern::parse("*a*a*a*a{n}.png");
     EXPECT_FALSE(stars->match(std::string(250, 'a') + ".png"));
     const auto joined = ViewPattern::parse("{t:2}{s:2}*.exr");
@@ -44,7 +44,7 @@ TEST(ViewPattern, ReadsAndWritesNames) {
     EXPECT_EQ(ViewPattern::parse("v{n}.jpg")->match("v-4.jpg")->n, -4);
 }
 
-TEST(ViewPattern, RefusesWhatIsNone) {
+TEST(ViewPattern, RefusesInvalidPatterns) {
     for (const char* text :
          {"", "view.png", "{n}", "{n}{s}.png", "{n}_{n}.png", "{n.png", "{x}.png", "{n:0}.png",
           "{n:12}.png", "a/{n}.png", ".{n}.png", "****{n}*.png", "{n}.bmp", "{n}\n.png"}) {
@@ -68,7 +68,7 @@ TEST(ViewNames, RecognisesCommonNames) {
     EXPECT_EQ(pattern_of({"cam0.png", "cam1.png", "preview.png"}), "cam{n}.png");
 }
 
-TEST(ViewNames, RefusesWhatCouldMeanSeveralThings) {
+TEST(ViewNames, RefusesAmbiguousNames) {
     const auto both = pattern_of({"a0.png", "a1.png", "b0.png", "b1.png"});
     EXPECT_NE(both.find("more than one pattern"), std::string::npos) << both;
     EXPECT_NE(both.find("a0.png (2 like it), b0.png (2 like it)"), std::string::npos) << both;
@@ -111,26 +111,27 @@ TEST(ViewNames, ArrangesByOrder) {
               "v_-1_1.png: this view is miss");
 }
 
-TEST(ViewNames, NamesWhatIsWrong) {
-    const auto said = [](const std::vector<std::string>& names, const std::string& words,
-                         const ViewHints& hints = {}) {
+TEST(ViewNames, ReportsViewsThatDoNotFit) {
+    const auto expect_words = [](const std::vector<std::string>& names, const std::string& words,
+                                 const ViewHints& hints = {}) {
         const std::string text = arranged(names, hints);
         EXPECT_NE(text.find(words), std::string::npos) << text;
     };
-    said({"a00.png", "a01.png", "a03.png"}, "a02.png: this view is missing from 2x2 views");
-    said(numbered("c", 0, 6, ".png"), "no square of views; say --grid");
-    said({"0_0.png", "0_1.png", "1_1.png"}, "1_0.png: this view is missing");
-    said({"0_0.png", "00_0.png", "0_1.png"}, "two files for one view: 0_0.png and 00_0.png");
-    said({"0_0.png", "1_999999999.png"}, "apart");
+    expect_words({"a00.png", "a01.png", "a03.png"}, "a02.png: this view is missing from 2x2 views");
+    expect_words(numbered("c", 0, 6, ".png"), "no square of views; say --grid");
+    expect_words({"0_0.png", "0_1.png", "1_1.png"}, "1_0.png: this view is missing");
+    expect_words({"0_0.png", "00_0.png", "0_1.png"},
+                 "two files for one view: 0_0.png and 00_0.png");
+    expect_words({"0_0.png", "1_999999999.png"}, "apart");
     ViewHints hints;
     hints.grid = ViewGrid{1, 2};
-    said(numbered("c", 0, 3, ".png"), "c002.png: outside the 1x2 views", hints);
+    expect_words(numbered("c", 0, 3, ".png"), "c002.png: outside the 1x2 views", hints);
     hints = {};
     hints.pattern = "x{n}.png";
-    said({"c000.png"}, "no picture whose name fits 'x{n}.png', but c000.png", hints);
+    expect_words({"c000.png"}, "no picture whose name fits 'x{n}.png', but c000.png", hints);
 }
 
-TEST(ViewOrder, GoesThereAndBack) {
+TEST(ViewOrder, ConvertsBothWays) {
     const ViewGrid grid{3, 4};
     for (int bits = 0; bits < 16; ++bits) {
         const ViewOrder order{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
@@ -145,7 +146,7 @@ TEST(ViewOrder, GoesThereAndBack) {
         EXPECT_FALSE(parse_view_grid(text).ok()) << text;
 }
 
-TEST(ViewLayout, IsKeptAsText) {
+TEST(ViewLayout, SurvivesConversionToText) {
     ViewLayout layout{"cam {n:3}.png", {}, {false, true, false, false}, {}};
     EXPECT_EQ(to_string(layout), "order:serpentine names:cam {n:3}.png");
     EXPECT_EQ(parse_view_layout(to_string(layout)).pattern, layout.pattern);

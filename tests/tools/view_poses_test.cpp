@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-TEST(ViewPoses, SpreadObserversStandAllAroundNearAndFar) {
+TEST(ViewPoses, SpreadsCamerasOverDirectionsAndDistances) {
     const auto cameras = spread_cameras(32, 6, 30);
     ASSERT_TRUE(cameras.ok()) << cameras.status().message();
     ASSERT_EQ(cameras->size(), 32u);
@@ -16,9 +16,9 @@ TEST(ViewPoses, SpreadObserversStandAllAroundNearAndFar) {
         const double distance = glm::length(camera.eye);
         EXPECT_GE(distance, 6);
         EXPECT_LE(distance, 30);
-        near += distance < 13.4; // the middle in ratios
+        near += distance < 13.4; // the geometric mean of 6 and 30
         EXPECT_LT(glm::length(camera.eye / distance + camera.forward), 1e-9)
-            << "looks at the middle";
+            << "looks at the origin";
         sum += camera.eye / distance;
     }
     EXPECT_LT(glm::length(sum) / 32, 0.05);

@@ -1,4 +1,4 @@
-// Drawing on the CPU: a texture, and the scene that it stands for.
+// The CPU renderers of textures and of scenes.
 #include "codec/encoder.h"
 #include "corpus/catalog.h"
 #include "corpus/shade.h"
@@ -20,7 +20,7 @@ namespace {
 
 using namespace tessera::test::rendering;
 
-// A baked texture in memory, and how often it was read.
+// A texture in memory that counts its reads.
 class CountedTexture final : public TexelSource {
 public:
     explicit CountedTexture(TexelSource& source)
@@ -46,7 +46,7 @@ View truth_view(const std::string& scene, const Camera& camera, unsigned samples
     return view_of(*make_truth_renderer(*corpus::make_scene(scene), window, samples, {}), camera);
 }
 
-TEST(TextureRenderer, LazyBakingChangesNothing) {
+TEST(TextureRenderer, DrawsLazilyBakedTexturesTheSame) {
     const auto lazy = bake("mirror", {32, 16, 9, 8}, 2);
     CountedTexture whole(*lazy);
     const Camera camera = camera_at(aslant, {45, 60, 45});
@@ -54,13 +54,13 @@ TEST(TextureRenderer, LazyBakingChangesNothing) {
     EXPECT_EQ(whole.reads(), 1);
     EXPECT_EQ(texture_view(*lazy, camera, {3, 1u << 30, {}}).rgb, expected.rgb);
     EXPECT_EQ(texture_view(*lazy, camera, {2, 1, {}}, {5, 3, 2, 1}).rgb, expected.rgb)
-        << "a cache that keeps nothing";
+        << "without a cache";
     const int before = whole.reads();
     texture_view(whole, camera, {2, 1u << 30, {}}, {8, 8, 4, 4});
     EXPECT_LT(whole.reads() - before, 4 * 2 * 3 * 2) << "the far side is not read";
 }
 
-// One ray per pixel in both, so that nothing but the texture's resolution is between them.
+// Both use one ray per pixel, so that they differ only by the texture's resolution.
 TEST(TextureRenderer, ApproachesTheTruth) {
     for (const char* scene : {"composed", "gallery"})
         for (const NamedPose& named : paper_views()) {
@@ -79,7 +79,7 @@ TEST(TextureRenderer, ApproachesTheTruth) {
         }
 }
 
-// From a place among the things, around which the sphere stands.
+// The sphere encloses the observer and lies between the objects.
 TEST(TextureRenderer, ApproachesTheTruthFromInside) {
     const SphereWindow window{{0, 1.1, 0}, 0.4, true};
     const Camera camera = camera_at({{0.1, 1.2, 0.05}, {1, 0.4, 1.2}}, {80, 40, 30});
@@ -89,7 +89,7 @@ TEST(TextureRenderer, ApproachesTheTruthFromInside) {
         const auto renderer = make_texture_renderer(**source, {2, 2, 2, 2}, window, grey, {});
         EXPECT_EQ(renderer->render(camera_at(aslant, {45, 4, 3})).status().code(),
                   ErrorCode::bad_argument)
-            << "outside";
+            << "an eye outside the sphere";
         return likeness_of(truth, to_picture(view_of(*renderer, camera), SampleType::unorm8)).psnr;
     };
     const double coarse = psnr({32, 16, 8, 8}), fine = psnr({8192, 4096, 2048, 2048});
@@ -112,7 +112,7 @@ TEST(TextureRenderer, ReadsACompressedFile) {
               texture_view(*source, camera).rgb);
 }
 
-TEST(TextureRenderer, KeepsOutsideTheSphere) {
+TEST(TextureRenderer, NeedsAnEyeOutsideTheSphere) {
     const auto source = bake("composed", {8, 4, 2, 2}, 1);
     const auto renderer = make_texture_renderer(*source, {8, 8, 8, 8}, paper_window, grey, {});
     const Lens lens{90, 8, 8};
@@ -135,7 +135,7 @@ TEST(TruthRenderer, TracesTheScene) {
                 EXPECT_NEAR(view.rgb[(std::size_t{j} * 21 + i) * 3 + static_cast<std::size_t>(c)],
                             expected[c], 1e-6);
         }
-    // The same in a world twice as large and somewhere else.
+    // The same picture with the sphere scaled by two and moved.
     const glm::dvec3 there{1, -2, 5};
     const Camera moved =
         camera_at({aslant.eye * 2.0 + there, aslant.look * 2.0 + there}, {45, 21, 15});

@@ -1,4 +1,4 @@
-// Figures of views.
+// The quality report of rendered views.
 #include "tools/verbs/command.h"
 #include "tools/view/view_report.h"
 
@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-TEST(ViewReport, Measures) {
+TEST(ViewReport, MeasuresAndFormatsViews) {
     Picture a = blank_picture(16, 16, 100), b = blank_picture(16, 16, 110);
     EXPECT_NEAR(likeness_of(a, b).psnr, 20 * std::log10(25.5), 1e-9);
     EXPECT_EQ(likeness_of(a, a).ssim, 1);

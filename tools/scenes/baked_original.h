@@ -1,4 +1,4 @@
-// The texture that a compressed file was made from, baked again where it is read.
+// Bakes the original texture of a compressed file again, texel by texel as it is read.
 #pragma once
 
 #include "corpus/scene.h"
@@ -12,25 +12,24 @@
 
 namespace tessera {
 
-constexpr unsigned usual_samples = 16; // per texel, as tessera bake has it
+constexpr unsigned usual_samples = 16; // rays per texel, the default of `tessera bake`
 
-// What is said about the baking; the rest is what the file's metadata remember, or else usual.
+// How to bake. Absent values are taken from the file's metadata, or else are the defaults.
 struct BakeAgain {
     std::string scene;
-    std::optional<unsigned> samples; // per texel
+    std::optional<unsigned> samples; // rays per texel
     std::optional<std::uint64_t> seed;
 };
 
-// `size`, `description` and `metadata` are those of the file `name`; its samples may be of another type or
-// number.
-// Errors: bad_argument (no such scene, the file remembers more samples than there can be);
-// unsupported (the file's texture lies on a mesh).
+// `size`, `description` and `metadata` are those of the file `name`. The sample type and the number
+// of channels are the scene's and may differ from the file's. Errors: bad_argument (no such scene,
+// or the file states too many samples per texel), unsupported (the texture lies on a mesh).
 Result<std::unique_ptr<TexelSource>> bake_again(const BakeAgain& bake, const std::string& name,
                                                 const Extent4& size, const Description& description,
                                                 const Metadata& metadata);
 
-// Where the texels of such a description are baked: a sphere that is seen from inside stands in the scene as
-// it is said, others are the scene's own.
+// The sphere on which the texels are baked. A sphere that is seen from inside has the description's
+// centre and radius; otherwise it is the scene's own sphere.
 corpus::SphereWindow baked_window(const Description& description);
 
 } // namespace tessera

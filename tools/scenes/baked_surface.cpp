@@ -28,7 +28,7 @@ Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
     options.atlas.tile = {tile[axis_u], tile[axis_v]};
     TESSERA_TRY_ASSIGN(corpus::SceneSurface surface, corpus::make_scene_surface(scene, options));
     TESSERA_TRY_ASSIGN(baked.mesh, encode_mesh(surface.mesh, MeshQuantisation{}));
-    // From here on the mesh is the one that viewers see.
+    // The decoded mesh, which differs by the quantisation, is what viewers draw.
     TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_mesh(baked.mesh, most_mesh_bytes));
     baked.triangles = mesh.triangles.size();
     baked.charts = surface.charts.size();
@@ -52,8 +52,8 @@ Result<std::optional<AngularMap>> parse_octahedral_map(const std::string& text) 
         return std::optional(d.angular_map);
     return Status(ErrorCode::bad_argument,
                   "'" + text +
-                      "' is not auto, octahedral-hemisphere or octahedral-mirrored, the "
-                      "maps of a mesh");
+                      "' is no map of a mesh; it must be auto, octahedral-hemisphere or "
+                      "octahedral-mirrored");
 }
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// A built-in scene on its own surfaces: what the encoder needs of it.
+// Bakes a built-in scene onto its own surfaces, as input for the encoder.
 #pragma once
 
 #include "corpus/surface/surface_detail.h"
@@ -16,23 +16,25 @@ namespace tessera {
 struct SurfaceBake {
     std::string scene;
     corpus::SurfaceWish detail;
-    std::optional<AngularMap> map; // by trial where it is not given
-    unsigned samples = 0;          // per texel
+    std::optional<AngularMap> map; // absent: chosen by a trial
+    unsigned samples = 0;          // rays per texel
 };
 
 struct BakedSurface {
     std::unique_ptr<TexelSource> texels, mask;
     std::vector<std::byte> mesh; // section prxy
     AngularMap map{};
-    std::string background; // "r,g,b", where an observer sees none of it
+    std::string background; // "r,g,b", the colour of rays that miss all surfaces
     corpus::SurfaceDetail detail;
     std::size_t triangles = 0, charts = 0;
 };
 
-// Errors: bad_argument (no such scene, a density that is not above 0), unsupported (a surface that is too large).
+// Errors: bad_argument (no such scene, a density not above 0), unsupported (a surface that is too
+// large).
 Result<BakedSurface> bake_surface(const SurfaceBake& bake);
 
-// "auto" (nothing), "hemisphere", "mirrored" or the map's own name. Errors: bad_argument.
+// Parses "octahedral-hemisphere" or "octahedral-mirrored"; "auto" gives nothing. Errors:
+// bad_argument.
 Result<std::optional<AngularMap>> parse_octahedral_map(const std::string& text);
 
 } // namespace tessera

@@ -10,15 +10,15 @@
 namespace tessera {
 namespace {
 
-// Of white in the mean light of all directions, as light on the display.
+// Linear display value of a white surface under the mean light of all directions.
 constexpr double usual_brightness = 0.6;
-constexpr const char* studio = "studio"; // the light that no file is needed for
+constexpr const char* studio = "studio"; // the built-in environment
 
 Result<corpus::Sun> parse_sun(const std::string& text) {
     glm::dvec3 d(0.0);
     TESSERA_TRY(parse_point(text, d).with_context("--light"));
     if (!(glm::length(d) > 1e-9) || !(glm::length(d) < 1e9))
-        return Status(ErrorCode::bad_argument, "--light: '" + text + "' is not the way to a sun");
+        return Status(ErrorCode::bad_argument, "--light: '" + text + "' is not a direction");
     return corpus::Sun{glm::normalize(d), glm::dvec3(3.0)};
 }
 
@@ -38,7 +38,8 @@ Result<corpus::ModelLight> make_light(const ModelArguments& a) {
     return light;
 }
 
-// As files write it: to some digits, which the truth must find again.
+// The text of a number in metadata. `render --truth` reads it back, so the computed exposure is
+// rounded to it, too.
 std::string digits(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.6g", value);
@@ -109,8 +110,8 @@ Result<ModelArguments> arguments_in(const Metadata& metadata) {
         if (const std::string number = text(key); !number.empty()) {
             double x = 0;
             if (!parse_number(number, x) || !std::isfinite(x))
-                return Status(ErrorCode::invalid_file,
-                              std::string("its key ") + key + " is no number: '" + number + "'");
+                return Status(ErrorCode::invalid_file, std::string("the metadata key ") + key +
+                                                           " is not a number: '" + number + "'");
             *value = x;
         }
     return a;

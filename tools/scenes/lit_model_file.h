@@ -1,4 +1,4 @@
-// A file's model in its light: what `tessera bake` makes a texture of and `render --truth` traces.
+// Loads a model together with its light, for `tessera bake` and `render --truth`.
 #pragma once
 
 #include "corpus/model/model.h"
@@ -13,10 +13,12 @@
 
 namespace tessera {
 
-// What is said of models only.
+// Options that only models have.
 struct ModelArguments {
-    std::string environment, light; // a file, "" for a studio; the way to a sun as x,y,z
-    std::optional<double> exposure, roughness, metal;
+    std::string environment;        // path of an environment map; empty: the built-in studio
+    std::string light;              // direction towards a sun as "x,y,z"; empty: no sun
+    std::optional<double> exposure; // absent: computed from the light
+    std::optional<double> roughness, metal; // 0 to 1; absent: those of the materials
 };
 
 struct LitModelFile {
@@ -25,13 +27,14 @@ struct LitModelFile {
     corpus::Display display;
 };
 
-// Errors: those of the files; bad_argument, where the sun lies nowhere.
+// Errors: those of loading the files; bad_argument if `light` is not a direction.
 Result<LitModelFile> load_lit_model(const std::string& path, const ModelArguments& arguments);
 
-// The light and the materials as names and values, for people and for arguments_in().
+// The light and the overridden material values as names and values. They are shown to the user and
+// stored as metadata, which arguments_in() reads.
 std::vector<std::pair<std::string, std::string>> facts_of(const ModelArguments& arguments,
                                                           const LitModelFile& file);
-// What a texture's file says it was baked with. Errors: invalid_file, where that is no number.
+// The arguments that a file was baked with. Errors: invalid_file if a value is not a number.
 Result<ModelArguments> arguments_in(const Metadata& metadata);
 
 } // namespace tessera

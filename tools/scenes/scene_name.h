@@ -1,4 +1,4 @@
-// Names of built-in scenes, as they are typed.
+// The names of built-in scenes on the command line.
 #pragma once
 
 #include "format/status.h"
@@ -10,7 +10,8 @@ namespace tessera {
 
 std::vector<std::string> scene_names();
 
-// Errors: bad_argument, with the names that there are and the nearest.
+// Checks that the scene exists. Errors: bad_argument; the message lists all names and suggests the
+// closest one.
 Status check_scene(const std::string& name);
 
 } // namespace tessera

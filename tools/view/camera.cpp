@@ -14,7 +14,7 @@ constexpr double radians = std::numbers::pi / 180;
 
 bool is_within(const glm::dvec3& p) {
     for (int i = 0; i < 3; ++i)
-        if (!(std::abs(p[i]) <= max_coordinate)) // also not a number
+        if (!(std::abs(p[i]) <= max_coordinate)) // written so that NaN fails, too
             return false;
     return true;
 }
@@ -38,15 +38,16 @@ std::array<glm::dvec3, 2> Camera::steps(const glm::dvec3& d, const glm::dvec3& p
 
 Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
     if (!is_within(pose.eye) || !is_within(pose.look))
-        return Status(ErrorCode::bad_argument, "eye and look must be numbers up to 1000000");
+        return Status(ErrorCode::bad_argument,
+                      "the coordinates of eye and look must lie between -1000000 and 1000000");
     if (!(lens.fov > 0 && lens.fov < 180))
         return Status(ErrorCode::bad_argument, "a field of view of " + format_number(lens.fov, 3) +
                                                    " degrees is not between 0 and 180");
     if (lens.width < 1 || lens.height < 1 || lens.width > max_picture_side ||
         lens.height > max_picture_side)
-        return Status(ErrorCode::bad_argument, "a picture of " + std::to_string(lens.width) + "x" +
-                                                   std::to_string(lens.height) +
-                                                   " pixels; a side has 1 to " +
+        return Status(ErrorCode::bad_argument, "the picture has " + std::to_string(lens.width) +
+                                                   "x" + std::to_string(lens.height) +
+                                                   " pixels; each side must have 1 to " +
                                                    std::to_string(max_picture_side));
     const double distance = glm::length(pose.look - pose.eye);
     if (distance < 1e-9)
@@ -77,8 +78,8 @@ std::vector<NamedPose> paper_views() {
 Result<std::vector<CameraPose>> orbit(const CameraPose& start, unsigned count) {
     const glm::dvec3 arm = start.eye - start.look;
     if (!(std::hypot(arm.x, arm.z) > 1e-9))
-        return Status(ErrorCode::bad_argument,
-                      "an orbit needs an eye beside the vertical line through the look point");
+        return Status(ErrorCode::bad_argument, "an orbit is impossible, because the eye is on the "
+                                               "vertical line through the look point");
     std::vector<CameraPose> poses;
     for (unsigned i = 0; i < count; ++i) {
         const double angle = 2 * std::numbers::pi * i / count;

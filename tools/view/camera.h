@@ -1,5 +1,5 @@
-// A pinhole camera and where it stands. The world is right-handed: seen from +z, x grows to the
-// right and y upwards.
+// A pinhole camera and its pose. The world is right-handed: seen from +z, x points right and y up.
+// All functions are thread-safe.
 #pragma once
 
 #include "format/status.h"
@@ -14,47 +14,49 @@ namespace tessera {
 
 struct CameraPose {
     glm::dvec3 eye{10.0, 0.0, 0.0};
-    glm::dvec3 look{0.0}; // a point on the axis of view
+    glm::dvec3 look{0.0}; // the point that the camera looks at
 };
 
-constexpr std::uint32_t max_picture_side = 16384;
+constexpr std::uint32_t max_picture_side = 16384; // pixels
 
 struct Lens {
-    double fov = 45; // vertical, degrees
-    std::uint32_t width = 640, height = 480;
+    double fov = 45;                         // vertical, degrees
+    std::uint32_t width = 640, height = 480; // pixels
 };
 
-// The ray through a point of the picture, x and y from -1 (left, bottom) to 1 (right, top), runs
-// along forward + x * right + y * up.
+// A ray through the point (x, y) of the picture, which ranges from (-1, -1) at the bottom left to
+// (1, 1) at the top right, has the direction forward + x * right + y * up.
 //
-// The picture's up is +y. Looking along -y it is -z, and looking along +y it is +z, as for a camera
-// that climbs over the scene or dives under it from its place at +z; right is +x there.
+// The picture's up is +y. A camera that looks straight down (-y) has -z as its up, and one that
+// looks straight up (+y) has +z. In both cases right is +x.
 struct Camera {
     glm::dvec3 eye, forward, right, up;
     std::uint32_t width = 0, height = 0;
 
-    // Unit direction through a place of the picture in pixels, (0, 0) its top left corner; the
-    // centre of pixel (i, j) is (i + 0.5, j + 0.5).
+    // The unit direction of the ray through a point of the picture. The point is given in pixels
+    // from the top left corner; the centre of pixel (i, j) is (i + 0.5, j + 0.5).
     glm::dvec3 direction(double x, double y) const;
-    // How the place changes where the ray along `direction` meets the plane through it with that normal,
-    // a pixel to the right and a pixel down. Large, but finite, along the plane.
+    // The ray along `direction` meets a plane at `place`; `normal` is the plane's unit normal.
+    // Returns how that intersection moves, in world units, for a step of one pixel to the right and
+    // one pixel down. The steps are large but finite where the ray is parallel to the plane.
     std::array<glm::dvec3, 2> steps(const glm::dvec3& direction, const glm::dvec3& place,
                                     const glm::dvec3& normal) const;
 };
 
-// Errors: bad_argument, for a point at the eye, numbers beyond 10^6 and a fov outside (0, 180) or a
-// side outside 1..max_picture_side.
+// Errors: bad_argument if eye and look are the same point, a coordinate exceeds 10^6, the field of
+// view is outside (0, 180) degrees, or a side of the picture is outside 1..max_picture_side.
 Result<Camera> make_camera(const CameraPose& pose, const Lens& lens);
 
-// The paper's views of its composed scene, in its order.
+// The paper's five views of its composed scene, in the paper's order.
 struct NamedPose {
     std::string name;
     CameraPose pose;
 };
 std::vector<NamedPose> paper_views();
 
-// `count` poses evenly around the vertical line through `start.look`, counter-clockwise seen from
-// above, the first being `start`. Errors: bad_argument, where the eye is on that line.
+// Returns `count` poses, evenly spaced around the vertical line through `start.look`. They start at
+// `start` and run counter-clockwise as seen from above. Errors: bad_argument if the eye is on that
+// line.
 Result<std::vector<CameraPose>> orbit(const CameraPose& start, unsigned count);
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// Views of a texture on any surface that says where a ray meets it.
+// Draws a texture on any surface that can intersect itself with a ray.
 #pragma once
 
 #include "tools/view/texel_cache.h"
@@ -11,17 +11,19 @@
 
 namespace tessera {
 
-// The texels that a ray sees: of one level, or of two, which are mixed.
+// The texels that a ray samples: those of one mip level, or of two levels that are blended.
 struct SeenTexels {
     Footprint first;
     std::optional<Footprint> second{};
-    double share = 0; // of the second
+    double share = 0; // weight of `second`, 0 to 1
 };
 
-// `Surface` has  Extent4 size,  that of its texture's grid;  Status check(const Camera&) const;  and
-// std::optional<SeenTexels> seen(camera, direction, width) const,  all thread-safe: what a ray sees that
-// stands for `width` pixels along both sides. For width 0 that is in the grid itself; else it may be in
-// what `source` holds beside it.
+// `Surface` provides three members, all thread-safe:
+// - Extent4 size: the size of the texture's grid.
+// - Status check(const Camera&) const: an error if the camera cannot see the surface.
+// - std::optional<SeenTexels> seen(camera, direction, width) const: the texels for a ray that
+//   represents a square of `width` pixels. With width 0 they lie in the texture's grid; otherwise
+//   they may also be mips, which `source` then holds next to it.
 template <class Surface> class FootprintRenderer final : public ViewRenderer {
 public:
     FootprintRenderer(TexelSource& source, const Extent4& block_extent, Surface surface,
@@ -41,7 +43,8 @@ public:
     }
 
 private:
-    // Of every fourth pixel both ways: a block that they miss is small in the picture.
+    // The blocks that every fourth pixel of every fourth row needs. A block that they miss covers
+    // few pixels.
     std::vector<std::uint64_t> blocks_of(const Camera& camera) const {
         constexpr std::uint32_t step = 4;
         std::set<std::uint64_t> blocks;
@@ -70,10 +73,10 @@ private:
 
     TexelCache cache_;
     Surface surface_;
-    TileGrid blocks_; // of the texture's grid
+    TileGrid blocks_; // of the texture's grid, without mips
     glm::dvec3 background_;
     RenderOptions options_;
-    double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays));
+    double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays)); // of a ray, in pixels
 };
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// A camera as the GPU's renderer takes it.
+// Converts a camera for the GPU renderer.
 #pragma once
 
 #include "decoder_glsl/gl_view_renderer.h"
@@ -7,7 +7,8 @@
 
 namespace tessera {
 
-// Relative to the centre of the window, in single precision; `outside`: colour of rays that miss it.
+// Positions become single-precision floats relative to the centre of the sphere. `outside` is the
+// colour for rays that miss the sphere.
 inline ViewCamera gpu_camera(const Camera& camera, const SphereWindow& window,
                              const glm::dvec3& outside) {
     const auto single = [](const glm::dvec3& v) -> std::array<float, 3> {

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-// A GPU is never the only way.
+// Adds the advice to draw on the CPU if the GPU cannot draw this file.
 Status or_by_cpu(const Status& status, const std::string& via) {
     if (status.code() != ErrorCode::unsupported)
         return status;
@@ -25,11 +25,12 @@ Status or_by_cpu(const Status& status, const std::string& via) {
 #ifdef TESSERA_GPU
 namespace {
 
-// A view that stands still needs two frames, one that marks its tiles and one that has them, and as
-// many more as decoding is spread over.
+// A still view needs two frames: one marks its tiles, the next one has them. More are needed where
+// decoding is spread over several frames.
 constexpr unsigned most_frames = 8;
 
-// Frames in a row that could not read something; the source has tried several times for each.
+// Drawing fails after this many consecutive frames with read errors. The source has already retried
+// each read several times.
 constexpr unsigned most_troubled = 3;
 
 class GpuRenderer final : public ViewRenderer {
@@ -41,7 +42,7 @@ public:
     GpuRenderer(const GpuRenderer&) = delete;
     GpuRenderer& operator=(const GpuRenderer&) = delete;
     ~GpuRenderer() override {
-        // What lives in the context dies first, in it.
+        // These own objects of the context, so they must be destroyed while it is current.
         if (context_.make_current()) {
             view_.reset();
             texture_.reset();
@@ -72,7 +73,7 @@ public:
         if (texture_->damaged_tiles() > 0)
             return Status(ErrorCode::invalid_file,
                           reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
-                              " tiles are damaged; tessera validate says which");
+                              " tiles are damaged; tessera validate lists them");
         auto view = read_view(camera.width, camera.height);
         if (view.ok())
             view->remark = remark_on(report);
@@ -94,7 +95,8 @@ private:
         options.budget = budget();
         options.jobs_per_update = options_.tiles_per_frame;
         options.coarse_from = {options_.coarse_level, options_.coarse_texels};
-        // Means of all tiles, where no level is at hand, need all tiles.
+        // Without a coarse level, the coarse texels are the means of all tiles, and a partial file
+        // does not have all of them.
         options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
         TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader_, options));
         texture_.emplace(std::move(texture));
@@ -113,7 +115,7 @@ private:
         return view;
     }
 
-    // Until a frame has all that it can have.
+    // Draws frames until another frame would not make the picture sharper.
     Result<UpdateReport> draw(const ViewCamera& camera) {
         UpdateReport report;
         unsigned troubled = 0;
@@ -141,7 +143,8 @@ private:
 
     Traffic traffic() const { return options_.traffic ? options_.traffic() : Traffic{}; }
 
-    // `seen` came with the frame's marks, `last` before it was drawn, when `now` had been read.
+    // Reports a frame to the hook. `seen` is the update after drawing the frame, `last` the update
+    // before it, and `now` the traffic at the time when the frame was drawn.
     Status tell(const ViewCamera& camera, unsigned number, const UpdateReport& seen,
                 const UpdateReport& last, const Traffic& now) {
         if (!hook_ || !by_frames_)
@@ -156,14 +159,14 @@ private:
         const std::uint32_t missing = report.waiting + report.decoded;
         if (missing == 0 && report.missing > 0)
             return std::to_string(report.missing) + " of the " + std::to_string(report.touched) +
-                   " tiles that it touches have not been received and are drawn coarsely";
+                   " tiles in view have not been received and are drawn coarsely";
         if (missing == 0)
             return {};
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
-               " tiles that it touches found no place within --budget " +
-               std::to_string(options_.budget_mib) + "M and are drawn coarsely; --budget " +
+               " tiles in view do not fit into --budget " + std::to_string(options_.budget_mib) +
+               "M and are drawn coarsely; --budget " +
                std::to_string((texture_->budget_for(report.touched) >> 20) + 1) +
-               "M holds them all";
+               "M would hold all of them";
     }
 
     HeadlessContext context_;
@@ -175,7 +178,7 @@ private:
     std::optional<GlViewRenderer> view_;
     bool by_frames_ = false;
     FrameHook hook_;
-    Traffic told_; // by the last frame
+    Traffic told_; // reported to the hook so far
 };
 
 template <class Surface>
@@ -200,7 +203,7 @@ template <class Surface>
 Result<std::unique_ptr<ViewRenderer>> make_renderer(const ContainerReader&, const Surface&,
                                                     const glm::dvec3&,
                                                     const GpuRenderOptions& options) {
-    return or_by_cpu({ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)"},
+    return or_by_cpu({ErrorCode::unsupported, "this build has no GPU support (TESSERA_GPU is off)"},
                      options.via);
 }
 

@@ -1,4 +1,4 @@
-// Views of a compressed file drawn on the GPU.
+// Draws views of a compressed file on the GPU.
 #pragma once
 
 #include "format/container_reader.h"
@@ -11,35 +11,39 @@
 
 namespace tessera {
 
-// How the texels of `reader` are held on the device, and in how much of its memory.
+// How and in how much memory the device holds the texels of `reader`.
 struct GpuRenderOptions {
-    // As decoder_glsl/gl_sampled_texture.h explains: "load", all tiles decoded into an ordinary
-    // texture; "feedback", a cache of the tiles that views touch, kept from one view to the next;
-    // "gpu", the first of them that the budget has room for.
+    // "load" decodes all tiles into an ordinary texture. "feedback" keeps a cache of the tiles that
+    // views sample, from one view to the next. "gpu" is "load" if the budget allows it, and
+    // "feedback" otherwise. decoder_glsl/gl_sampled_texture.h explains them.
     std::string via = "feedback";
     unsigned budget_mib = 512;
-    unsigned tiles_per_frame = 0; // on feedback: most that are decoded between two frames; 0: all
-    // On feedback: one of the file's coarse levels and its texels, for frames that come before their
-    // tiles. Needed until the renderer is made. Without it, making one decodes every tile.
+    // With "feedback": the maximum number of tiles decoded between two frames; 0: no limit.
+    unsigned tiles_per_frame = 0;
+    // With "feedback": one of the file's coarse levels and its texels, which are drawn where tiles
+    // are not decoded yet. They are only used while the renderer is made. Without them, making the
+    // renderer decodes every tile.
     LevelEntry coarse_level{};
     TexelSource* coarse_texels = nullptr;
-    std::function<Traffic()> traffic{}; // what reading has cost so far, for frames to tell
+    std::function<Traffic()> traffic{}; // returns what was read so far, for the reports of frames
 };
 
-// The same picture as make_texture_renderer() within what filtering hardware rounds. On feedback a
-// view is drawn anew until nothing that it touches is missing; tiles that the budget has no room
-// for stay coarse, and the view's remark says so. What could not be read (io) is asked for again, at
-// the third frame in a row that could not read something the view fails.
+// Draws the same picture as make_texture_renderer(), up to the rounding of the filtering hardware.
+// With "feedback", a view is redrawn until none of its tiles is missing. Tiles that do not fit into
+// the budget stay coarse, and the view's remark says so. Failed reads (io) are repeated; a view
+// fails after three consecutive frames with failed reads.
 //
-// `reader` must outlive it. One thread. Errors: unsupported (no device offers what it takes; this
-// build has no GPU host; the file does not fit into the budget this way), invalid_file, io.
+// `reader` must outlive the renderer. Not thread-safe. Errors: unsupported
+// (no device has the required features, this build has no GPU support, or the file does not fit
+// into the budget), invalid_file, io.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SphereWindow& window,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options);
 
-// The same of a mesh: the picture of make_mesh_renderer() but for silhouettes, of which it takes four
-// samples a pixel. The observer may stand anywhere. `mesh` is used here only.
+// The same for a mesh. The picture matches make_mesh_renderer() except at silhouettes, which are
+// drawn with four samples per pixel. The observer may stand anywhere. `mesh` is only used during
+// this call.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SurfaceMesh& mesh,
                                                         const glm::dvec3& background,

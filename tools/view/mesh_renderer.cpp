@@ -10,15 +10,15 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t most_decoded_mesh_bytes = 1ull << 30; // of memory, while it is decoded
+constexpr std::uint64_t most_decoded_mesh_bytes = 1ull << 30; // memory used by decoding
 
 struct MeshPlaces {
     Extent4 size; // of the texture
     MeshSurface surface;
     std::vector<glm::vec3> tangents;
-    corpus::RayScene fronts; // backs let rays pass, as they do on the GPU
+    corpus::RayScene fronts; // rays pass through back faces, as on the GPU
     std::shared_ptr<const AtlasMips> mips;
-    std::unique_ptr<TexelSource> with_mips; // null where there are none
+    std::unique_ptr<TexelSource> with_mips; // null if there are no mips
 
     Status check(const Camera&) const { return {}; }
     std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
@@ -40,7 +40,7 @@ struct MeshPlaces {
         return seen;
     }
 
-    // How many of the atlas a pixel covers along u and v.
+    // How many texels of the atlas a pixel covers along u and v.
     glm::dvec2 texels_of_pixel(const Camera& camera, const glm::dvec3& direction,
                                std::uint32_t triangle, const glm::dvec3& place) const {
         const SurfaceMesh& mesh = surface.mesh;
@@ -72,9 +72,9 @@ Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container
     if (d.surface_map != SurfaceMap::mesh_uv ||
         (d.angular_map != AngularMap::octahedral_hemisphere &&
          d.angular_map != AngularMap::octahedral_mirrored))
-        return Status(ErrorCode::unsupported, container.name() + ": on a mesh only the map '" +
-                                                  name_of(SurfaceMap::mesh_uv) +
-                                                  "' with an octahedral one can be drawn");
+        return Status(ErrorCode::unsupported,
+                      container.name() + ": the texture lies on a mesh, where only the map '" +
+                          name_of(SurfaceMap::mesh_uv) + "' with an octahedral map can be drawn");
     TESSERA_TRY_ASSIGN(auto mesh, decode_mesh(container.proxy_mesh(), most_decoded_mesh_bytes)
                                       .with_context(container.name()));
     return std::optional(MeshSurface{std::move(mesh), d.angular_map});

@@ -1,4 +1,4 @@
-// What an observer sees of a mesh with a texture.
+// Draws a mesh with a texture.
 #pragma once
 
 #include "format/container_reader.h"
@@ -12,13 +12,13 @@ struct MeshSurface {
     AngularMap map = AngularMap::octahedral_mirrored;
 };
 
-// The mesh that a file's texture lies on; nothing where that is another surface. Errors: invalid_file,
-// unsupported.
+// The mesh that a file's texture lies on, or nothing if it lies on another surface. Errors:
+// invalid_file, unsupported (maps other than uv with an octahedral map).
 Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container);
 
-// Samples the texture and its mips (AtlasMips of the blocks, which are the texture's tiles), otherwise like make_texture_renderer(); the observer may
-// stand anywhere. A mesh has silhouettes, which one ray a pixel draws as steps. Errors: runtime, what
-// Embree says.
+// Like make_texture_renderer(), but samples mips, too, and the observer may stand anywhere. The
+// blocks must be the texture's tiles, because they determine the mips (AtlasMips). With one ray per
+// pixel, silhouettes are jagged. Errors: runtime, with Embree's message.
 Result<std::unique_ptr<ViewRenderer>>
 make_mesh_renderer(TexelSource& source, const Extent4& block_extent, MeshSurface surface,
                    const glm::dvec3& background, const RenderOptions& options);

@@ -10,7 +10,6 @@
 namespace tessera {
 namespace {
 
-// Sums of samples, as many as a texel has.
 using Sums = std::vector<double>;
 
 double sample_value(const std::byte* at, SampleType type) {
@@ -57,7 +56,7 @@ private:
                                     {begin[0] + size[0], begin[1] + size[1], whole[2], whole[3]}});
         if (is_empty(rest))
             return {};
-        // As many rows as a tile makes, so that no tile is read twice.
+        // Reads the rows that one row of tiles contributes to, so that no tile is read twice.
         const std::uint32_t rows = std::max(tile_v_ >> mip, 1u);
         while (rest.begin[axis_v] < rest.end[axis_v]) {
             const std::uint32_t y = rest.begin[axis_v] - begin[1];
@@ -69,7 +68,7 @@ private:
         return {};
     }
 
-    // `part` of a mip, from the atlas' texels that it stands for.
+    // Computes `part` of a mip from the texels of the atlas below it.
     Status average(unsigned mip, const Box4& part, const Box4& box,
                    std::span<std::byte> out) const {
         Box4 atlas = part;
@@ -96,7 +95,9 @@ private:
         return {};
     }
 
-    // Means of the angular images of what the texel (u, v) of a mip stands for, `image` texels each.
+    // Computes the mean angular image, of `image` texels, at the texel (u, v) of a mip. The mean is
+    // over the texels of the atlas below it that belong to the same chart. `sums` receives one mean
+    // per sample; outside the charts all of them are 0.
     void add_up(unsigned mip, std::uint32_t u, std::uint32_t v, const Box4& atlas,
                 std::span<const std::byte> texels, std::size_t image, Sums& sums) const {
         const std::uint32_t x = u - mips_.begin(mip)[0], y = v - mips_.begin(mip)[1];

@@ -1,4 +1,4 @@
-// A texture with the mip levels of its atlas beside it, made where they are read.
+// A texture together with the mip levels of its atlas, which are computed when they are read.
 #pragma once
 
 #include "format/surface_mesh.h"
@@ -8,9 +8,10 @@
 
 namespace tessera {
 
-// Texels of mips.kept_size(): those of `source`, which takes boxes in any order and any number of times,
-// and means of them, rounded to the sample type. What lies beside the mips is 0. `tile_v`: rows of the
-// atlas that are read at a time. Both outlive it; thread-safe where `source` is.
+// A source of size mips.kept_size(). It holds the texels of `source` and, next to them, their
+// means, rounded to the sample type; all other texels are 0. It reads boxes of `source` in any
+// order and repeatedly, `tile_v` rows of the atlas at a time. `source` and `mips` must outlive it.
+// It is thread-safe if `source` is.
 std::unique_ptr<TexelSource> make_mip_source(TexelSource& source, const AtlasMips& mips,
                                              std::uint32_t tile_v);
 

@@ -9,18 +9,18 @@
 namespace tessera {
 namespace {
 
-// What an observer of a mesh sees beside it, as the file says; black where it does not.
+// The metadata key Background, or black if the file does not have it.
 Result<glm::dvec3> around_mesh(const ContainerReader& container) {
     glm::dvec3 colour{0.0};
     const auto said = container.metadata().find("Background");
     if (said != container.metadata().end()) {
         TESSERA_TRY(parse_point(said->second, colour)
-                        .with_context(container.name() + ": its key Background"));
+                        .with_context(container.name() + ": the metadata key Background"));
     }
     return colour;
 }
 
-// What a texture on a sphere shows where it has no tile.
+// The colour of tiles that are not stored.
 glm::dvec3 background_of(const ContainerReader& container) {
     const TextureDesc& desc = container.desc();
     const FileFacts facts = container.facts();

@@ -1,4 +1,4 @@
-// What an observer sees beside the textured surface.
+// The colour around the textured surface.
 #pragma once
 
 #include "format/container_reader.h"
@@ -7,8 +7,9 @@
 
 namespace tessera {
 
-// In the numbers of the texels, 8-bit samples as 0..1: beside a mesh what the file says (key Background), black
-// where it does not; else what its texture shows where it has no tile. Errors: those of that key's value.
+// For a mesh: the colour in the file's metadata key Background, or black without it. Otherwise: the
+// colour of tiles that are not stored. Values are those of the texels, with 8-bit samples scaled to
+// 0..1. Errors: bad_argument if the value of Background is not a colour.
 Result<glm::dvec3> outside_colour(const ContainerReader& container);
 
 } // namespace tessera

@@ -10,12 +10,12 @@
 namespace tessera {
 namespace {
 
-constexpr double nearest_focus = 1e-12; // world units: what one can divide by
+constexpr double nearest_focus = 1e-12; // world units; distances are divided by it
 
-// Between which two of `count` samples a coordinate lies, and how much of the second it has.
+// The two neighbouring samples that a coordinate is interpolated between.
 struct Between {
     std::uint32_t first = 0, second = 0;
-    double share = 0; // of the second
+    double share = 0; // weight of `second`, 0 to 1
 };
 
 Between between(double at, std::uint32_t count) {
@@ -30,7 +30,7 @@ Between between(double at, std::uint32_t count) {
 struct WindowSurface {
     PlanarViews views;
     AlignedViews aligned;
-    Extent4 view = aligned.texture_size(); // u, v of a view, s, t of all
+    Extent4 view = aligned.texture_size(); // u, v: pixels per view; s, t: number of views
     Extent4 size = aligned.grid_size();
 
     double texels_a_unit() const { return view[axis_u] / views.cameras.width; }
@@ -40,7 +40,7 @@ struct WindowSurface {
             return {};
         return {ErrorCode::bad_argument,
                 "the eye is not in front of the window of these planar views, "
-                "which is at z = 0; --eye x,y,z with z above 0"};
+                "which is at z = 0; give --eye x,y,z with z above 0"};
     }
 
     std::optional<SeenTexels> seen(const Camera& camera, const glm::dvec3& direction,
@@ -51,7 +51,7 @@ struct WindowSurface {
             return camera.eye + (z - camera.eye.z) / direction.z * direction;
         };
         const glm::dvec3 place = crossing(0), from = crossing(views.cameras.distance);
-        // In pixels from the window's left and top.
+        // In pixels from the window's top left corner.
         const glm::dvec2 at(place.x * texels_a_unit() + view[axis_u] / 2.0,
                             view[axis_v] / 2.0 - place.y * texels_a_unit());
         if (at.x < 0 || at.y < 0 || at.x > view[axis_u] || at.y > view[axis_v])
@@ -63,10 +63,12 @@ struct WindowSurface {
     }
 
 private:
-    // The texels at `at` for an observer at (s, t) between the cameras.
+    // The texels for the point `at` of the window, in pixels, and the point (s, t) of the camera
+    // plane.
     Footprint footprint(const glm::dvec2& at, double s, double t) const {
         const Between along_s = between(s, view[axis_s]), along_t = between(t, view[axis_t]);
-        // By how many pixels what is in focus moves from one camera to the next.
+        // By how many pixels an object in focus moves in the picture per world unit between
+        // cameras.
         const double shift = (1 - views.cameras.distance / views.focus) * texels_a_unit();
         Footprint found;
         std::size_t next = 0;
@@ -106,7 +108,7 @@ Result<std::optional<PlanarViews>> planar_views(const ContainerReader& container
         cameras_in(container.metadata(), container.desc().size).with_context(container.name()));
     views.focus = focus.value_or(views.cameras.distance);
     if (!(views.focus >= nearest_focus))
-        return Status(ErrorCode::bad_argument, "--focus: is not above 0");
+        return Status(ErrorCode::bad_argument, "--focus: the distance must be above 0");
     return std::optional(views);
 }
 
@@ -117,7 +119,7 @@ Camera window_camera(const glm::dvec3& eye, const CameraGrid& cameras, const Ext
                                           static_cast<double>(size[axis_v]) / height);
     Camera camera;
     camera.eye = eye;
-    camera.forward = -eye; // to the window's middle
+    camera.forward = -eye; // towards the window's centre
     camera.right = {pixel * width / 2, 0, 0};
     camera.up = {0, pixel * height / 2, 0};
     camera.width = width;

@@ -1,4 +1,4 @@
-// What an observer sees of planar views through their window (FORMAT.md 5.3).
+// Draws planar views, seen through their window (FORMAT.md 5.3).
 #pragma once
 
 #include "format/container_reader.h"
@@ -10,23 +10,23 @@ namespace tessera {
 
 struct PlanarViews {
     CameraGrid cameras;
-    double focus =
-        0; // distance from the cameras at which the views are laid on each other, above 0
+    double focus = 0; // distance from the cameras, above 0, at which the views coincide
 };
 
-// Of a file with this angular map; nothing for another one. `focus`: else that of the window. Errors:
-// bad_argument (a focus not above 0), invalid_file.
+// The cameras of a file with planar views, or nothing for other files. The default of `focus` is
+// the distance of the window. Errors: bad_argument (a focus not above 0), invalid_file.
 Result<std::optional<PlanarViews>> planar_views(const ContainerReader& container,
                                                 const std::optional<double>& focus);
 
-// From `eye` through the window: all of it is in the picture, however the eye moves. Precondition: the
-// eye stands in front of the window.
+// A camera at `eye` whose picture shows the whole window, wherever the eye is. `size` is the size
+// of the texture in texels, `width` and `height` that of the picture in pixels. Precondition: the
+// eye is in front of the window.
 Camera window_camera(const glm::dvec3& eye, const CameraGrid& cameras, const Extent4& size,
                      std::uint32_t width, std::uint32_t height);
 
-// Mixes the four cameras nearest to where a ray crosses their plane; otherwise like
-// make_texture_renderer(). `source` has the texels of `aligned` as they lie in the grid. `background`:
-// beside the window. Errors of views: bad_argument, where the eye is not in front of the window.
+// Like make_texture_renderer(), but interpolates between the four cameras nearest to where a ray
+// crosses the camera plane. `source` has the size aligned.grid_size(). `background` is the colour
+// outside the window. render() fails with bad_argument if the eye is not in front of the window.
 std::unique_ptr<ViewRenderer> make_planar_renderer(TexelSource& source, const Extent4& block_extent,
                                                    const PlanarViews& views,
                                                    const AlignedViews& aligned,

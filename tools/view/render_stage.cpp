@@ -15,21 +15,21 @@
 namespace tessera {
 namespace {
 
-// Small along s and t: an observer sees each place from one direction.
+// Small along s and t, because an observer sees each point from one direction only.
 constexpr Extent4 lazy_block{8, 8, 4, 4};
 
-// Evenly spread, about as smooth as the multisampling of a GPU.
+// Per pixel. About as smooth as the GPU renderer's four samples.
 constexpr unsigned mesh_rays = 4;
 
 constexpr unsigned usual_truth_rays = 16;
 constexpr unsigned usual_model_paths = 512;
 
-// The model that a texture was made of, in the light that the file says.
+// Path traces the model, with the light and materials in the file's metadata.
 Status add_model_truth(const StageRequest& r, const Metadata& metadata,
                        const glm::dvec3& background, const RenderOptions& asked, Stage& stage) {
     if (!metadata.contains("Model"))
         return {ErrorCode::bad_argument,
-                r.file + ": is not of a model, but --truth " + r.truth + " is one"};
+                r.file + ": was not baked from a model, but --truth " + r.truth + " is a model"};
     TESSERA_TRY_ASSIGN(ModelArguments arguments, arguments_in(metadata).with_context(r.file));
     if (!r.truth_environment.empty())
         arguments.environment = r.truth_environment;
@@ -52,24 +52,24 @@ Status add_truth(const StageRequest& r, const std::string& subject, const std::s
     TESSERA_TRY_ASSIGN(auto scene, corpus::make_scene(r.truth));
     if (!of_scene.empty() && of_scene != r.truth)
         return {ErrorCode::bad_argument,
-                subject + ": is of the scene " + of_scene + ", not " + r.truth};
+                subject + ": was baked from the scene " + of_scene + ", not " + r.truth};
     if (scene.type != stage.desc.type)
-        return {ErrorCode::bad_argument, subject + ": is " + name_of(stage.desc.type) +
-                                             ", and the scene " + r.truth + " is " +
-                                             name_of(scene.type)};
+        return {ErrorCode::bad_argument, subject + ": has samples of type " +
+                                             name_of(stage.desc.type) + ", but the scene " +
+                                             r.truth + " has " + name_of(scene.type)};
     stage.truth = make_truth_renderer(std::move(scene), stage.window,
                                       r.truth_samples.value_or(usual_truth_rays), options);
     return {};
 }
 
-// The network counts its requests itself, by a finer measure than reads.
+// Network sources count their requests themselves, which is more precise than counting reads.
 Traffic traffic_of(const ByteSource& bytes, const MeteredSource& metered) {
     return network_traffic(bytes).value_or(metered.traffic());
 }
 
-// What all renderers of a file share, besides the stage.
+// What all renderers of a file need besides the stage.
 struct FileSurface {
-    std::optional<MeshSurface> mesh; // none: a sphere or planar views
+    std::optional<MeshSurface> mesh; // absent for spheres and planar views
     glm::dvec3 background{0.0};
     RenderOptions options;
 };
@@ -92,10 +92,10 @@ Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& 
     TESSERA_TRY_ASSIGN(surface.mesh, mesh_surface(container));
     TESSERA_TRY_ASSIGN(stage.planar, planar_views(container, r.focus));
     if (!stage.planar && r.focus)
-        return {ErrorCode::bad_argument, "--focus belongs to planar views"};
+        return {ErrorCode::bad_argument, "--focus can only be used with planar views"};
     if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
         return {ErrorCode::unsupported,
-                r.file + ": planar views need --via cpu, and have no --truth"};
+                r.file + ": planar views need --via cpu and cannot be compared with --truth"};
     if (!surface.mesh && !stage.planar) {
         TESSERA_TRY_ASSIGN(stage.window,
                            sphere_window(container.description()).with_context(r.file));
@@ -113,8 +113,8 @@ Status add_file_truth(const StageRequest& r, const FileSurface& surface, Stage& 
     if (corpus::is_model_path(r.truth))
         return add_model_truth(r, metadata, surface.background, surface.options, stage);
     if (const auto model = metadata.find("Model"); model != metadata.end())
-        return {ErrorCode::bad_argument,
-                r.file + ": is of the model " + model->second + ", not of the scene " + r.truth};
+        return {ErrorCode::bad_argument, r.file + ": was baked from the model " + model->second +
+                                             ", not from the scene " + r.truth};
     const auto scene = metadata.find("Scene");
     return add_truth(r, r.file, scene == metadata.end() ? "" : scene->second, surface.options,
                      stage);
@@ -153,11 +153,11 @@ Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage
     options.via = r.via;
     options.budget_mib = r.budget_mib;
     options.tiles_per_frame = r.tiles_per_frame;
-    // The stage may move, but not these two.
+    // Captures these two, because the stage itself may move.
     options.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
         return traffic_of(*bytes, *metered);
     };
-    // The coarsest level decodes fastest, and is as fine as the device's coarse texels.
+    // The coarsest level decodes fastest, and the device's coarse texels are no finer.
     std::unique_ptr<TexelSource> coarse;
     if (const std::size_t levels = container.levels().size(); levels > 1) {
         coarse = decoded_level(*stage.decoder, levels - 1);
@@ -171,9 +171,9 @@ Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage
     return {};
 }
 
-// The texture that the file was encoded from, if there is anything to compare with it.
+// Adds the uncompressed texture if the request compares the file with it.
 Status add_original(const StageRequest& r, const FileSurface& surface, Stage& stage) {
-    // The texture of a mesh is not baked again for a comparison.
+    // Textures of meshes are never baked again.
     if (r.original.empty() && (r.truth.empty() || surface.mesh))
         return {};
     const ContainerReader& container = stage.decoder->container();
@@ -184,7 +184,7 @@ Status add_original(const StageRequest& r, const FileSurface& surface, Stage& st
                                         container.description(), container.metadata()));
     if (original->desc() != stage.desc)
         return {ErrorCode::bad_argument,
-                r.file + ": its sample type or number of channels differs from that of " +
+                r.file + ": its sample type or number of channels is not that of " +
                     (r.original.empty() ? "the scene " + r.truth : r.original)};
     stage.original = std::move(original);
     TESSERA_TRY_ASSIGN(stage.uncompressed, cpu_renderer(stage, surface, *stage.original,
@@ -203,7 +203,8 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     return add_original(r, surface, stage);
 }
 
-// A texture that no file holds: of any size, as only what is looked at is ever made.
+// Draws the texture of a scene without a file. Its size does not matter, because only the texels in
+// view are baked.
 Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage) {
     TESSERA_TRY(check_scene(r.scene).with_context("--scene"));
     TESSERA_TRY_ASSIGN(const auto info, corpus::find_scene(r.scene));
@@ -226,27 +227,31 @@ Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage
 
 Status check_request(const StageRequest& r) {
     if (r.file.empty() == r.scene.empty())
-        return {ErrorCode::bad_argument, "a .tess file or --scene is needed, and not both"};
+        return {ErrorCode::bad_argument, "render needs a .tess file or --scene, but not both"};
     if (r.file.empty() && (r.via != "cpu" || !r.original.empty()))
         return {ErrorCode::bad_argument,
-                "--via and --original belong to a .tess file; --scene is drawn on the CPU"};
+                "--via and --original need a .tess file; --scene is drawn on the CPU"};
     if (r.decode.allow_damaged && r.via != "cpu")
-        return {ErrorCode::bad_argument, "--allow-damaged needs --via cpu"};
+        return {ErrorCode::bad_argument, "--allow-damaged can only be used with --via cpu"};
     if (r.decode.allow_partial && r.via != "cpu" && r.via != "feedback")
-        return {ErrorCode::bad_argument, "--allow-partial needs --via cpu or feedback"};
+        return {ErrorCode::bad_argument,
+                "--allow-partial can only be used with --via cpu or feedback"};
     if (!r.truth_environment.empty() && !corpus::is_model_path(r.truth))
-        return {ErrorCode::bad_argument, "--env belongs to --truth MODEL"};
+        return {ErrorCode::bad_argument, "--env can only be used with --truth MODEL"};
     if (r.file.empty() && corpus::is_model_path(r.truth))
-        return {ErrorCode::bad_argument, "--truth " + r.truth + ": a model needs a .tess of it"};
+        return {ErrorCode::bad_argument,
+                "--truth " + r.truth + ": a model needs a .tess file that was baked from it"};
     if (!r.file.empty() && !r.texture_size.empty())
         return {ErrorCode::bad_argument,
-                "--size belongs to --scene; --pixels is the size of the picture"};
+                "--size can only be used with --scene; --pixels sets the size of the picture"};
     if (r.samples && !r.original.empty())
-        return {ErrorCode::bad_argument, "--spp: the texture of --original is not baked"};
+        return {ErrorCode::bad_argument,
+                "--spp cannot be used with --original, because that texture is not baked"};
     if (r.samples && r.truth.empty() && r.scene.empty())
-        return {ErrorCode::bad_argument, "--spp belongs to --truth or --scene: nothing is baked"};
+        return {ErrorCode::bad_argument,
+                "--spp needs --truth or --scene, because nothing is baked without them"};
     if (r.tiles_per_frame > 0 && r.via != "feedback")
-        return {ErrorCode::bad_argument, "--tiles-per-frame belongs to --via feedback"};
+        return {ErrorCode::bad_argument, "--tiles-per-frame can only be used with --via feedback"};
     return {};
 }
 
@@ -257,9 +262,8 @@ Result<std::unique_ptr<TexelSource>> open_original(const std::string& path,
     const TextureKind kind = kind_of_input(path);
     if (kind != TextureKind::raw && kind != TextureKind::tess)
         return Status(ErrorCode::bad_argument,
-                      path +
-                          ": --original takes a raw file or a .tess, whose texels can be read in "
-                          "any order");
+                      path + ": --original must be a raw file or a .tess file, because its texels "
+                             "are read in any order");
     TextureHints hints;
     hints.size = desc.size;
     hints.type = desc.type;

@@ -1,4 +1,5 @@
-// What `tessera render` draws: a compressed file or a scene's texture, and what is set beside it.
+// Sets up the renderers of `tessera render`: those of a compressed file or a scene's texture, of
+// the uncompressed texture, and of the ray-traced truth.
 #pragma once
 
 #include "codec/decoder.h"
@@ -13,50 +14,54 @@
 namespace tessera {
 
 struct StageRequest {
-    std::string file;         // a .tess; or empty, and then:
-    std::string scene;        // the texture of a built-in scene, baked where it is looked at,
-    std::string texture_size; // of "UxVxSxT" texels; empty: the scene's own
-    DecodeOptions decode;     // of the file
-    std::string via = "cpu";  // cpu, gpu, load or feedback
-    unsigned budget_mib = 512;
-    std::optional<unsigned> rays;  // per pixel, on the CPU; else 1 for a sphere and 4 for a mesh
-    std::optional<double> focus;   // of planar views: distance from their cameras
-    unsigned tiles_per_frame = 0;  // with feedback, see gpu_renderer.h
-    std::string truth;             // a scene, or a model's file, to ray trace directly; or empty
-    std::string truth_environment; // of a model: where its light is now; empty: where it was
-    std::optional<unsigned>
-        truth_samples;               // per pixel; else 16 rays of a scene, 512 paths of a model
-    std::string original;            // the uncompressed texture as a file, or empty
-    std::optional<unsigned> samples; // per texel, of what is baked
+    // Either a .tess file, or the name of a built-in scene, whose texels are baked when they are
+    // needed. The other one is empty.
+    std::string file, scene;
+    std::string texture_size; // of the scene's texture, "UxVxSxT"; empty: the scene's default
+    DecodeOptions decode;
+    std::string via = "cpu";      // cpu, gpu, load or feedback
+    unsigned budget_mib = 512;    // GPU memory for texels
+    unsigned tiles_per_frame = 0; // with feedback, see gpu_renderer.h
+    std::optional<unsigned> rays; // per pixel, on the CPU; default: 1 for a sphere, 4 for a mesh
+    std::optional<double> focus;  // of planar views: distance from their cameras
+    // The scene or model file to trace as the truth; empty: none.
+    std::string truth;
+    // The environment map of a model's truth; empty: the path in the file's metadata.
+    std::string truth_environment;
+    // Per pixel; default: 16 rays for a scene, 512 paths for a model.
+    std::optional<unsigned> truth_samples;
+    std::string original;            // the file with the uncompressed texture; empty: none
+    std::optional<unsigned> samples; // rays per texel where texels are baked
 };
 
-// Members are destroyed last to first: renderers before what they read. Any of the renderers may be
-// absent, but not both of the first two.
+// Members are destroyed from last to first, so renderers are destroyed before their sources. Each
+// renderer may be absent, but at least one of `compressed` and `uncompressed` is present.
 struct Stage {
     std::unique_ptr<ByteSource> bytes;
-    std::unique_ptr<MeteredSource> metered; // `bytes`, counted; null without a file
+    std::unique_ptr<MeteredSource> metered; // counts reads of `bytes`; null without a file
     std::unique_ptr<Decoder> decoder;       // null without a file
     TextureDesc desc;
-    std::optional<SphereWindow> window; // of a texture on a sphere
-    std::optional<PlanarViews> planar;  // of views of a planar grid of cameras
+    std::optional<SphereWindow> window; // present for textures on spheres
+    std::optional<PlanarViews> planar;  // present for planar views
     std::unique_ptr<TexelSource> texels, original;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 
-    // What reading the file has cost so far.
+    // The reads of the file so far.
     Traffic traffic() const;
-    // The one whose views are written.
+    // The renderer whose views are written.
     ViewRenderer& subject() const { return compressed ? *compressed : *uncompressed; }
     unsigned renderers() const {
         return (compressed ? 1u : 0u) + (uncompressed ? 1u : 0u) + (truth ? 1u : 0u);
     }
 };
 
-// Opens the file of --original, whose texels are read in any order. `desc` describes a raw file.
-// Errors: bad_argument (another kind of file); those of open_texture().
+// Opens the file of --original. A raw file is read as `desc` describes it. Errors: bad_argument
+// (neither a raw nor a .tess file) and those of open_texture().
 Result<std::unique_ptr<TexelSource>> open_original(const std::string& path,
                                                    const TextureDesc& desc);
 
-// Errors: bad_argument, where parts do not belong together; unsupported; those of the files.
+// Errors: bad_argument (options or files that do not fit together), unsupported, and those of
+// opening the files.
 Result<Stage> set_up_stage(const StageRequest& request, const RenderOptions& options);
 
 } // namespace tessera

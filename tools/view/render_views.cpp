@@ -14,9 +14,9 @@ Status parse_picture_size(const std::string& text, Lens& lens) {
     if (cross == std::string::npos ||
         !parse_number(std::string_view(text).substr(0, cross), width) ||
         !parse_number(std::string_view(text).substr(cross + 1), height))
-        return {ErrorCode::bad_argument, "--pixels '" + text + "' is not WxH such as 640x480"};
+        return {ErrorCode::bad_argument, "--pixels '" + text + "' is not a size such as 640x480"};
     if (width < 1 || height < 1 || width > max_picture_side || height > max_picture_side)
-        return {ErrorCode::bad_argument, "--pixels '" + text + "': a side has 1 to " +
+        return {ErrorCode::bad_argument, "--pixels '" + text + "': each side must have 1 to " +
                                              std::to_string(max_picture_side) + " pixels"};
     lens.width = static_cast<std::uint32_t>(width);
     lens.height = static_cast<std::uint32_t>(height);

@@ -1,4 +1,4 @@
-// Which views `tessera render` draws, from where and into which file.
+// Plans the views that `tessera render` draws: their cameras and output files.
 #pragma once
 
 #include "tools/support/camera_grid.h"
@@ -11,24 +11,24 @@ namespace tessera {
 
 struct ViewRequest {
     std::string eye, look; // "x,y,z"; empty: the defaults of CameraPose
-    std::string size;      // "WxH"; empty: that of Lens
+    std::string size;      // of the picture, "WxH"; empty: the default of Lens
     double fov = 45;       // vertical, degrees
-    std::string views;     // empty, "paper", or the number of one of the paper's views
-    unsigned orbit = 0;    // frames; 0: no orbit
+    std::string views;     // "paper" or the number of one of its views; empty: eye and look
+    unsigned orbit = 0;    // number of frames; 0: no orbit
     std::string output;
 };
 
 struct PlannedView {
     std::string name;
     Camera camera;
-    std::string output; // "out.png", or with a number: "out-3.png"
+    std::string output; // "out.png" for a single view, otherwise numbered as in "out-3.png"
 };
 
-// Errors: bad_argument.
+// Errors: bad_argument (text that cannot be parsed, or an impossible camera).
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request);
 
-// The same of planar views: without request.look the picture is their window, seen from request.eye,
-// else from the middle of the cameras.
+// The same for planar views. Without look, views and orbit the picture shows their whole window.
+// The default of request.eye is the centre of the camera grid.
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request, const CameraGrid& cameras,
                                             const Extent4& size);
 

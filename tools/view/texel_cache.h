@@ -1,5 +1,5 @@
-// Blocks of a texture that are read when they are first asked for: tiles of a compressed file,
-// pieces of a raw one, boxes of a scene that is baked as it is looked at.
+// A cache of blocks of a texture, which are read on first use: tiles of a compressed file, boxes of
+// a raw file, or boxes of a scene that are baked when they are needed.
 #pragma once
 
 #include "format/levels.h"
@@ -14,24 +14,24 @@
 
 namespace tessera {
 
-// The number of the block with that texel.
+// The number of the block that contains the texel.
 inline std::uint64_t block_of(const TileGrid& grid, const Extent4& texel) {
     const auto& [u, v, s, t] = texel;
     return grid.number(grid.touched({texel, {u + 1, v + 1, s + 1, t + 1}}).begin);
 }
 
-// Shared by threads; a block that several want at once is read once.
+// Thread-safe. A block that several threads need at the same time is read once.
 class TexelCache {
 public:
     using Block = std::shared_ptr<const std::vector<std::byte>>;
 
-    // `source` likes any order of boxes (Locality::any) and outlives the cache. Keeps about
-    // `max_bytes` of texels, besides those in use.
+    // `source` must read boxes in any order (Locality::any) and outlive the cache. The cache keeps
+    // about `max_bytes` of texels, plus the blocks in use.
     TexelCache(TexelSource& source, const Extent4& block_extent, std::uint64_t max_bytes);
 
     const TextureDesc& desc() const { return source_.desc(); }
     const TileGrid& grid() const { return grid_; }
-    // The texels of grid().box(number). Errors: those of the source.
+    // Returns the texels of grid().box(number). Errors: those of the source.
     Result<Block> load(std::uint64_t number);
 
 private:
@@ -41,8 +41,8 @@ private:
         bool ready = false;
         std::vector<std::byte> texels;
     };
-    // A full shard is emptied: a picture is drawn row by row, and what its last rows touched is
-    // mostly done with.
+    // A full shard is emptied. Pictures are drawn row by row, so most blocks of the previous rows
+    // are not needed any more.
     struct Shard {
         std::mutex mutex;
         std::unordered_map<std::uint64_t, std::shared_ptr<Entry>> entries;
@@ -55,7 +55,8 @@ private:
     std::array<Shard, shard_count> shards_;
 };
 
-// One thread's way into the cache. It remembers some blocks, so that most texels cost no lock.
+// Reads texels through the cache for one thread. It keeps references to some blocks, so that most
+// texels need no lock.
 class CachedTexels final : public TexelLookup {
 public:
     explicit CachedTexels(TexelCache& cache) : cache_(&cache), slots_(256) {}
@@ -71,7 +72,7 @@ private:
         TexelCache::Block texels; // null: empty
     };
     TexelCache* cache_;
-    std::vector<Slot> slots_; // by the low bits of the block's number
+    std::vector<Slot> slots_; // indexed by the block's number modulo their count
 };
 
 } // namespace tessera

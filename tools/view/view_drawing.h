@@ -1,4 +1,4 @@
-// Pixels in parallel, row by row, each the mean of some rays.
+// Draws rows of pixels in parallel. Each pixel is the mean of its rays.
 #pragma once
 
 #include "format/work.h"
@@ -10,9 +10,10 @@
 
 namespace tessera {
 
-// The mean of ray(direction), a Result<glm::dvec3>, over `count` rays through pixel (i, j). They
-// follow the additive recurrence of the plastic number (Roberts, "The unreasonable effectiveness of
-// quasirandom sequences", 2018), which is even for any count; the first is the pixel's centre.
+// The mean of ray(direction), which returns Result<glm::dvec3>, over `count` rays through pixel
+// (i, j). The first ray goes through the pixel's centre. The rays follow the additive recurrence of
+// the plastic number (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018),
+// which spreads any number of rays evenly.
 template <class Ray>
 Result<glm::dvec3> mean_of_rays(const Camera& camera, std::uint32_t i, std::uint32_t j,
                                 unsigned count, const Ray& ray) {
@@ -27,7 +28,8 @@ Result<glm::dvec3> mean_of_rays(const Camera& camera, std::uint32_t i, std::uint
     return sum / static_cast<double>(count);
 }
 
-// The picture of ray(worker, direction), a Result<glm::dvec3>; one worker a thread.
+// Draws a picture with ray(worker, direction), which returns Result<glm::dvec3>. Each thread uses
+// one worker.
 template <class Worker, class Ray>
 Result<View> draw_rays(const Camera& camera, std::vector<Worker>& workers,
                        const RenderOptions& options, const Ray& ray) {

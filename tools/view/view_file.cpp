@@ -40,7 +40,7 @@ Status write_exr(const std::string& path, const View& view) {
         picture.writePixels(height);
         return {};
     }));
-    TESSERA_TRY(stream.status()); // the table of offsets is written last, by a destructor
+    TESSERA_TRY(stream.status()); // the destructor of Imf::OutputFile has written, too
     return file.commit();
 }
 
@@ -52,7 +52,7 @@ Picture to_picture(const View& view, SampleType type) {
         const double x = view.rgb[i];
         if (type == SampleType::half16)
             out.rgb[i] = tone_mapped(x);
-        else // not a number: black
+        else // NaN becomes black
             out.rgb[i] = std::byte(x > 0 ? static_cast<int>(255 * std::min(x, 1.0) + 0.5) : 0);
     }
     return out;
@@ -60,7 +60,7 @@ Picture to_picture(const View& view, SampleType type) {
 
 Status check_view_path(const std::string& path) {
     if (ending_of(path) != ".png" && ending_of(path) != ".exr")
-        return {ErrorCode::bad_argument, path + ": a view is a .png or an .exr"};
+        return {ErrorCode::bad_argument, path + ": the name of a view must end in .png or .exr"};
     return check_output_path(path);
 }
 

@@ -1,4 +1,4 @@
-// Views as pictures: on the screen, as PNG, as EXR.
+// Converts views to 8-bit pictures and writes them as PNG or EXR files.
 #pragma once
 
 #include "format/texture.h"
@@ -9,13 +9,15 @@
 
 namespace tessera {
 
-// As displayed, 8 bits: unorm8 rounded and clamped to 0..1, half16 tone-mapped (picture.h).
+// The view as displayed with 8 bits. `type` is the texture's sample type: unorm8 is clamped to 0..1
+// and rounded, half16 is tone-mapped (picture.h).
 Picture to_picture(const View& view, SampleType type);
 
-// By the name's ending: .png, as to_picture() shows it; .exr, the RGB values themselves as 32-bit
-// floats. Appears under that name when it is whole. Errors: bad_argument for another ending; io,
-// runtime.
+// Writes a .png file with the result of to_picture(), or an .exr file with the RGB values as 32-bit
+// floats. The file appears under its name only when it is complete. Errors: bad_argument (another
+// extension), io, runtime.
 Status write_view(const std::string& path, const View& view, SampleType type);
+// Errors: bad_argument (another extension) and those of check_output_path().
 Status check_view_path(const std::string& path);
 
 } // namespace tessera

@@ -12,13 +12,15 @@
 namespace tessera {
 namespace {
 
-// Where the ray from outside first meets the sphere, or where that from inside leaves it, as a vector from
-// its centre; false if it misses. Precondition: `direction` is of unit length.
+// Intersects a ray with the sphere: where it enters the sphere if the texture is seen from outside,
+// where it leaves the sphere otherwise. `from_centre` receives the intersection relative to the
+// sphere's centre. Returns false if there is none. Precondition: `direction` has unit length.
 bool meet(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec3& direction,
           glm::dvec3& from_centre) {
     const glm::dvec3 start = origin - window.centre;
     const double nearest = -glm::dot(start, direction);
-    // The gap between centre and ray as a vector: subtracting squares would lose digits afar.
+    // The vector from the centre to the closest point of the line. Subtracting squared lengths
+    // instead would lose precision for distant origins.
     const glm::dvec3 gap = start + nearest * direction;
     const double inside = window.radius * window.radius - glm::dot(gap, gap);
     if (inside < 0 || (nearest <= 0 && !window.inside))
@@ -27,7 +29,6 @@ bool meet(const SphereWindow& window, const glm::dvec3& origin, const glm::dvec3
     return true;
 }
 
-// The sphere, from the side that its texture is seen from.
 struct SphereSurface {
     SphereWindow window;
     Extent4 size; // of the texture
@@ -97,7 +98,7 @@ public:
     }
 
 private:
-    // Its own for each ray, on whatever thread.
+    // A random seed that depends only on the ray, so that the picture does not depend on threads.
     static std::uint64_t name_of_ray(const glm::dvec3& direction) {
         std::uint64_t name = 0;
         for (glm::length_t axis = 0; axis < 3; ++axis)
@@ -115,17 +116,17 @@ private:
 Result<SphereWindow> sphere_window(const Description& d) {
     if (!is_sphere(d.proxy) || !(d.sphere_radius > 0))
         return Status(ErrorCode::unsupported,
-                      "the file does not say which sphere its texture lies on (proxy " +
+                      "the file does not state the sphere that its texture lies on (proxy " +
                           std::string(name_of(d.proxy)) +
-                          "); only textures on spheres and meshes, and planar views, can be "
-                          "drawn. encode has --proxy, --surface-map and --angular-map to say it");
+                          "); only textures on spheres and meshes and planar views can be drawn. "
+                          "Set --proxy, --surface-map and --angular-map when encoding");
     if (d.surface_map != SurfaceMap::sphere_longitude_latitude ||
         d.angular_map != AngularMap::hemisphere_alpha_beta)
         return Status(ErrorCode::unsupported,
                       std::string("only the maps '") +
                           name_of(SurfaceMap::sphere_longitude_latitude) + "' and '" +
                           name_of(AngularMap::hemisphere_alpha_beta) +
-                          "' can be drawn, and the file has '" + name_of(d.surface_map) +
+                          "' can be drawn, but the file has '" + name_of(d.surface_map) +
                           "' and '" + name_of(d.angular_map) + "'");
     return SphereWindow{{d.sphere_centre[0], d.sphere_centre[1], d.sphere_centre[2]},
                         d.sphere_radius,
@@ -139,8 +140,8 @@ Status check_side(const SphereWindow& window, const Camera& camera) {
     return {ErrorCode::bad_argument, "the eye is " + format_number(distance, 3) +
                                          " from the centre of the sphere, whose radius is " +
                                          format_number(window.radius, 3) +
-                                         ": the texture is seen from " +
-                                         (window.inside ? "inside" : "outside") + " only; --eye"};
+                                         ": move --eye, because the texture is only seen from " +
+                                         (window.inside ? "inside" : "outside")};
 }
 
 std::unique_ptr<ViewRenderer>

@@ -1,4 +1,5 @@
-// What an observer sees of a sphere with a 2+2D texture, and of the scene that it was baked from.
+// Renders views of a texture on a sphere, and ray-traced views of the scene or model that a texture
+// was baked from.
 #pragma once
 
 #include "codec/decoder.h"
@@ -18,28 +19,31 @@
 
 namespace tessera {
 
-// RGB, row 0 at the top. unorm8 textures: as displayed, 0..1; half16: scene-linear.
+// A picture, row by row from the top. Values of unorm8 textures are display values in 0..1, those
+// of half16 textures are scene-linear.
 struct View {
-    std::uint32_t width = 0, height = 0;
-    std::vector<float> rgb;
-    std::string remark{}; // what it lacks, for a person; usually empty
+    std::uint32_t width = 0, height = 0; // pixels
+    std::vector<float> rgb;              // three values per pixel
+    std::string remark{};                // a message for the user, such as what is drawn coarsely
 };
 
-// One of the frames in which a view appears: coarse where tiles are missing, then sharper.
+// One of the frames of a view. The first ones are coarse where tiles are missing, later ones
+// sharper.
 struct DrawnFrame {
-    std::uint32_t touched = 0; // tiles that it samples
-    std::uint32_t decoded = 0; // tiles decoded for it, since the frame before
-    std::uint32_t coarse = 0;  // of `touched`: were missing, so that it shows their coarse texels
-    Traffic traffic;           // since the frame before; in the first one of all, opening included
-    std::string trouble{};     // why bytes could not be had since then; empty: none
+    std::uint32_t touched = 0; // number of tiles that it samples
+    std::uint32_t decoded = 0; // number of tiles decoded since the previous frame
+    std::uint32_t coarse = 0;  // how many of `touched` are missing and drawn coarsely
+    Traffic traffic;       // since the previous frame; the first frame includes opening the file
+    std::string trouble{}; // the read error since the previous frame; empty: none
 };
 
-// Told of every frame of a view when it is drawn, the last one included; frames count from 1 in each
-// view. picture() reads it back, which takes time. An error ends the view.
+// Called after every frame of a view, including the last one. Frames are numbered from 1 within
+// each view. picture() reads the frame back, which is slow. If the hook returns an error, drawing
+// the view fails with that error.
 using FrameHook = std::function<Status(unsigned number, const DrawnFrame& frame,
                                        const std::function<Result<View>()>& picture)>;
 
-// The device that draws, and what is held in its memory.
+// The device that draws, and how much of its memory the renderer uses.
 struct DeviceUse {
     std::string name;
     std::uint64_t bytes = 0;
@@ -48,48 +52,53 @@ struct DeviceUse {
 class ViewRenderer {
 public:
     virtual ~ViewRenderer() = default;
-    // Errors: bad_argument where the eye is on the wrong side of the sphere; io, invalid_file; runtime, also
-    // when interrupted.
+    // Errors: bad_argument (the eye is on the wrong side of the sphere or window), io,
+    // invalid_file, runtime (also when interrupted).
     virtual Result<View> render(const Camera& camera) = 0;
-    // From now on. Renderers that draw a view at once say nothing.
+    // Calls the hook for the frames of all further views. Renderers that draw a view in one go
+    // never call it.
     virtual void watch(FrameHook) {}
-    // Nothing where the CPU draws.
+    // Nothing for renderers on the CPU.
     virtual std::optional<DeviceUse> device_use() const { return std::nullopt; }
 };
 
 using corpus::SphereWindow;
 
-// Errors: unsupported, where the texture is not the longitude/latitude, hemisphere map of a sphere.
+// The sphere that a texture lies on. Errors: unsupported if the texture is not on a sphere with the
+// longitude/latitude and hemisphere maps.
 Result<SphereWindow> sphere_window(const Description& description);
 
-// bad_argument where the camera stands on the side of the sphere that its texture is not seen from.
+// Returns bad_argument if the camera is on the side of the sphere where the texture is not visible.
 Status check_side(const SphereWindow& window, const Camera& camera);
 
 struct RenderOptions {
-    unsigned threads = 0;                     // 0: all cores; never changes the result
-    std::uint64_t cache_bytes = 512ull << 20; // of texels kept between pixels and views
-    ProgressFunction progress;                // rows of one view
-    unsigned rays = 1;                        // through each pixel of a texture, spread evenly
-    // Told before each view which blocks (their numbers, ascending) nearly all of its pixels will
-    // need, where reading them one by one would be slow. Not called when empty.
+    unsigned threads = 0;                     // 0: all cores; does not affect the picture
+    std::uint64_t cache_bytes = 512ull << 20; // of texels kept between pixels and between views
+    ProgressFunction progress;                // called with the rows of one view
+    unsigned rays = 1;                        // per pixel, spread evenly
+    // Called before each view, if set, with the numbers of the blocks that nearly all of its pixels
+    // need, in ascending order. A source that is slow to read can fetch them together.
     std::function<Status(std::span<const std::uint64_t> blocks)> foretell{};
 };
 
-// Samples the texture by format/sampler.h; grey shows as grey, alpha not at all. Reads blocks of up to `block_extent` texels as pixels need them. `source` must
-// outlive it and take boxes in any order. `background`: where a ray misses the sphere.
+// Renders a texture on a sphere, sampled as in format/sampler.h. Ignores alpha. Reads blocks of up
+// to `block_extent` texels when pixels need them. `source` must outlive the renderer and read boxes
+// in any order. `background` is the colour of rays that miss the sphere.
 std::unique_ptr<ViewRenderer>
 make_texture_renderer(TexelSource& source, const Extent4& block_extent, const SphereWindow& window,
                       const glm::dvec3& background, const RenderOptions& options);
 
-// The scene itself, ray traced: the mean of `samples` rays spread evenly over each pixel. `window`
-// is where the scene's own sphere (corpus::window_radius about the origin) stands in the world, or one in
-// the scene that is seen from inside; without one the observer stands anywhere in the scene.
+// Ray traces a scene. Each pixel is the mean of `samples` evenly spread rays. `window` is the
+// sphere of the texture. If it is seen from outside, the scene is moved and scaled so that its own
+// sphere (corpus::window_radius around the origin) coincides with it. If it is seen from inside, it
+// is a sphere within the scene. Without a window the observer may stand anywhere in the scene.
 std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
                                                   const std::optional<SphereWindow>& window,
                                                   unsigned samples, const RenderOptions& options);
 
-// A model, path traced, options.rays through each pixel; each is a mean of light, as paths on their own
-// would be a mean of what a display makes of them. `background`: where a ray misses it.
+// Path traces a model with options.rays rays per pixel. Each ray averages the light of several
+// paths and then converts the mean to display values; converting every path would give another
+// mean. `background` is the colour of rays that miss the model.
 std::unique_ptr<ViewRenderer>
 make_model_truth_renderer(std::shared_ptr<const corpus::ModelTruth> truth,
                           const glm::dvec3& background, const RenderOptions& options);

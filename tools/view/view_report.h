@@ -1,4 +1,4 @@
-// Figures on rendered views, as a table, as JSON and as a sheet to look at.
+// Reports the quality of rendered views as a table, as JSON and as a sheet of pictures.
 #pragma once
 
 #include "tools/picture/panels.h"
@@ -12,21 +12,21 @@
 
 namespace tessera {
 
-// Of two pictures as displayed, 8-bit, background and all.
+// The similarity of two 8-bit pictures as displayed, including the background.
 struct Likeness {
-    double psnr = 0; // dB over the samples, peak 255; infinite for equal pictures
-    double ssim = 0; // of luma (BT.709 weights on code values)
+    double psnr = 0; // dB over all samples, with peak 255; infinite for equal pictures
+    double ssim = 0; // of luma, computed from code values with the BT.709 weights
 };
 // Precondition: both have the same size.
 Likeness likeness_of(const Picture& a, const Picture& b);
 
-// One view, drawn in up to three ways.
+// One view, rendered in up to three ways.
 struct ViewPictures {
     std::string name;
     std::optional<Picture> truth, uncompressed, compressed;
 };
 
-// What is measured against what. Absent where a picture is.
+// Comparisons of the pictures of one view. A comparison is absent if one of its pictures is.
 struct ViewFigures {
     std::string name;
     std::optional<Likeness> compressed_truth, uncompressed_truth, compressed_uncompressed;
@@ -36,11 +36,12 @@ struct ViewFigures {
 };
 ViewFigures measure(const ViewPictures& pictures);
 
-// A line per view under a heading; only the columns that the first view has.
+// A table with one line per view. It has the columns of the first view.
 std::string to_table(const std::vector<ViewFigures>& views);
-Json to_json(const ViewFigures& figures); // null PSNR: equal pictures
+// The PSNR of equal pictures is null.
+Json to_json(const ViewFigures& figures);
 
-// The view's pictures side by side, and the amplified difference of compressed and uncompressed.
+// The pictures of the view, and the amplified difference between compressed and uncompressed.
 PanelRow to_panels(const ViewPictures& pictures);
 
 } // namespace tessera

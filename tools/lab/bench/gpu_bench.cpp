@@ -463,7 +463,7 @@ Result<BenchReport> bench_gpu(const std::string& file, const GpuBenchOptions& op
 namespace tessera {
 
 Result<BenchReport> bench_gpu(const std::string&, const GpuBenchOptions&) {
-    return Status(ErrorCode::unsupported, "this build draws on no GPU (TESSERA_GPU is off)");
+    return Status(ErrorCode::unsupported, "this build has no GPU support (TESSERA_GPU is off)");
 }
 
 } // namespace tessera
