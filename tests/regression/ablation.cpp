@@ -1,4 +1,4 @@
-// Measures what each coding tool gains: encodes without the tool, and writes tables between two
+// Measures what each coding tool gains: encodes without the tool, and writes a table between two
 // marks in ablation.md. tools/lab/scripts/ablation.sh builds and runs this program.
 //   ablation ablation.md [--size UxVxSxT] [--scenes NAME,...] [--tools NAME,... | --efforts N,...]
 //            [TEXTURE_UxVxSxT.rgb[:Q,Q,Q]]...
@@ -125,49 +125,72 @@ std::vector<Experiment> experiments(const Request& request) {
     return all;
 }
 
-// Adds a line to the table and prints it, which shows the progress.
-void add_line(std::string& table, const std::string& line) {
-    table += line;
-    std::fputs(line.c_str(), stdout);
-    std::fflush(stdout);
-}
-
 std::string number(const char* format, double value) {
     char text[64];
     std::snprintf(text, sizeof text, format, value);
     return text;
 }
 
-Status add_table(const Task& task, const Request& request, std::string& text) {
-    const Experiment anchor = anchor_of(request);
-    const Result<Curve> full = measure(task, anchor);
+// "46, 58, 68"
+std::string list_of(const char* format, const std::vector<double>& values) {
+    std::string text;
+    for (const double value : values)
+        text += (text.empty() ? "" : ", ") + number(format, value);
+    return text;
+}
+
+// Measures a texture: one cell per heading of rows_of(). Prints each cell to show the progress.
+Result<std::vector<std::string>> measure_column(const Task& task, const Request& request) {
+    const Result<Curve> full = measure(task, anchor_of(request));
     if (!full)
         return full.status();
-    std::string psnrs, qualities;
-    for (std::size_t i = 0; i < task.qualities.size(); ++i) {
-        psnrs += number(i > 0 ? ", %.1f" : "%.1f", full->points[i].psnr);
-        qualities += number(i > 0 ? ", %.0f" : "%.0f", task.qualities[i]);
-    }
+    std::vector<double> psnrs;
+    for (const RatePoint& point : full->points)
+        psnrs.push_back(point.psnr);
     const double megabytes =
         static_cast<double>(task.texture.texels.size() * task.qualities.size()) / 1e6;
-    add_line(text, "\n**" + task.texture.name + "**, qualities " + qualities + ": " + psnrs +
-                       " dB with " + anchor.name + ", encoding " +
-                       number("%.2f", megabytes / full->encode_seconds) + " MB/s, decoding " +
-                       number("%.0f", megabytes / full->decode_seconds) + " MB/s\n\n| " +
-                       (request.efforts.empty() ? "tools" : "effort") +
-                       " | BD-rate % | decoding speed | encoding time |\n"
-                       "|---|---:|---:|---:|\n");
+    std::vector<std::string> cells = {task.texture.name, list_of("%.0f", task.qualities),
+                                      list_of("%.1f", psnrs),
+                                      number("%.2f", megabytes / full->encode_seconds) + ", " +
+                                          number("%.0f", megabytes / full->decode_seconds)};
+    std::printf("%s\n", cells.front().c_str());
     for (const Experiment& experiment : experiments(request)) {
         const Result<Curve> curve = measure(task, experiment);
         if (!curve)
             return curve.status().with_context(experiment.name);
         const auto rate = bd_rate(full->points, curve->points);
-        add_line(text, "| " + experiment.name + " | " +
-                           (rate ? number("%+.1f", rate->percent) : "no overlap") + " | " +
-                           number("x %.2f", full->decode_seconds / curve->decode_seconds) + " | " +
-                           number("x %.2f", curve->encode_seconds / full->encode_seconds) + " |\n");
+        cells.push_back((rate ? number("%+.1f", rate->percent) : "no overlap") + "/" +
+                        number("%.2f", full->decode_seconds / curve->decode_seconds) + "/" +
+                        number("%.2f", curve->encode_seconds / full->encode_seconds));
+        std::printf("%s: %s\n", experiment.name.c_str(), cells.back().c_str());
+        std::fflush(stdout);
     }
-    return {};
+    return cells;
+}
+
+// The headings of the table's rows.
+std::vector<std::string> rows_of(const Request& request) {
+    const std::string anchor = anchor_of(request).name;
+    std::vector<std::string> rows = {"texture", "qualities", anchor + ": dB",
+                                     anchor + ": encoding, decoding MB/s"};
+    for (const Experiment& experiment : experiments(request))
+        rows.push_back(experiment.name);
+    return rows;
+}
+
+// `columns` has one column per texture, as from measure_column().
+std::string table_of(const std::vector<std::string>& rows,
+                     const std::vector<std::vector<std::string>>& columns) {
+    std::string table = "\n";
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        table += "| " + rows[row] + " |";
+        for (const std::vector<std::string>& column : columns)
+            table += " " + column[row] + " |";
+        table += "\n";
+        for (std::size_t i = 0; row == 0 && i <= columns.size(); ++i)
+            table += i < columns.size() ? "|---" : "|---|\n";
+    }
+    return table + "\n";
 }
 
 bool parse_size(const char* text, Extent4& size) {
@@ -217,7 +240,7 @@ Status run(const std::string& path, const Request& request) {
     const std::size_t begin = text.find(marks.begin), end = text.find(marks.end);
     if (begin == std::string::npos || end == std::string::npos || end < begin)
         return {ErrorCode::io, path + ": lacks the marks for the tables"};
-    std::string tables;
+    std::vector<std::vector<std::string>> columns;
     const double start = seconds();
     const std::vector<std::pair<const char*, std::vector<double>>> scenes = {
         {"composed", {46, 58, 68}},
@@ -230,13 +253,14 @@ Status run(const std::string& path, const Request& request) {
         Result<Texture> texture = bake(scene, request.scene_size);
         if (!texture)
             return texture.status();
-        TESSERA_TRY(add_table({std::move(*texture), qualities}, request, tables));
+        TESSERA_TRY_ASSIGN(columns.emplace_back(),
+                           measure_column({std::move(*texture), qualities}, request));
     }
-    for (const Task& task : request.textures)
-        TESSERA_TRY(add_table(task, request, tables));
-    add_line(tables, "\nOne run measured all this in " + number("%.0f", (seconds() - start) / 60) +
-                         " minutes of processor time.\n\n");
-    text.replace(begin, end - begin, marks.begin + tables);
+    for (const Task& task : request.textures) {
+        TESSERA_TRY_ASSIGN(columns.emplace_back(), measure_column(task, request));
+    }
+    std::printf("%.0f minutes of processor time\n", (seconds() - start) / 60);
+    text.replace(begin, end - begin, marks.begin + table_of(rows_of(request), columns));
     std::ofstream out(path, std::ios::binary);
     out << text;
     return out.flush() ? Status() : Status(ErrorCode::io, "cannot write " + path);

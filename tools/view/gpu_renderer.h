@@ -33,9 +33,9 @@ struct GpuRenderOptions {
 // the budget stay coarse, and the view's remark says so. Failed reads (io) are repeated; a view
 // fails after three consecutive frames with failed reads.
 //
-// `reader` must outlive the renderer. Not thread-safe. Errors: unsupported
-// (no device has the required features, this build has no GPU support, or the file does not fit
-// into the budget), invalid_file, io.
+// `reader` must outlive the renderer. Not thread-safe. Errors: unsupported (no device has the
+// required features, this build has no GPU support, or the file does not fit into the budget),
+// invalid_file, io.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SphereWindow& window,
                                                         const glm::dvec3& background,

@@ -227,7 +227,7 @@ Status add_scene(const StageRequest& r, const RenderOptions& asked, Stage& stage
 
 Status check_request(const StageRequest& r) {
     if (r.file.empty() == r.scene.empty())
-        return {ErrorCode::bad_argument, "render needs a .tess file or --scene, but not both"};
+        return {ErrorCode::bad_argument, "give a .tess file or --scene, but not both"};
     if (r.file.empty() && (r.via != "cpu" || !r.original.empty()))
         return {ErrorCode::bad_argument,
                 "--via and --original need a .tess file; --scene is drawn on the CPU"};

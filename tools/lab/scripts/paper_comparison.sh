@@ -24,7 +24,7 @@ row() {
         NF >= 3 && $2 ~ /^[0-9.]+$/ && $3 ~ /^[0-9.]+$/ {
             cell = ""
             for (i = 1; i <= count; ++i) {
-                cell = cell (i > 1 ? " / " : "") $field[i]
+                cell = cell (i > 1 ? "/" : "") $field[i]
                 sum[i] += $field[i]
             }
             cells = cells " " cell " |"
@@ -33,7 +33,7 @@ row() {
         END {
             mean = ""
             for (i = 1; i <= count; ++i)
-                mean = mean (i > 1 ? " / " : "") sprintf(i == 1 ? "%.2f" : "%.4f", sum[i] / views)
+                mean = mean (i > 1 ? "/" : "") sprintf(i == 1 ? "%.2f" : "%.4f", sum[i] / views)
             print "| " name " |" cells (with_mean ? " " mean " |" : "")
         }' "$3"
 }
