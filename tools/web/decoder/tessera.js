@@ -10,14 +10,18 @@
 // so a file that breaks its instance does no harm to another, and close() gives all of its memory back.
 // Types and units: tessera.d.ts.
 
-const proxies = ['none', 'sphere', 'mesh', 'sphere'];
-const insideSphere = 3;
-const planarViews = 2;
-const ofGrid = 0xFFFFFFFF; // in place of a level
-const transfers = ['unspecified', 'srgb', 'linear'];
-const alphaModes = ['none', 'straight', 'premultiplied'];
-// Answers of the module.
-const failed = 1, wantsBytes = 2;
+// The codes of the header's fields (FORMAT.md 1.1). A file may hold a code that no table lists.
+export const SAMPLE_TYPE = Object.freeze({unorm8: 0, half16: 1});
+export const ALPHA = Object.freeze({none: 0, straight: 1, premultiplied: 2});
+export const PROXY = Object.freeze({none: 0, sphere: 1, mesh: 2, sphereInside: 3});
+export const SURFACE_MAP = Object.freeze({none: 0, sphereLongitudeLatitude: 1, meshUv: 2});
+export const ANGULAR_MAP = Object.freeze(
+    {none: 0, hemisphereAlphaBeta: 1, planarViews: 2, octahedralHemisphere: 3, octahedralMirrored: 4});
+export const TRANSFER = Object.freeze({unspecified: 0, srgb: 1, linear: 2});
+export const PRIMARIES = Object.freeze({unspecified: 0, bt709: 1});
+
+const ofGrid = 0xFFFFFFFF; // replaces the number of a level: the grid of level 0's tiles
+const failed = 1, wantsBytes = 2; // values that the module's functions return, as in exports.cpp
 
 // `wasm`: tessera.wasm as an ArrayBuffer or an array of bytes, a Response (or the promise of one), or a
 // WebAssembly.Module that another thread compiled.
@@ -249,12 +253,10 @@ class TessFile {
         let next = 0;
         const take = count => Array.from(all.subarray(next, next += count));
         const size = take(4);
-        const [type, channels, proxy, angularMap, transfer, primaries, alpha] = take(7);
-        const info = {size, type: type === 0 ? 'unorm8' : 'half', channels, texelBytes: channels * (type + 1),
-                      proxy: proxy === 0 && angularMap === planarViews ? 'planar' : proxies[proxy] ?? 'unknown',
-                      inside: proxy === insideSphere, transfer: transfers[transfer] ?? 'unknown',
-                      primaries: ['unspecified', 'bt709'][primaries] ?? 'unknown',
-                      alpha: alphaModes[alpha] ?? 'unknown', centre: take(3), radius: take(1)[0],
+        const [sampleType, channels, proxy, surfaceMap, angularMap, transfer, primaries, alpha] = take(8);
+        const info = {size, sampleType, channels, texelBytes: channels * (sampleType === SAMPLE_TYPE.half16 ? 2 : 1),
+                      proxy, surfaceMap, angularMap, transfer, primaries, alpha,
+                      inside: proxy === PROXY.sphereInside, centre: take(3), radius: take(1)[0],
                       viewingRadius: take(2), background: take(4).slice(0, channels), bytes: take(1)[0]};
         const packed = take(1)[0] !== 0;
         info.alignment = take(2);
@@ -270,11 +272,10 @@ class TessFile {
         info.tiles = info.levels[0].tiles;
 
         const texts = this._call(() => this._wasm.web_texts());
-        const [proxyName, angularName, colour, ...pairs] =
-            new TextDecoder().decode(this._bytes(texts, this._wasm.web_texts_bytes())).split('\0');
-        info.proxyName = proxyName;
-        info.angularMap = angularName;
-        info.colour = colour;
+        const [...pairs] = new TextDecoder().decode(this._bytes(texts, this._wasm.web_texts_bytes())).split('\0');
+        info.names = {};
+        for (const field of ['proxy', 'surfaceMap', 'angularMap', 'transfer', 'primaries', 'alpha', 'colour'])
+            info.names[field] = pairs.shift();
         const entries = [];
         for (let i = 0; i + 1 < pairs.length; i += 2)
             entries.push([pairs[i], pairs[i + 1]]);

@@ -8,7 +8,7 @@ class Renderer {
 
     constructor(gl, kit, info, surface, cache) {
         Object.assign(this, {gl, kit, info, surface, cache, coarse: null});
-        this.half = info.type === 'half';
+        this.half = info.sampleType === SAMPLE_TYPE.half16;
         // Sums of half-floats want more than 8 bits; without the extension they are cut at white.
         this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
         const sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];

@@ -60,7 +60,7 @@ class MeshSurface {
         return {project: projection(camera, near, far), eye: camera.eye, mips,
                 mipSize: levels.flatMap(mip => charts.side(mip)), chartRow: levels.map(mip => charts.rows[mip]),
                 charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D},
-                angularMap: this.info.angularMap === 'octahedral-mirrored' ? 4 : 3, rayWidth: 1 / Math.sqrt(rays)};
+                angularMap: this.info.angularMap, rayWidth: 1 / Math.sqrt(rays)};
     }
     draw(gl) {
         gl.enable(gl.DEPTH_TEST);

@@ -43,20 +43,23 @@ class Viewer {
     async setUp(data) {
         const {gl, info} = this, level = {...info.levels[0], size: info.gridSize}, about = data ? data.about : {};
         const background = [...(about.background || shownBackground(info)), 1];
-        const mesh = info.proxy === 'mesh' && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
-        if (info.proxy === 'mesh' && !mesh)
+        const isHalf = info.sampleType === SAMPLE_TYPE.half16, isMesh = info.proxy === PROXY.mesh;
+        const isSphere = info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
+        const isPlanar = info.proxy === PROXY.none && info.angularMap === ANGULAR_MAP.planarViews;
+        const mesh = isMesh && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
+        if (isMesh && !mesh)
             throw Error('The texture lies on a mesh, which only `tessera view` and `tessera serve` can unpack: use one of them.');
         this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
-            : info.proxy === 'planar' ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
-            : info.proxy === 'sphere' ? new SphereSurface(info, background) : null;
+            : isPlanar ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
+            : isSphere ? new SphereSurface(info, background) : null;
         if (!this.surface)
             throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
         const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20, mips = mesh ? mesh.mips : 0;
-        const grid = (this.bytes && allDirections(level, mips, info.type === 'half' ? 8 : 4, budget)) ||
+        const grid = (this.bytes && allDirections(level, mips, isHalf ? 8 : 4, budget)) ||
             new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
         const layout = new SlotLayout(grid.tileSide, mips);
-        this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
+        this.cache = new TileCache(gl, grid, layout, isHalf, budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
         await this.workers.prepare({tileSide: grid.tileSide, mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
@@ -68,13 +71,13 @@ class Viewer {
 
     // Coarse levels, the smallest first: the whole texture at once.
     async showCoarse() {
-        const {levels, type} = this.info, texel = type === 'half' ? 8 : 4;
+        const {levels} = this.info, {half} = this.renderer, texel = half ? 8 : 4;
         for (let level = levels.length - 1; level > 0; --level) {
             const {size, spatialLod, angularLod} = levels[level];
             if (size.reduce((a, b) => a * b) * texel > 32e6)
                 break;
             const first = this.workers.run({job: 'coarse', level}).then(({pixels}) => {
-                this.renderer.coarse = new CoarseLevel(this.gl, size, [spatialLod, angularLod], type === 'half', pixels);
+                this.renderer.coarse = new CoarseLevel(this.gl, size, [spatialLod, angularLod], half, pixels);
                 this.change(true);
             }).catch(error => this.page.say(error.message));
             if (level === levels.length - 1)
