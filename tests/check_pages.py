@@ -25,7 +25,7 @@ README.md CHANGELOG.md CONTRIBUTING.md codec/DECISIONS.md codec/README.md
 decoder_glsl/README.md tests/README.md tests/RELIABILITY.md tests/golden/README.md
 tests/regression/ablation.md tests/regression/full_size.md tests/regression/gpu_results.md
 tests/regression/rd_512.md tests/regression/rd_captured.md tests/regression/rd_composed.md
-tests/regression/speed.md tests/regression/views.md tools/README.md tools/web/README.md
+tests/regression/speed.md tests/regression/views.md tools/README.md
 """.split()
 
 MOST_LINE, MOST_PROSE = 400, 110

@@ -1,8 +1,8 @@
-// How large the decoder for browsers is and how fast, beside the native one: the table of README.md.
+// Measures the size of the decoder for browsers and its speed beside the native decoder: the table of README.md.
 //   node decode_speed.mjs PACKAGE-FOLDER TESSERA SCRATCH-FOLDER [OTHER.wasm ...]
-// Raw texels a second of one core's own time, the best of several runs, taken in turns: other work on the
-// machine slows both alike. OTHER.wasm: builds with the same exports, to compare with. Files that are
-// in the scratch folder already are not made again.
+// Speed is raw texels per second of CPU time on one core, the best of several runs. The decoders take turns, so that
+// other work on the machine slows all of them alike. OTHER.wasm are builds with the same exports to compare with. Files
+// that already exist in the scratch folder are used again.
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -14,7 +14,7 @@ const {loadTessera} = await import(pathToFileURL(path.resolve(folder, 'tessera.j
 const runs = 8;
 fs.mkdirSync(scratch, {recursive: true});
 
-// Views of a grid of cameras: three layers of stripes at three depths.
+// Views of a camera grid: three layers of stripes at three depths.
 function planarViews(U, V, S, T) {
     const out = Buffer.alloc(U * V * S * T * 3);
     let at = 0;
@@ -57,7 +57,7 @@ function ownSeconds(work) {
     return (process.cpuUsage().user - begin) / 1e6;
 }
 
-// Of a process, by the shell.
+// The user time of a process, measured by the shell.
 function processSeconds(...words) {
     const quoted = words.map(word => `'${word}'`).join(' ');
     const text = execFileSync('bash', ['-c', `TIMEFORMAT=%U; { time '${tool}' ${quoted} >/dev/null; } 2>&1`], {encoding: 'utf8'});
@@ -82,7 +82,7 @@ for (const {kind, file, bytes} of files.map(made)) {
     const out = path.join(scratch, 'out.raw');
     const work = [() => ownSeconds(() => opened[0].atlas([0, U, 0, V], atlas)),
                   () => ownSeconds(() => opened[0].box([0, U, 0, V, 0, S, 0, T], texels)),
-                  // Without what the program takes to start.
+                  // The time that the program takes to start is subtracted.
                   () => processSeconds('decode', file, '-o', out, '-q', '--threads', '1') - processSeconds('info', file),
                   ...opened.slice(1).map(other => () => ownSeconds(() => other.atlas([0, U, 0, V], atlas)))];
     const best = work.map(() => Infinity);

@@ -1,8 +1,8 @@
-// What pages of `tessera view` weigh, how soon they show something, and what a frame costs beside the same frame
-// from raw texels: the table in tools/README.md.
+// Measures the pages of `tessera view`: their size, the time to the first picture, and the time of a frame relative to
+// the same frame drawn from raw texels. Prints the table of tools/README.md.
 //   node page_figures.mjs TESSERA CHROMIUM FILE.tess...
-// Frames are of 640x480 pixels, one ray each, taken in turns; a raw frame samples the decoded texels as one texture,
-// angular images side by side, with neither tiles nor pages. Medians.
+// A frame has 640x480 pixels with one ray per pixel. A raw frame samples the decoded texels as one texture with the
+// angular images side by side, without tiles and page table. Both kinds take turns; times are medians.
 import {execFileSync, spawn} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync, statSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -13,7 +13,7 @@ const [tool, program, ...files] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'tessera-figures-'));
 const turns = 7;
 
-// In the page.
+// Runs in the page.
 const measureFrames = `(async turns => {
     const {gl, renderer, surface, kit, info, workers} = tessera, view = {...tessera.view(), rays: 1};
     const Program = renderer.drawing.constructor, [u, v, s, t] = info.size;
@@ -25,7 +25,7 @@ const measureFrames = `(async turns => {
         for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER'])
             gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl.LINEAR);
         gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, 0, u * s, v * t, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-        // What finds texels in tiles is taken out of the shaders.
+        // Replaces the functions of the shaders that look up tiles.
         const sample = \`
             vec4 shares(vec2 w) { return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y); }
             vec4 rawImage(ivec2 uv, TsrAngularFootprint f) {
@@ -79,7 +79,7 @@ function served(file) {
 }
 
 const kB = bytes => `${(bytes / 1000).toFixed(1)} kB`, ms = time => `${time.toFixed(0)} ms`;
-console.log('| file | .tess | page (viewer and decoder) | opened from disk: first picture, whole | from a server: first picture after | frame, of a raw one |');
+console.log('| file | .tess | page (viewer and decoder) | from disk: first picture, all tiles | from a server: first picture after | frame, relative to raw |');
 console.log('|---|---|---|---|---|---|');
 const browser = new Browser(program);
 try {
@@ -98,7 +98,7 @@ try {
         const [begun, received, all] = await browser.evaluate('[tessera.page.begun, tessera.page.bytesAtFirst, tessera.source.received]');
         server.kill('SIGTERM');
         console.log(`| ${basename(file)} | ${kB(statSync(file).size)} | ${kB(text.length)} (${kB(own)}) | ${ms(first)}, ${ms(whole)} | ` +
-                    `${ms(begun)}, ${kB(received)}; in the end ${kB(all)} | ${ms(tiles)}${plain ? `, ${(tiles / plain).toFixed(2)}` : ''} |`);
+                    `${ms(begun)}, ${kB(received)}; in total ${kB(all)} | ${ms(tiles)}${plain ? `, ${(tiles / plain).toFixed(2)}` : ''} |`);
     }
 } finally {
     await browser.close();

@@ -9,8 +9,8 @@
 namespace tessera {
 
 // The numbers in the order in which _facts() of tessera.js reads them:
-//   size (4 numbers), sample type, channels, proxy, surface map, angular map, transfer, primaries and
-//   alpha mode, as FORMAT.md 1.1 numbers them
+//   size (4 numbers), sample type, channels, proxy, surface map, angular map, transfer, primaries
+//   and alpha mode, as FORMAT.md 1.1 numbers them
 //   centre (3) and radius of the sphere, distances of the nearest and the farthest observer
 //   background (4 samples; 0..1 for unorm8, values for half16), bytes of the file
 //   1 if the metadata is packed, else 0
@@ -22,9 +22,9 @@ std::vector<double> number_facts(const ContainerReader& container);
 // Size of a level in texels. For level 0 it is the size of the texture, not of its tile grid.
 Extent4 level_size(const ContainerReader& container, std::size_t level);
 
-// Strings, each terminated by a NUL: the names of proxy, surface map, angular map, transfer, primaries,
-// alpha mode and colour transform, as `tessera info` prints them, then the keys and values of the
-// metadata. Packed metadata is left out.
+// Strings, each terminated by a NUL: the names of proxy, surface map, angular map, transfer,
+// primaries, alpha mode and colour transform, as `tessera info` prints them, then the keys and
+// values of the metadata. Packed metadata is left out.
 std::string text_facts(const ContainerReader& container);
 
 } // namespace tessera

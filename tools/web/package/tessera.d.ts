@@ -118,7 +118,7 @@ export class TessFile {
      * the picture if it is given; it must have exactly that size.
      */
     atlas(places: Places, out?: Uint8Array, level?: number): Uint8Array;
-    /** Decoded samples in the order v, u, t, s, with the channels of a texel together; half floats are little-endian. */
+    /** Decoded samples in the order v, u, t, s, channels together. Half floats are little-endian. */
     box(box: Box, out?: Uint8Array, level?: number): Uint8Array;
     /** Like atlas(), after fetching what is missing. */
     fetchAtlas(places: Places, out?: Uint8Array, level?: number): Promise<Uint8Array>;

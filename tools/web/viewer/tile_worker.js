@@ -1,4 +1,4 @@
-// Runs in workers, behind tessera.js and slot_layout.js: opens the file and decodes tiles into pixels of slots.
+// Runs in workers together with tessera.js and slot_layout.js. It opens the file and decodes tiles to pixels of slots.
 
 function startTileWorker() {
     let file, layout, charts = null;
@@ -28,7 +28,7 @@ function startTileWorker() {
             const texels = asSamples(await file.fetchGridBox(box));
             return {pixels: slotPixels(texels, box, file.info.channels, isHalf(), layout, charts)};
         },
-        // The angular images of a coarse level, as one row of places after the other.
+        // A whole coarse level, in the layout of one large tile without mips.
         async coarse({level}) {
             const {size} = file.info.levels[level], box = size.flatMap(n => [0, n]);
             const whole = new SlotLayout(size, 0);
