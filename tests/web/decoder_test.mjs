@@ -59,7 +59,8 @@ function bake(name, ...words) {
     run('bake', 'composed', '-o', file, '--spp', '1', '-q', ...words);
     return file;
 }
-const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
+const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0',
+                     '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
 // Moving views with noise, so that the file is larger than one read.
 function movingViews(name, size) {
@@ -70,7 +71,8 @@ function movingViews(name, size) {
     }));
     const raw = path.join(scratch, 'views.rgb'), file = path.join(scratch, name);
     fs.writeFileSync(raw, texels);
-    run('encode', raw, '--size', size.join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file, '-q');
+    run('encode', raw, '--size', size.join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file,
+        '-q');
     return file;
 }
 const aligned = movingViews('aligned.tess', [48, 40, 4, 3]);
@@ -218,7 +220,8 @@ const tests = {
                          [PROXY.sphere, SURFACE_MAP.sphereLongitudeLatitude, ANGULAR_MAP.hemisphereAlphaBeta]);
         assert.deepEqual([sphere.transfer, sphere.alpha], [TRANSFER.srgb, ALPHA.none]);
         assert(sphere.radius > 0 && !sphere.inside);
-        assert.equal(codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb_half.tess'))).info.sampleType, SAMPLE_TYPE.half16);
+        assert.equal(codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb_half.tess'))).info.sampleType,
+                     SAMPLE_TYPE.half16);
         const plain = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8.tess'))).info;
         assert.deepEqual(plain.metadata, {Software: 'golden', Title: 'rgb8.tess'});
         const packed = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8_views.tess'))).info;

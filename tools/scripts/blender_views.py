@@ -49,7 +49,7 @@ def sphere(out, size, radius):
         scene.camera.matrix_world = Matrix.Translation(ez * radius) @ turn
         shoot(one, S, T, 'OPEN_EXR')
         image = bpy.data.images.load(one)
-        for t in range(T):  # in Blender's images and for t, row 0 is at the bottom; in the mosaic, tiles start at the top
+        for t in range(T):  # row 0 is at the bottom in Blender's images and for t, and at the top in the mosaic
             to = ((V * T - 1 - v * T - t) * U + u) * S * 4
             mosaic[to:to + 4 * S] = image.pixels[t * S * 4:(t + 1) * S * 4]
         bpy.data.images.remove(image)

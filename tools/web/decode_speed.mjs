@@ -29,12 +29,14 @@ function planarViews(U, V, S, T) {
     return out;
 }
 
+const sphere = ['bake', 'composed', '--size', '128x64x16x16'];
+const mesh = ['bake', 'composed', '--proxy', 'mesh', '--density', '4', '--directions', '16x16'];
 const files = [
-    ['sphere', file => ['bake', 'composed', '--size', '128x64x16x16', '--quality', '40', '-o', file]],
-    ['sphere, effort 4', file => ['bake', 'composed', '--size', '128x64x16x16', '--quality', '40', '--effort', '4', '-o', file]],
-    ['sphere, lossless', file => ['bake', 'composed', '--size', '128x64x16x16', '--max-error', '0', '--effort', '1', '-o', file]],
-    ['sphere, half-float', file => ['bake', 'lamps', '--size', '64x32x16x16', '-o', file]],
-    ['mesh', file => ['bake', 'composed', '--proxy', 'mesh', '--density', '4', '--directions', '16x16', '--effort', '2', '-o', file]],
+    ['sphere', file => [...sphere, '--quality', '40', '-o', file]],
+    ['sphere, effort 4', file => [...sphere, '--quality', '40', '--effort', '4', '-o', file]],
+    ['sphere, lossless', file => [...sphere, '--max-error', '0', '--effort', '1', '-o', file]],
+    ['sphere, half float', file => ['bake', 'lamps', '--size', '64x32x16x16', '-o', file]],
+    ['mesh', file => [...mesh, '--effort', '2', '-o', file]],
     ['planar-views', file => {
         const raw = path.join(scratch, 'views.rgb');
         fs.writeFileSync(raw, planarViews(96, 96, 9, 9));
@@ -60,8 +62,8 @@ function ownSeconds(work) {
 // The user time of a process, measured by the shell.
 function processSeconds(...words) {
     const quoted = words.map(word => `'${word}'`).join(' ');
-    const text = execFileSync('bash', ['-c', `TIMEFORMAT=%U; { time '${tool}' ${quoted} >/dev/null; } 2>&1`], {encoding: 'utf8'});
-    return Number(text.trim());
+    const command = `TIMEFORMAT=%U; { time '${tool}' ${quoted} >/dev/null; } 2>&1`;
+    return Number(execFileSync('bash', ['-c', command], {encoding: 'utf8'}).trim());
 }
 
 const wasms = [path.join(folder, 'tessera.wasm'), ...others];
@@ -73,18 +75,20 @@ const glue = fs.readFileSync(path.join(folder, 'tessera.js'));
 console.log(`tessera.js: ${glue.length} bytes, ${zlib.gzipSync(glue, {level: 9}).length} gzipped\n`);
 const codecs = await Promise.all(wasms.map(file => loadTessera(fs.readFileSync(file))));
 
-console.log(`| file | bytes | raw | RGBA, MB/s | texels, MB/s | native, MB/s |${others.map(o => ` ${path.basename(o)}, RGBA |`).join('')}`);
+const otherColumns = others.map(o => ` ${path.basename(o)}, RGBA |`).join('');
+console.log(`| file | bytes | raw | RGBA, MB/s | texels, MB/s | native, MB/s |${otherColumns}`);
 console.log(`|---|---|---|---|---|---|${others.map(() => '---|').join('')}`);
 for (const {kind, file, bytes} of files.map(made)) {
     const opened = codecs.map(codec => codec.openBytes(bytes));
     const [U, V, S, T] = opened[0].info.size, raw = U * V * S * T * opened[0].info.texelBytes;
     const atlas = new Uint8Array(U * V * S * T * 4), texels = new Uint8Array(raw);
     const out = path.join(scratch, 'out.raw');
-    const work = [() => ownSeconds(() => opened[0].atlas([0, U, 0, V], atlas)),
-                  () => ownSeconds(() => opened[0].box([0, U, 0, V, 0, S, 0, T], texels)),
-                  // The time that the program takes to start is subtracted.
-                  () => processSeconds('decode', file, '-o', out, '-q', '--threads', '1') - processSeconds('info', file),
-                  ...opened.slice(1).map(other => () => ownSeconds(() => other.atlas([0, U, 0, V], atlas)))];
+    const work = [
+        () => ownSeconds(() => opened[0].atlas([0, U, 0, V], atlas)),
+        () => ownSeconds(() => opened[0].box([0, U, 0, V, 0, S, 0, T], texels)),
+        // The time that the program takes to start is subtracted.
+        () => processSeconds('decode', file, '-o', out, '-q', '--threads', '1') - processSeconds('info', file),
+        ...opened.slice(1).map(other => () => ownSeconds(() => other.atlas([0, U, 0, V], atlas)))];
     const best = work.map(() => Infinity);
     for (let run = 0; run < runs; ++run)
         work.forEach((one, i) => { best[i] = Math.min(best[i], one()); });

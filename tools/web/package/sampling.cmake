@@ -8,4 +8,5 @@ foreach(file IN LISTS FILES)
     string(REGEX REPLACE "\n\n+" "\n" content "${content}")
     string(APPEND text "${content}")
 endforeach()
-file(WRITE ${OUTPUT} "// Generated from Tessera's decoder_glsl/shaders: GLSL that samples textures.\nexport const sampling = `${text}`;\n")
+file(WRITE ${OUTPUT} "// Generated from Tessera's decoder_glsl/shaders: GLSL that samples textures.\n"
+                     "export const sampling = `${text}`;\n")

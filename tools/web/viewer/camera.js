@@ -30,7 +30,8 @@ function shiftedCamera(camera, [x, y], width, height) {
 // the camera may be shifted.
 function projection(camera, near, far) {
     const width = Math.hypot(...camera.right), height = Math.hypot(...camera.up);
-    const x = scale(camera.right, 1 / width), y = scale(camera.up, 1 / height), z = cross(y, x); // points away from the eye
+    const x = scale(camera.right, 1 / width), y = scale(camera.up, 1 / height);
+    const z = cross(y, x); // points away from the eye
     const shift = [dot(camera.forward, x) / width, dot(camera.forward, y) / height];
     const rows = [
         add(scale(x, 1 / width), scale(z, -shift[0])), add(scale(y, 1 / height), scale(z, -shift[1])),
@@ -45,7 +46,8 @@ function orbited(pose, yaw, pitch) {
     const angle = Math.atan2(arm[0], arm[2]) + yaw;
     const height = clamp(Math.asin(clamp(arm[1] / distance, -1, 1)) + pitch, -1.55, 1.55);
     const flat = Math.cos(height) * distance;
-    return {look: pose.look, eye: add(pose.look, [Math.sin(angle) * flat, Math.sin(height) * distance, Math.cos(angle) * flat])};
+    const direction = [Math.sin(angle) * flat, Math.sin(height) * distance, Math.cos(angle) * flat];
+    return {look: pose.look, eye: add(pose.look, direction)};
 }
 
 // Turns the camera around its eye by angles in radians.

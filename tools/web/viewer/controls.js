@@ -41,8 +41,8 @@ class Controls {
         }
     }
 
-    // The wheel zooms. For planar views it changes the focus, with shift the aperture; it zooms with ctrl, which browsers
-    // also report for pinching.
+    // The wheel zooms. For planar views it changes the focus, with shift the aperture; it zooms with ctrl, which
+    // browsers also report for pinching.
     wheel(event) {
         event.preventDefault();
         const lines = (event.deltaY || event.deltaX) * (event.deltaMode === 1 ? 16 : 1);
@@ -94,7 +94,8 @@ class Controls {
         const {viewer} = this, {pose, surface} = viewer;
         if (surface.planar) {
             const height = 2 * viewer.view().camera.up[1], half = [surface.width / 2, surface.height / 2];
-            viewer.pose = {...pose, middle: add(pose.middle, [-x * height, y * height]).map((at, i) => clamp(at, -half[i], half[i]))};
+            const moved = add(pose.middle, [-x * height, y * height]);
+            viewer.pose = {...pose, middle: moved.map((at, i) => clamp(at, -half[i], half[i]))};
         } else
             viewer.pose = panned(pose, viewer.fov, x, y);
     }
@@ -117,8 +118,8 @@ class Controls {
     }
 
     aperture(factor) {
-        const {viewer} = this, [, , s, t] = viewer.info.size;
+        const {viewer} = this, [, , s, t] = viewer.info.size, most = clamp(Math.max(s, t) / 2, 1, 12);
         if (viewer.surface.planar)
-            viewer.pose = {...viewer.pose, reach: clamp(viewer.pose.reach * factor, 1, Math.max(1, Math.min(12, Math.max(s, t) / 2)))};
+            viewer.pose = {...viewer.pose, reach: clamp(viewer.pose.reach * factor, 1, most)};
     }
 }

@@ -59,7 +59,8 @@ vec4 mipColour(vec2 uv, int mip) {
     for (int once = folds ? 1 : 0; once < 1; ++once)
         colour = fourImages(f.low, f.high, level, share, ended, ended, ended, ended);
     for (; corner < 4; ++corner)
-        colour += share[corner] * foldedColour(ivec2((corner & 1) == 0 ? f.low.x : f.high.x, (corner & 2) == 0 ? f.low.y : f.high.y), level);
+        colour += share[corner] * foldedColour(ivec2((corner & 1) == 0 ? f.low.x : f.high.x,
+                                                     (corner & 2) == 0 ? f.low.y : f.high.y), level);
     return colour;
 }
 

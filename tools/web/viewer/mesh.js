@@ -34,7 +34,8 @@ class MeshData {
         }
         this.indices = new Uint32Array(column(triangles * 3, 4));
         this.charts = new Charts(null, atlas, mips);
-        this.charts.ids = mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
+        this.charts.ids =
+            mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
     }
 }
 

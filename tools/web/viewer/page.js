@@ -37,10 +37,13 @@ class Page {
         if (this.figures.hidden)
             return;
         const {info, source} = viewer, ms = viewer.drawTime;
-        const lines = [`first picture after ${this.begun?.toFixed(0)} ms`, `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
+        const lines = [
+            `first picture after ${this.begun?.toFixed(0)} ms`,
+            `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
             ms ? `${(1000 / ms).toFixed(0)} frames per second` : 'idle',
             `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.queue.length + loader.coming.size} loading`,
-            `${inBytes(renderer.bytes)} of GPU memory`];
+            `${inBytes(renderer.bytes)} of GPU memory`
+        ];
         if (source)
             lines.push(`${inBytes(source.received)} received in ${source.asked} requests`);
         this.figures.textContent = lines.join('\n');
@@ -82,8 +85,8 @@ async function fetchedViewData(url) {
     }
 }
 
-// Shows the file in the page or the one that the URL names. kit: see page.html. element(id) returns the decoded bytes of
-// an element of the page, or null.
+// Shows the file in the page or the one that the URL names. kit: see page.html. element(id) returns the decoded bytes
+// of an element of the page, or null.
 async function showPage(kit, element) {
     const page = new Page(), viewer = new Viewer(kit, page);
     window.tessera = viewer; // for scripts

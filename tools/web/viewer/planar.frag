@@ -8,7 +8,7 @@ uniform float distance;  // world units from the window to the cameras
 uniform vec2 disparity;  // of the plane in focus, in texels between neighbouring cameras; 0: the window
 uniform ivec2 viewSize;  // texels of a view
 uniform ivec2 alignment; // shift between neighbouring views in the tile grid, texels (FORMAT.md part 2)
-uniform float reach;     // radius of the aperture in camera spacings; 1: linear interpolation between the nearest cameras
+uniform float reach;     // radius of the aperture in camera spacings; 1: interpolates between the nearest cameras
 uniform vec4 outside;    // colour of rays that miss the window
 
 vec4 cameraColour(ivec2 camera, vec2 at) {
@@ -26,16 +26,19 @@ vec4 cameraColour(ivec2 camera, vec2 at) {
     ivec2 tile = directionTile(camera), next = (high - low) * tileSide.zw;
     uint page = pageOf(tileNumber(p.tile, tile));
     ivec3 pixel = slotPixel(page, p.place) + ivec3(camera - directionBegin(tile), 0);
-    colour = share.x * texelFetch(slots, pixel, 0) + share.y * texelFetch(slots, pixel + ivec3(next.x, 0, 0), 0) +
-             share.z * texelFetch(slots, pixel + ivec3(0, next.y, 0), 0) + share.w * texelFetch(slots, pixel + ivec3(next, 0), 0);
+    colour = share.x * texelFetch(slots, pixel, 0) +
+             share.y * texelFetch(slots, pixel + ivec3(next.x, 0, 0), 0) +
+             share.z * texelFetch(slots, pixel + ivec3(0, next.y, 0), 0) +
+             share.w * texelFetch(slots, pixel + ivec3(next, 0), 0);
     if (page != 0u && slotPlace(high, 0).tile == p.tile)
         corner = 4;
     if (corner == 0)
         colour = vec4(0.0);
 #endif
     for (; corner < 4; ++corner)
-        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y), 0,
-                                              camera, camera, vec2(0.0));
+        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x,
+                                                    (corner & 2) == 0 ? low.y : high.y),
+                                              0, camera, camera, vec2(0.0));
     return colour;
 }
 

@@ -27,15 +27,18 @@ class RemoteSource {
     }
 
     async read(offset, length) {
-        const {block} = RemoteSource, first = Math.floor(offset / block), last = Math.floor((offset + length - 1) / block);
-        const missing = () => Array.from({length: last - first + 1}, (_, i) => first + i).filter(b => !this.blocks.has(b));
+        const {block} = RemoteSource;
+        const first = Math.floor(offset / block), last = Math.floor((offset + length - 1) / block);
+        const missing = () =>
+            Array.from({length: last - first + 1}, (_, i) => first + i).filter(b => !this.blocks.has(b));
         for (let wanted = missing(); wanted.length; wanted = missing()) // other reads may have evicted blocks
             await Promise.all(wanted.map(b => this.arrival(b)));
         const out = new Uint8Array(length);
         for (let b = first; b <= last; ++b) {
             const bytes = this.blocks.get(b), begin = b * block - offset;
             this.keep(b, bytes);
-            out.set(bytes.subarray(Math.max(0, -begin), Math.max(0, Math.min(block, length - begin))), Math.max(0, begin));
+            out.set(bytes.subarray(Math.max(0, -begin), Math.max(0, Math.min(block, length - begin))),
+                    Math.max(0, begin));
         }
         return out;
     }
@@ -58,7 +61,8 @@ class RemoteSource {
         this.waiting = [];
         for (let i = 0; i < blocks.length;) {
             let j = i;
-            while (j + 1 < blocks.length && blocks[j + 1] - blocks[j] <= RemoteSource.gap && blocks[j + 1] - blocks[i] < 1024)
+            while (j + 1 < blocks.length && blocks[j + 1] - blocks[j] <= RemoteSource.gap &&
+                   blocks[j + 1] - blocks[i] < 1024)
                 ++j;
             this.bring(blocks[i], blocks[j], waiting.filter(w => w.b >= blocks[i] && w.b <= blocks[j]));
             i = j + 1;
@@ -91,8 +95,8 @@ class RemoteSource {
             this.blocks.delete(this.blocks.keys().next().value);
     }
 
-    // Fetches the bytes from..to, both included, and repeats failed attempts forever. Throws only the errors that another
-    // attempt cannot fix.
+    // Fetches the bytes from..to, both included, and repeats failed attempts forever. Throws only the errors that
+    // another attempt cannot fix.
     async request(from, to) {
         for (let attempt = 0;; ++attempt) {
             try {
@@ -138,7 +142,8 @@ class RemoteSource {
         heard();
         ++this.asked;
         try {
-            const answer = await fetch(this.url, {headers: {Range: `bytes=${from}-${to}`}, cache: 'no-store', signal: cut.signal});
+            const answer =
+                await fetch(this.url, {headers: {Range: `bytes=${from}-${to}`}, cache: 'no-store', signal: cut.signal});
             if (answer.status === 429 || answer.status >= 500)
                 throw passing(`the server responded with status ${answer.status}`);
             if (answer.status !== 206 && answer.status !== 200)

@@ -19,8 +19,8 @@ class Renderer {
         this.sizes = {};
     }
 
-    // Draws ray k of each pixel and shows the mean of rays 0..k. view: {pixels: [width, height], pose, camera, rays}, where
-    // `rays` is the number of rays of the finished picture.
+    // Draws ray k of each pixel and shows the mean of rays 0..k. view: {pixels: [width, height], pose, camera, rays},
+    // where `rays` is the number of rays of the finished picture.
     addRay(view, k) {
         const {gl} = this;
         this.resize(view.pixels, view.rays);
@@ -32,7 +32,8 @@ class Renderer {
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
         this.drawSurface(this.drawing, view, rayShift(k), view.rays);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        this.resolving.use({rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
+        this.resolving.use(
+            {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
@@ -75,8 +76,8 @@ class Renderer {
     }
 
     // The tiles that a view needs: a map from the tile to the number of pixels that use it. The picture is `reduction`
-    // times smaller along both sides. corner: the one of four texels that is examined at each pixel, 0..3, plus 4 for the
-    // second of two mips; -1: it varies from pixel to pixel, for an approximate result.
+    // times smaller along both sides. corner: the one of four texels that is examined at each pixel, 0..3, plus 4 for
+    // the second of two mips; -1: it varies from pixel to pixel, for an approximate result.
     tilesOf(view, reduction, corner, shift) {
         const {gl} = this;
         this.marking ||= new Program(gl, this.kit, this.surface.vertex, this.sampling, ['MARKS']);
@@ -93,7 +94,8 @@ class Renderer {
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
         gl.useProgram(this.marking.program);
         gl.uniform1i(this.marking.uniforms.get('corner').at, corner);
-        this.drawSurface(this.marking, {...view, pixels}, shift, view.rays * reduction ** 2); // selects the same mips as the view
+        const rays = view.rays * reduction ** 2; // selects the same mips as the view
+        this.drawSurface(this.marking, {...view, pixels}, shift, rays);
         const words = new Uint32Array(pixels[0] * pixels[1] * 4), counts = new Map();
         gl.readPixels(0, 0, ...pixels, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -108,6 +110,7 @@ class Renderer {
 
     get bytes() {
         const {width = 0, height = 0, rays = 0} = this.sizes;
-        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) + width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
+        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) +
+               width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
     }
 }

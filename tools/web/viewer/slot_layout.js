@@ -67,7 +67,8 @@ function addMip(out, mip, box, half, layout, charts) {
                     addImage(sums, pixels, layout.pixel(0, u - u0, v - v0) * 4, row, high, layout.width * 4);
                     ++count;
                 }
-            putMean(out, layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip)) * 4, sums, count, half, row, high, layout.width * 4);
+            putMean(out, layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip)) * 4, sums, count, half, row, high,
+                    layout.width * 4);
         }
 }
 

@@ -2,7 +2,7 @@
 //
 // With MARKS defined nothing is read. Instead, `marks` receives the numbers + 1 of tiles that the pixel needs.
 
-uniform highp usampler2D pages;       // one word per tile, 1024 per row: 0 or 1 << 31 | layer << 20 | row << 10 | column
+uniform highp usampler2D pages;       // a word per tile, 1024 per row: 0 or 1 << 31 | layer << 20 | row << 10 | column
 uniform highp sampler2DArray slots;   // layout: slot_layout.js
 uniform highp sampler2DArray coarse;  // class CoarseLevel
 uniform ivec4 size;                   // texels along u, v, s, t
@@ -168,8 +168,10 @@ vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint 
     ivec2 begin = directionBegin(tile);
     ivec3 image = slotPixel(page, p.place);
     ivec2 next = (high - low) * tileSide.zw;
-    colour = share.x * filtered(image, begin, a) + share.y * filtered(image + ivec3(next.x, 0, 0), begin, b) +
-             share.z * filtered(image + ivec3(0, next.y, 0), begin, c) + share.w * filtered(image + ivec3(next, 0), begin, d);
+    colour = share.x * filtered(image, begin, a) +
+             share.y * filtered(image + ivec3(next.x, 0, 0), begin, b) +
+             share.z * filtered(image + ivec3(0, next.y, 0), begin, c) +
+             share.w * filtered(image + ivec3(next, 0), begin, d);
     if (page != 0u && slotPlace(high, mip).tile == p.tile &&
         directionTile(max(max(a.high, b.high), max(c.high, d.high))) == tile)
         corner = 4;
@@ -177,7 +179,8 @@ vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint 
         colour = vec4(0.0);
 #endif
     for (; corner < 4; ++corner)
-        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y), mip,
+        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x,
+                                                    (corner & 2) == 0 ? low.y : high.y), mip,
                                               oneOf(corner, a.low, b.low, c.low, d.low),
                                               oneOf(corner, a.high, b.high, c.high, d.high),
                                               oneOf(corner, a.weight, b.weight, c.weight, d.weight));

@@ -15,8 +15,10 @@ TsrAngularFootprint directions(vec2 longitude, vec2 latitude, vec3 direction) {
 vec4 surfaceColour(vec3 fromCentre, vec3 direction) {
     TsrSurfaceFootprint f = tsr_surface_footprint(fromCentre, size.xy);
     TsrFrame low = tsr_frame(f.low, size.xy, inside), high = tsr_frame(f.high, size.xy, inside);
-    return fourImages(f.low, f.high, 0, shares(f.weight), directions(low.longitude, low.latitude, direction),
-                      directions(high.longitude, low.latitude, direction), directions(low.longitude, high.latitude, direction),
+    return fourImages(f.low, f.high, 0, shares(f.weight),
+                      directions(low.longitude, low.latitude, direction),
+                      directions(high.longitude, low.latitude, direction),
+                      directions(low.longitude, high.latitude, direction),
                       directions(high.longitude, high.latitude, direction));
 }
 

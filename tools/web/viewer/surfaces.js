@@ -6,7 +6,8 @@ class SphereSurface {
         this.inside = info.inside;
     }
     defaultPose() {
-        return this.inside ? {eye: this.info.centre, look: add(this.info.centre, [-1, 0, 0])} : {eye: [10, 0, 0], look: [0, 0, 0]};
+        return this.inside ? {eye: this.info.centre, look: add(this.info.centre, [-1, 0, 0])}
+                           : {eye: [10, 0, 0], look: [0, 0, 0]};
     }
     // The observer must stay on the side from which the texture is seen.
     allowed(pose) {
@@ -25,7 +26,8 @@ class SphereSurface {
 class MeshSurface {
     constructor(gl, info, mesh, outside) {
         // 4 rays per pixel for a still picture, as in `tessera render`.
-        Object.assign(this, {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
+        Object.assign(this,
+                      {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
         this.array = gl.createVertexArray();
         gl.bindVertexArray(this.array);
         [[mesh.positions, 3], [mesh.normals, 3], [mesh.tangents, 3], [mesh.uv, 2]].forEach(([data, components], i) => {
@@ -75,8 +77,8 @@ class MeshSurface {
 
 // The observer stands in the plane of the cameras and looks through a fixed window, without turning.
 class PlanarSurface {
-    // cameras: the four numbers of the metadata key Cameras: spacing along x and y, distance from the window, width of the
-    // window; null if the file has no such key.
+    // cameras: the four numbers of the metadata key Cameras: spacing along x and y, distance from the window, width of
+    // the window; null if the file has no such key.
     constructor(info, outside, cameras) {
         Object.assign(this, {info, outside, fragment: ['planar.frag'], vertex: ['screen.vert'], rays: 1, planar: true});
         const [u, v, s, t] = info.size;
@@ -97,8 +99,8 @@ class PlanarSurface {
     disparityAt(focus) {
         return this.spacing[0] * (1 - this.distance / focus) * this.info.size[0] / this.width;
     }
-    // A pose from the hash may say where the observer looks, as for other surfaces. Otherwise the camera looks through the
-    // window.
+    // A pose from the hash may say where the observer looks, as for other surfaces. Otherwise the camera looks through
+    // the window.
     camera({eye, look, middle, zoom}, fov, aspect) {
         if (look)
             return makeCamera({eye, look}, fov, aspect);

@@ -60,8 +60,8 @@ class TileCache {
         const {gl, layout, half} = this, row = Math.floor(slot / this.columns) % this.rows;
         const column = slot % this.columns, layer = Math.floor(slot / (this.columns * this.rows));
         gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture);
-        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, column * layout.width, row * layout.height, layer, layout.width, layout.height,
-                         1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
+        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, column * layout.width, row * layout.height, layer, layout.width,
+                         layout.height, 1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
         this.setPage(tile, (1 << 31 | layer << 20 | row << 10 | column) >>> 0);
         return true;
     }
@@ -100,8 +100,9 @@ class CoarseLevel {
             const x = layer % across * this.fold[0], y = Math.floor(layer / across) * this.fold[1];
             gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x * s);
             gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y * t);
-            gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, Math.min(width, (u - x) * s), Math.min(height, (v - y) * t), 1,
-                             gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
+            gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, Math.min(width, (u - x) * s),
+                             Math.min(height, (v - y) * t), 1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE,
+                             pixels);
         }
         for (const name of ['UNPACK_ROW_LENGTH', 'UNPACK_SKIP_PIXELS', 'UNPACK_SKIP_ROWS'])
             gl.pixelStorei(gl[name], 0);

@@ -23,7 +23,8 @@ class TileGrid {
     get uniforms() {
         const {size, count} = this;
         return {size, tiles: count, tileSide: this.tileSide, sides: size, tileCount: count,
-                perTexel: size.map((n, axis) => Math.fround(count[axis] / n)), perTile: size.map((n, axis) => Math.fround(n / count[axis]))};
+                perTexel: size.map((n, axis) => Math.fround(count[axis] / n)),
+                perTile: size.map((n, axis) => Math.fround(n / count[axis]))};
     }
     // Throws if these functions are not exact in single precision, which happens for axes of many thousand texels.
     checkFloats() {
@@ -33,7 +34,8 @@ class TileGrid {
             for (let tile = 0; tile < tiles; ++tile) {
                 const begin = Math.floor(tile * n / tiles), last = Math.floor((tile + 1) * n / tiles) - 1;
                 const tileOf = texel => Math.ceil(f(f((texel + 1) * perTexel[axis]) - f(0.25 / n))) - 1;
-                if (Math.floor(f(f(tile * perTile[axis]) + f(0.25 / tiles))) !== begin || tileOf(begin) !== tile || tileOf(last) !== tile)
+                if (Math.floor(f(f(tile * perTile[axis]) + f(0.25 / tiles))) !== begin || tileOf(begin) !== tile ||
+                    tileOf(last) !== tile)
                     throw Error(`an axis of ${n} texels in ${tiles} tiles is too long for this viewer`);
             }
         });

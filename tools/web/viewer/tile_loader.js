@@ -3,7 +3,8 @@
 class TileLoader {
     // onTile() is called when a tile in view has arrived or has failed.
     constructor(workers, cache, onTile) {
-        Object.assign(this, {workers, cache, onTile, queue: [], rest: [], coming: new Set(), failed: new Map(), full: false, decoded: 0});
+        Object.assign(this, {workers, cache, onTile, queue: [], rest: [], coming: new Set(), failed: new Map()});
+        Object.assign(this, {full: false, decoded: 0});
     }
 
     // Replaces the queue. counts: tile -> number of pixels that use it.

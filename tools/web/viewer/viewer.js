@@ -28,10 +28,11 @@ class Viewer {
     }
 
     context() {
-        const gl = this.page.canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true});
+        const options = {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true};
+        const gl = this.page.canvas.getContext('webgl2', options);
         if (!gl)
-            throw Error('The viewer needs WebGL2, which this browser does not offer. Current versions of Chromium, Firefox and ' +
-                        'Safari have it unless it is switched off.');
+            throw Error('The viewer needs WebGL2, which this browser does not offer. Current versions of Chromium, ' +
+                        'Firefox and Safari have it unless it is switched off.');
         this.page.canvas.addEventListener('webglcontextlost', event => {
             event.preventDefault();
             this.page.say('The graphics device was reset.');
@@ -48,7 +49,8 @@ class Viewer {
         const isPlanar = info.proxy === PROXY.none && info.angularMap === ANGULAR_MAP.planarViews;
         const mesh = isMesh && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
         if (isMesh && !mesh)
-            throw Error('The texture lies on a mesh, which this page cannot decode. Use `tessera view` or `tessera serve`.');
+            throw Error('The texture lies on a mesh, which this page cannot decode. ' +
+                        'Use `tessera view` or `tessera serve`.');
         this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
             : isPlanar ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
             : isSphere ? new SphereSurface(info, background) : null;
@@ -62,7 +64,8 @@ class Viewer {
         this.cache = new TileCache(gl, grid, layout, isHalf, budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
-        await this.workers.prepare({tileSide: grid.tileSide, mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
+        const charts = {chartIds: mesh?.charts.ids, chartSize: mesh?.charts.size};
+        await this.workers.prepare({tileSide: grid.tileSide, mips, ...charts});
         this.loader = new TileLoader(this.workers, this.cache, () => this.sharpen());
         this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
         this.lastPose = this.usual;
@@ -136,7 +139,8 @@ class Viewer {
     }
     // Moves the eye to where the whole surface fills the picture.
     frameAll() {
-        const {centre, radius} = this.surface.mesh ? this.surface : this.info, arm = sub(this.pose.eye || [], this.pose.look || []);
+        const {centre, radius} = this.surface.mesh ? this.surface : this.info;
+        const arm = sub(this.pose.eye || [], this.pose.look || []);
         if (!this.surface.planar && !this.surface.inside)
             this.pose = {look: centre, eye: add(centre, scale(unit(arm), radius / Math.sin(this.fov * Math.PI / 360)))};
     }
@@ -156,9 +160,11 @@ class Viewer {
             .map(n => clamp(Math.round(n), 1, most));
         const aspect = pixels[0] / pixels[1], {surface, pose} = this;
         // In a window that is higher than wide, fov is the horizontal field of view.
-        const fov = fixed || aspect >= 1 ? this.fov : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
+        const fov = fixed || aspect >= 1 ? this.fov
+                                         : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
         const rays = clamp(Number(this.hash.get('rays')) || (this.moving ? 1 : surface.rays), 1, Renderer.mostRays);
-        return {pixels, pose, rays, camera: surface.planar ? surface.camera(pose, fov, aspect) : makeCamera(pose, fov, aspect)};
+        const camera = surface.planar ? surface.camera(pose, fov, aspect) : makeCamera(pose, fov, aspect);
+        return {pixels, pose, rays, camera};
     }
 
     // Requests a new picture. tilesOnly: tiles have arrived, but the view needs the same tiles as before.
@@ -169,8 +175,9 @@ class Viewer {
         this.schedule();
     }
 
-    // Called when a tile has arrived. The last one is drawn at once, earlier ones only now and then. Without a GPU a frame
-    // takes longer than a tile, and drawing competes with decoding for the CPU, so drawing gets a third of the time.
+    // Called when a tile has arrived. The last one is drawn at once, earlier ones only now and then. Without a GPU a
+    // frame takes longer than a tile, and drawing competes with decoding for the CPU, so drawing gets a third of the
+    // time.
     sharpen() {
         if (this.loader.busy && (this.isDrawing() || performance.now() < this.restsUntil))
             return;

@@ -5,7 +5,9 @@ class Workers {
 
     // source: a RemoteSource, or null if `bytes` is the whole file.
     constructor(kit, source, bytes) {
-        const code = ['tessera.js', 'slot_layout.js', 'tile_worker.js'].map(name => kit.text(name).replace(/^export /gm, '')).join('\n');
+        const code = ['tessera.js', 'slot_layout.js', 'tile_worker.js']
+                         .map(name => kit.text(name).replace(/^export /gm, ''))
+                         .join('\n');
         this.address = URL.createObjectURL(new Blob([code, '\nstartTileWorker();'], {type: 'text/javascript'}));
         Object.assign(this, {kit, source, bytes, answers: new Map(), lastJob: 0});
         this.workers = [this.start()];
@@ -21,7 +23,8 @@ class Workers {
     // Opens the file in one worker, then in more of them. Returns the Info of the file.
     async open() {
         const size = this.source && this.source.size;
-        const open = worker => this.job(worker, {job: 'open', wasm: this.kit.bytes('tessera.wasm'), bytes: this.bytes, size});
+        const open = worker =>
+            this.job(worker, {job: 'open', wasm: this.kit.bytes('tessera.wasm'), bytes: this.bytes, size});
         const {info} = await open(this.workers[0]);
         const more = clamp((navigator.hardwareConcurrency || 2) - 1, 1, 4) - 1;
         for (let i = 0; i < more; ++i)
@@ -47,8 +50,8 @@ class Workers {
             this.workers = this.workers.filter(w => w !== worker);
     }
 
-    // Gives a job to the least busy worker. An error with `elsewhere` means that this worker has lost its file, and that
-    // another one may do the job.
+    // Gives a job to the least busy worker. An error with `elsewhere` means that this worker has lost its file, and
+    // that another one may do the job.
     run(job) {
         return this.job(this.workers.reduce((best, w) => w.busy < best.busy ? w : best), job);
     }
